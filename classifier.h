@@ -361,7 +361,7 @@ typedef struct classifier_model {
     double table_low, table_scale;
 } classifier_model;
 
-/* Checks def and draws the points. memory may be NULL. On an error model is empty and may be freed. */
+/* Checks def and draws the points. A model in use must be freed first. memory may be NULL. On an error model is empty and may be freed. */
 CLASSIFIER_API classifier_status classifier_init(classifier_model *model, const classifier_def *def, const classifier_memory *memory);
 CLASSIFIER_API void classifier_free(classifier_model *model);
 /* Returns the share of size x [m] > 0 that is rejected. error (may be NULL): half width of the 95 % interval from the shifts (Student). NaN

@@ -454,7 +454,7 @@ typedef struct dem_contact {
 } dem_contact;
 
 /* Output of a law: forces on i. A law sets normal, contact and ended; with DEM_FRICTION tangential, and remaining if there is any; with
-   DEM_ROLLING rolling; with DEM_ENERGY the rest. A law of links sets normal, tangential and ended. */
+   DEM_ROLLING rolling; with DEM_ENERGY the rest. A law of links sets normal, tangential and ended. What a law does not set is 0. */
 typedef struct dem_response {
     double normal;        /* along n; positive repels [N] */
     double contact;       /* the part of normal that the overlap makes; 0 without overlap [N] */
@@ -684,7 +684,9 @@ DEM_API dem_status dem_check_def(const dem_def *def, const char **field);
 
 /* ---- a world ---- */
 
-/* Makes an empty world with a copy of the definition. On failure nothing is allocated, and *field (if not NULL) names what is wrong. */
+/* Makes an empty world with a copy of the definition. What the memory of *world contained is not read, so that it need not be set: a world
+   that is in use must be freed before, or all its memory is lost. On failure nothing is allocated, and *field (if not NULL) names what is
+   wrong. */
 DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **field);
 DEM_API void dem_free(dem_world *world); /* frees everything; safe on a zeroed or freed world */
 
@@ -1062,7 +1064,8 @@ DEM_API uint64_t dem_hash(const dem_world *world);
 /* Saves everything that the future depends on, little-endian, with version and checksum. Returns the size in bytes; writes only if capacity
    is enough (call it with NULL, 0 first). */
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
-/* Makes a world from saved bytes; its runs continue with the same bits. allocator may be NULL. */
+/* Makes a world from saved bytes; its runs continue with the same bits. As for dem_init, *world must not be in use. allocator may be NULL.
+   DEM_BAD_DATA, DEM_OUT_OF_MEMORY: nothing is allocated then. */
 DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator);
 
 /* ---- pure laws, NaN outside their domain ---- */
@@ -1131,7 +1134,9 @@ DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, cons
                                   int group);
 DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i);              /* number of its shape; -1: it has none */
 DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape); /* owned by the world; NULL if there is none */
-DEM_API int64_t dem_core_overlaps(const dem_world *world);                  /* pairs whose cores overlapped in the last step: 0 is right */
+/* Counts the overlaps that are too deep, in the last step: pairs of polyhedra whose cores overlapped, spheres whose centre was in a core,
+   and walls that cut a core. 0 is right. */
+DEM_API int64_t dem_core_overlaps(const dem_world *world);
 
 /* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
    Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
@@ -2871,6 +2876,8 @@ static inline int dem__is_law(const dem_law *law) {
            law->vectors <= law->history / 3 && law->constants >= 0 && law->constants <= DEM_CONSTANTS_MAX;
 }
 
+DEM_INLINE int dem__is_thread_count(int threads) { return threads >= 1 && threads <= 4096; }
+
 /* Returns the name of the first bad field, or NULL. */
 static const char *dem__bad_pair(const dem_pair_def *p) {
     if (!dem__positive(p->stiffness)) return "pair.stiffness";
@@ -2888,7 +2895,7 @@ static const char *dem__bad_field(const dem_def *def) {
     if (!def) return "def";
     if (def->cookie != 0x6d656452u) return "cookie";
     if (def->materials < 1 || def->materials > DEM_MATERIALS_MAX) return "materials";
-    if (def->threads < 1 || def->threads > 4096) return "threads";
+    if (!dem__is_thread_count(def->threads)) return "threads";
     if (def->skip < 0 || def->skip > DEM_SKIP_ALL) return "skip";
     if (!dem__is_time_step(def->dt)) return "dt";
     if (!(def->skin > 0.0 && def->skin < 100.0)) return "skin";
@@ -6958,6 +6965,7 @@ DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *sta
     dem_contact c = *contact;
     dem_response r;
     double s[DEM_STATE_MAX];
+    memset(&r, 0, sizeof r);
     for (int k = 0; k < law->states; k++) s[k] = state[k];
     c.gap = gap < 0.0 ? gap : -DBL_MIN;
     c.closing = closing;
@@ -7347,6 +7355,7 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         dem_contact q;
         dem_response r;
         double s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
+        memset(&r, 0, sizeof r); /* what a law leaves out is 0 */
         for (int a = 0; a < law->constants && !is_link; a++) p[a] = x->types.constant[a][k];
         for (int a = 0; a < law->states; a++) s[a] = old->state[a][k];
         if (law->vectors > 0) dem__turn(&x->rows, k, h, s); /* by itself: clang does not unroll so long a loop, even for one turn */
@@ -9343,7 +9352,7 @@ static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, 
 
 /* Returns what prevents a run, or DEM_OK. */
 static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *kernel, int features) {
-    if (w->def.threads < 1 || w->def.threads > 4096) return DEM_BAD_DEFINITION;
+    if (!dem__is_thread_count(w->def.threads)) return DEM_BAD_DEFINITION;
     if (w->status == DEM_NOT_FINITE || w->status == DEM_TOO_FAST) return w->status;
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
@@ -11699,17 +11708,33 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
     }
 }
 
+/* Finds the ends of a bar's axis, from the screen's origin. Returns 0 if there is no such bar. */
+static inline int dem__bar_ends(const dem_wall *w, int family, double index, dem_vec end[2]) {
+    const double bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
+    dem_vec from;
+    if (dem__reach_bar(w, family, index, 0.0, bar, 0.0, &from) < 0.0) return 0;
+    const double reach = w->circular ? sqrt((w->half_x - bar) * (w->half_x + bar)) : length;
+    for (int k = 0; k < 2; k++) end[k] = dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0));
+    return 1;
+}
+/* Finds the first and the last bar of a family near a polyhedron at d from the screen's origin; reach: its own [m]. */
+DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double reach, double *first, double *last) {
+    const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]), half = family ? w->half_x : w->half_y;
+    const double low = dem__clamp(across - reach - 0.5 * w->wire, -half, half);
+    const double high = dem__clamp(across + reach + 0.5 * w->wire, -half, half);
+    *first = floor(low / pitch + 0.5), *last = floor(high / pitch + 0.5);
+}
+
 /* Adds the points of edges at a bar. A half-round bar is a capsule when touched from above, and two sharp edges when touched from below. */
 static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double index, dem_vec d) {
     const dem_wall *w = q->wall;
-    const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
+    const double half = 0.5 * w->wire;
     const int32_t key = DEM__BAR_KEYS * (2 * (int32_t)index + family + DEM__BARS_FROM) + DEM_CORNERS_MAX;
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
     dem__placed_edge e;
-    dem_vec from, end[2];
-    if (dem__reach_bar(w, family, index, 0.0, bar, 0.0, &from) < 0.0) return; /* there is no such bar */
-    const double reach = w->circular ? sqrt((w->half_x - bar) * (w->half_x + bar)) : length;
-    for (int k = 0; k < 2; k++) end[k] = dem__sub(dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0)), d);
+    dem_vec end[2];
+    if (!dem__bar_ends(w, family, index, end)) return;
+    for (int k = 0; k < 2; k++) end[k] = dem__sub(end[k], d);
     for (int k = 0; k < 2; k++) dem__touch_wall_corner(q, end[k], half, none, key + k);
     if (!dem__set_wall_edge(q, end[0], end[1], half, 3, &e)) return;
     dem__cross_wall_edge(q, &e, half, key + 2, w->axis[2], w->profile == DEM_ROUND ? 0.0 : 1.0);
@@ -11723,13 +11748,10 @@ static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double
 static inline void dem__touch_screen_with_edges(dem__at_wall *q) {
     const dem_wall *w = q->wall;
     const dem_vec d = dem__sub(q->centre, w->position);
-    const double pitch = w->aperture + w->wire, reach = q->shape->reach + 0.5 * w->wire;
+    double first, last;
     for (int family = 0; family < 2; family++) {
-        const double across = dem__dot(d, w->axis[1 - family]), half = family ? w->half_x : w->half_y;
-        const double low = dem__clamp(across - reach, -half, half), high = dem__clamp(across + reach, -half, half);
-        const double last = floor(high / pitch + 0.5);
-        for (double index = floor(low / pitch + 0.5); index <= last && q->n < DEM__POINTS_MAX; index += 1.0)
-            dem__touch_bar_with_edges(q, family, index, d);
+        dem__bars_near(w, family, d, q->shape->reach, &first, &last);
+        for (double index = first; index <= last && q->n < DEM__POINTS_MAX; index += 1.0) dem__touch_bar_with_edges(q, family, index, d);
     }
 }
 
@@ -11890,6 +11912,88 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     return q.n;
 }
 
+/* ---- walls that cut a core ---- */
+
+/* Returns whether the line from p to q passes through a triangle. */
+static inline int dem__passes_triangle(dem_vec p, dem_vec q, dem_vec a, dem_vec b, dem_vec c) {
+    const dem_vec n = dem__cross(dem__sub(b, a), dem__sub(c, a)), u = dem__sub(q, p);
+    const dem_vec pa = dem__sub(a, p), pb = dem__sub(b, p), pc = dem__sub(c, p);
+    if (!(dem__dot(n, pa) * dem__dot(n, dem__sub(a, q)) < 0.0)) return 0;
+    const double ab = dem__dot(u, dem__cross(pa, pb)), bc = dem__dot(u, dem__cross(pb, pc)), ca = dem__dot(u, dem__cross(pc, pa));
+    return (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
+}
+/* Returns whether the line from p to q, given from a cone's lower end, passes through the cone. */
+static inline int dem__passes_cone(const dem_wall *w, dem_vec p, dem_vec q) {
+    const dem_vec u = dem__sub(q, p);
+    const double slope = (w->high_radius - w->radius) / w->length, z = dem__dot(p, w->axis[2]), along = dem__dot(u, w->axis[2]);
+    const double r = w->radius + slope * z, dr = slope * along; /* radius of the cone at p, and its change to q */
+    const double a = dem__dot(u, u) - along * along - dr * dr, b = dem__dot(p, u) - z * along - r * dr;
+    const double c = dem__dot(p, p) - z * z - r * r, root = sqrt(b * b > a * c ? b * b - a * c : 0.0);
+    const double t[2] = {b > 0.0 ? c / (-b - root) : (root - b) / a, b > 0.0 ? (-b - root) / a : c / (root - b)};
+    if (b * b < a * c) return 0;
+    for (int k = 0; k < 2; k++) {
+        if (t[k] >= 0.0 && t[k] <= 1.0 && z + t[k] * along >= 0.0 && z + t[k] * along <= w->length && r + t[k] * dr >= 0.0) return 1;
+    }
+    return 0;
+}
+/* Returns whether an edge of a core, whose corners are given in a mesh's frame, passes through the mesh. */
+static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s, const dem_vec *corner, dem_vec centre) {
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, centre, s->reach)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = 3 * node->first; k < 3 * (node->first + node->count); k += 3) {
+            const dem_vec *v = t->vertex;
+            const int32_t *c = t->corner + k;
+            for (int e = 0; e < s->edges; e++) {
+                if (dem__passes_triangle(corner[s->edge[e][0]], corner[s->edge[e][1]], v[c[0]], v[c[1]], v[c[2]])) return 1;
+            }
+        }
+    }
+    return 0;
+}
+/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
+static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
+    double low = 0.0, high = 1.0;
+    for (int f = 0; f < s->faces; f++) {
+        const dem_vec n = dem__point(s->plane[f]);
+        const double from = dem__dot(n, p) - s->plane[f][3], to = dem__dot(n, q) - s->plane[f][3];
+        if (from >= 0.0 && to >= 0.0) return 0;
+        if (from > 0.0 && from / (from - to) > low) low = from / (from - to);
+        if (to > 0.0 && from / (from - to) < high) high = from / (from - to);
+    }
+    return low < high;
+}
+static inline int dem__core_passes_screen(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
+    const dem_vec d = dem__sub(place->x, w->position);
+    double first, last;
+    dem_vec end[2];
+    for (int family = 0; family < 2; family++) {
+        dem__bars_near(w, family, d, s->reach, &first, &last);
+        for (double index = first; index <= last; index += 1.0) {
+            if (!dem__bar_ends(w, family, index, end)) continue;
+            for (int k = 0; k < 2; k++) end[k] = dem__into_core(place, dem__sub(end[k], d));
+            if (dem__core_holds_line(s, end[0], end[1])) return 1;
+        }
+    }
+    return 0;
+}
+/* Returns whether a core has passed into a sheet, a mesh or a cone, or into the axis of a bar: beyond them its corners touch nothing. */
+static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
+    dem_vec corner[DEM_CORNERS_MAX];
+    if (w->kind == DEM_SCREEN) return dem__core_passes_screen(w, s, place);
+    for (int k = 0; k < s->corners; k++) corner[k] = dem__sub(dem__corner_at(s, place, k), w->position);
+    for (int e = 0; e < s->edges && w->kind == DEM_CONE; e++) {
+        if (dem__passes_cone(w, corner[s->edge[e][0]], corner[s->edge[e][1]])) return 1;
+    }
+    if (w->kind != DEM_MESH) return 0;
+    for (int k = 0; k < s->corners; k++) corner[k] = dem__to_frame(w, corner[k]);
+    return dem__core_passes_mesh(w->tree, s, corner, dem__to_frame(w, dem__sub(place->x, w->position)));
+}
+
 /* ----------------------------------------------------------------------------------- >>convex_pairs */
 /* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin and end. Reads bodies,
    walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact depends on its own pair and step alone,
@@ -11951,8 +12055,13 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     if (!(dem__dot(d, d) < reach * reach)) return 0;
     dem__placed pa = convex->place[p->i], pb = convex->place[p->j];
     pa.x = pb.x = dem_vec3(0.0, 0.0, 0.0);
-    if (!a) return dem__points_of_sphere(b, &pb, d, particle[p->i].radius, 1, out);
-    if (!b) return dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), particle[p->j].radius, 0, out);
+    if (!a || !b) {
+        const double radius = particle[a ? p->j : p->i].radius;
+        const int n = a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out)
+                        : dem__points_of_sphere(b, &pb, d, radius, 1, out);
+        *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
+        return n;
+    }
     const double radii = a->radius + b->radius;
     pb.x = dem__scale(-1.0, d);
     /* A direction only decides which features are tested. That of an earlier step can be used as long as the cores are nearly as far apart
@@ -12351,7 +12460,22 @@ DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i) {
 DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape) {
     return world && world->engine && shape >= 0 && shape < world->engine->convex.shapes ? &world->engine->convex.shape[shape] : NULL;
 }
-DEM_API int64_t dem_core_overlaps(const dem_world *world) { return world && world->engine ? world->engine->convex.overlaps : 0; }
+/* Returns whether a wall cuts the core of the particle that it is listed with, in the last step. */
+static inline int dem__is_cut(const dem_world *w, const dem__convex_pair *p) {
+    const dem__convex_state *convex = &w->engine->convex;
+    const dem_convex *s = p->i < w->count && w->alive[p->i] == DEM_PRESENT ? dem__shape_of(w, p->i) : NULL;
+    if (!s || !dem__is_at_wall(w, p->i, -1 - p->j)) return 0;
+    for (int32_t k = p->first; k < p->first + p->count; k++) {
+        if (convex->point[k].gap < -s->radius) return 1;
+    }
+    return dem__core_passes(&w->wall[-1 - p->j], s, &convex->place[p->i]);
+}
+DEM_API int64_t dem_core_overlaps(const dem_world *world) {
+    const dem__convex_state *convex = world && world->engine ? &world->engine->convex : NULL;
+    int64_t n = convex ? convex->overlaps : 0;
+    for (ptrdiff_t q = convex ? convex->of_particles : 0; convex && q < convex->pairs; q++) n += dem__is_cut(world, &convex->pair[q]);
+    return n;
+}
 
 /* --------------------------------------------------------------------------------------------------- >>gas */
 /* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures.
@@ -14438,6 +14562,7 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     if (!dem__not_negative(e->links.near) || !dem__not_negative(e->links.interval)) return 0;
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
+    if (!dem__is_thread_count(w->def.threads)) w->def.threads = 1; /* the caller of the saved world had set it to something else */
     return dem__bad_field(&w->def) == NULL;
 }
 

@@ -403,7 +403,8 @@ GRANULATION_API granulation_def granulation_default_def(void);
 GRANULATION_API granulation_def granulation_paper_def(void);
 GRANULATION_API granulation_status granulation_check_def(const granulation_def *def, const char **field);
 
-/* Makes a simulation without granules. BAD_DEF, NO_MEMORY. After an error *sim is empty and may be freed. */
+/* Makes a simulation without granules. One in use must be freed first. BAD_DEF, NO_MEMORY. After an error *sim is empty and may be
+   freed. */
 GRANULATION_API granulation_status granulation_sim_init(granulation_sim *sim, const granulation_def *def);
 GRANULATION_API void granulation_sim_free(granulation_sim *sim); /* safe to call twice */
 
@@ -559,7 +560,8 @@ GRANULATION_API granulation_balance_def granulation_balance_default_def(void);
 GRANULATION_API granulation_status granulation_balance_check_def(const granulation_balance_def *def, const char **field);
 /* Makes an empty balance. edges: increasing, >= 0 [m3], [cells+1], cells >= 2. pivots: inside their cells, increasing, > 0 (the first of
    the liquid may be 0), [cells]; NULL: the middle of each cell. l_cells 0 (l_edges NULL): one component. At most 100000 cells in all.
-   Copies all. After an error *b is empty and may be freed. Needs 12 bytes a pair of cells (20 or 28 with the fixed pivot). */
+   Copies all. A balance in use must be freed first. After an error *b is empty and may be freed. Needs 12 bytes a pair of cells (20 or 28
+   with the fixed pivot). */
 GRANULATION_API granulation_status granulation_balance_init(granulation_balance *b, const granulation_balance_def *def, int cells,
                                                             const double *edges, const double *pivots, int l_cells, const double *l_edges,
                                                             const double *l_pivots);
@@ -595,7 +597,8 @@ typedef struct granulation_montecarlo {
     granulation_granule smallest, largest; /* ever drawn or made: the bound is computed from pairs with these */
 } granulation_montecarlo;
 
-/* Starts a run. sample [n] is copied, n >= 2; volume > 0; memory may be NULL. BAD_ARGUMENT, NO_MEMORY, KERNEL. */
+/* Starts a run. One in use must be freed first. sample [n] is copied, n >= 2; volume > 0; memory may be NULL. BAD_ARGUMENT, NO_MEMORY,
+   KERNEL. */
 GRANULATION_API granulation_status granulation_montecarlo_init(granulation_montecarlo *mc, const granulation_granule *sample, int n,
                                                                double volume, granulation_kernel kernel, const void *user, uint64_t seed,
                                                                const granulation_memory *memory);

@@ -32,7 +32,9 @@ DEM_API dem_status dem_check_def(const dem_def *def, const char **field);
 
 /* ---- a world ---- */
 
-/* Makes an empty world with a copy of the definition. On failure nothing is allocated, and *field (if not NULL) names what is wrong. */
+/* Makes an empty world with a copy of the definition. What the memory of *world contained is not read, so that it need not be set: a world
+   that is in use must be freed before, or all its memory is lost. On failure nothing is allocated, and *field (if not NULL) names what is
+   wrong. */
 DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **field);
 DEM_API void dem_free(dem_world *world); /* frees everything; safe on a zeroed or freed world */
 
@@ -410,7 +412,8 @@ DEM_API uint64_t dem_hash(const dem_world *world);
 /* Saves everything that the future depends on, little-endian, with version and checksum. Returns the size in bytes; writes only if capacity
    is enough (call it with NULL, 0 first). */
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
-/* Makes a world from saved bytes; its runs continue with the same bits. allocator may be NULL. */
+/* Makes a world from saved bytes; its runs continue with the same bits. As for dem_init, *world must not be in use. allocator may be NULL.
+   DEM_BAD_DATA, DEM_OUT_OF_MEMORY: nothing is allocated then. */
 DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator);
 
 /* ---- pure laws, NaN outside their domain ---- */

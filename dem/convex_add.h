@@ -77,4 +77,19 @@ DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i) {
 DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape) {
     return world && world->engine && shape >= 0 && shape < world->engine->convex.shapes ? &world->engine->convex.shape[shape] : NULL;
 }
-DEM_API int64_t dem_core_overlaps(const dem_world *world) { return world && world->engine ? world->engine->convex.overlaps : 0; }
+/* Returns whether a wall cuts the core of the particle that it is listed with, in the last step. */
+static inline int dem__is_cut(const dem_world *w, const dem__convex_pair *p) {
+    const dem__convex_state *convex = &w->engine->convex;
+    const dem_convex *s = p->i < w->count && w->alive[p->i] == DEM_PRESENT ? dem__shape_of(w, p->i) : NULL;
+    if (!s || !dem__is_at_wall(w, p->i, -1 - p->j)) return 0;
+    for (int32_t k = p->first; k < p->first + p->count; k++) {
+        if (convex->point[k].gap < -s->radius) return 1;
+    }
+    return dem__core_passes(&w->wall[-1 - p->j], s, &convex->place[p->i]);
+}
+DEM_API int64_t dem_core_overlaps(const dem_world *world) {
+    const dem__convex_state *convex = world && world->engine ? &world->engine->convex : NULL;
+    int64_t n = convex ? convex->overlaps : 0;
+    for (ptrdiff_t q = convex ? convex->of_particles : 0; convex && q < convex->pairs; q++) n += dem__is_cut(world, &convex->pair[q]);
+    return n;
+}

@@ -53,4 +53,6 @@ DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, cons
                                   int group);
 DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i);              /* number of its shape; -1: it has none */
 DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape); /* owned by the world; NULL if there is none */
-DEM_API int64_t dem_core_overlaps(const dem_world *world);                  /* pairs whose cores overlapped in the last step: 0 is right */
+/* Counts the overlaps that are too deep, in the last step: pairs of polyhedra whose cores overlapped, spheres whose centre was in a core,
+   and walls that cut a core. 0 is right. */
+DEM_API int64_t dem_core_overlaps(const dem_world *world);

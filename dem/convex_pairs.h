@@ -59,8 +59,13 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     if (!(dem__dot(d, d) < reach * reach)) return 0;
     dem__placed pa = convex->place[p->i], pb = convex->place[p->j];
     pa.x = pb.x = dem_vec3(0.0, 0.0, 0.0);
-    if (!a) return dem__points_of_sphere(b, &pb, d, particle[p->i].radius, 1, out);
-    if (!b) return dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), particle[p->j].radius, 0, out);
+    if (!a || !b) {
+        const double radius = particle[a ? p->j : p->i].radius;
+        const int n = a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out)
+                        : dem__points_of_sphere(b, &pb, d, radius, 1, out);
+        *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
+        return n;
+    }
     const double radii = a->radius + b->radius;
     pb.x = dem__scale(-1.0, d);
     /* A direction only decides which features are tested. That of an earlier step can be used as long as the cores are nearly as far apart

@@ -112,17 +112,33 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
     }
 }
 
+/* Finds the ends of a bar's axis, from the screen's origin. Returns 0 if there is no such bar. */
+static inline int dem__bar_ends(const dem_wall *w, int family, double index, dem_vec end[2]) {
+    const double bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
+    dem_vec from;
+    if (dem__reach_bar(w, family, index, 0.0, bar, 0.0, &from) < 0.0) return 0;
+    const double reach = w->circular ? sqrt((w->half_x - bar) * (w->half_x + bar)) : length;
+    for (int k = 0; k < 2; k++) end[k] = dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0));
+    return 1;
+}
+/* Finds the first and the last bar of a family near a polyhedron at d from the screen's origin; reach: its own [m]. */
+DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double reach, double *first, double *last) {
+    const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]), half = family ? w->half_x : w->half_y;
+    const double low = dem__clamp(across - reach - 0.5 * w->wire, -half, half);
+    const double high = dem__clamp(across + reach + 0.5 * w->wire, -half, half);
+    *first = floor(low / pitch + 0.5), *last = floor(high / pitch + 0.5);
+}
+
 /* Adds the points of edges at a bar. A half-round bar is a capsule when touched from above, and two sharp edges when touched from below. */
 static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double index, dem_vec d) {
     const dem_wall *w = q->wall;
-    const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
+    const double half = 0.5 * w->wire;
     const int32_t key = DEM__BAR_KEYS * (2 * (int32_t)index + family + DEM__BARS_FROM) + DEM_CORNERS_MAX;
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
     dem__placed_edge e;
-    dem_vec from, end[2];
-    if (dem__reach_bar(w, family, index, 0.0, bar, 0.0, &from) < 0.0) return; /* there is no such bar */
-    const double reach = w->circular ? sqrt((w->half_x - bar) * (w->half_x + bar)) : length;
-    for (int k = 0; k < 2; k++) end[k] = dem__sub(dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0)), d);
+    dem_vec end[2];
+    if (!dem__bar_ends(w, family, index, end)) return;
+    for (int k = 0; k < 2; k++) end[k] = dem__sub(end[k], d);
     for (int k = 0; k < 2; k++) dem__touch_wall_corner(q, end[k], half, none, key + k);
     if (!dem__set_wall_edge(q, end[0], end[1], half, 3, &e)) return;
     dem__cross_wall_edge(q, &e, half, key + 2, w->axis[2], w->profile == DEM_ROUND ? 0.0 : 1.0);
@@ -136,13 +152,10 @@ static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double
 static inline void dem__touch_screen_with_edges(dem__at_wall *q) {
     const dem_wall *w = q->wall;
     const dem_vec d = dem__sub(q->centre, w->position);
-    const double pitch = w->aperture + w->wire, reach = q->shape->reach + 0.5 * w->wire;
+    double first, last;
     for (int family = 0; family < 2; family++) {
-        const double across = dem__dot(d, w->axis[1 - family]), half = family ? w->half_x : w->half_y;
-        const double low = dem__clamp(across - reach, -half, half), high = dem__clamp(across + reach, -half, half);
-        const double last = floor(high / pitch + 0.5);
-        for (double index = floor(low / pitch + 0.5); index <= last && q->n < DEM__POINTS_MAX; index += 1.0)
-            dem__touch_bar_with_edges(q, family, index, d);
+        dem__bars_near(w, family, d, q->shape->reach, &first, &last);
+        for (double index = first; index <= last && q->n < DEM__POINTS_MAX; index += 1.0) dem__touch_bar_with_edges(q, family, index, d);
     }
 }
 
@@ -301,4 +314,86 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     if (wall->kind == DEM_MESH) dem__touch_mesh_with_edges(&q);
     if (wall->kind == DEM_CONE) dem__touch_cone_with_edges(&q);
     return q.n;
+}
+
+/* ---- walls that cut a core ---- */
+
+/* Returns whether the line from p to q passes through a triangle. */
+static inline int dem__passes_triangle(dem_vec p, dem_vec q, dem_vec a, dem_vec b, dem_vec c) {
+    const dem_vec n = dem__cross(dem__sub(b, a), dem__sub(c, a)), u = dem__sub(q, p);
+    const dem_vec pa = dem__sub(a, p), pb = dem__sub(b, p), pc = dem__sub(c, p);
+    if (!(dem__dot(n, pa) * dem__dot(n, dem__sub(a, q)) < 0.0)) return 0;
+    const double ab = dem__dot(u, dem__cross(pa, pb)), bc = dem__dot(u, dem__cross(pb, pc)), ca = dem__dot(u, dem__cross(pc, pa));
+    return (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
+}
+/* Returns whether the line from p to q, given from a cone's lower end, passes through the cone. */
+static inline int dem__passes_cone(const dem_wall *w, dem_vec p, dem_vec q) {
+    const dem_vec u = dem__sub(q, p);
+    const double slope = (w->high_radius - w->radius) / w->length, z = dem__dot(p, w->axis[2]), along = dem__dot(u, w->axis[2]);
+    const double r = w->radius + slope * z, dr = slope * along; /* radius of the cone at p, and its change to q */
+    const double a = dem__dot(u, u) - along * along - dr * dr, b = dem__dot(p, u) - z * along - r * dr;
+    const double c = dem__dot(p, p) - z * z - r * r, root = sqrt(b * b > a * c ? b * b - a * c : 0.0);
+    const double t[2] = {b > 0.0 ? c / (-b - root) : (root - b) / a, b > 0.0 ? (-b - root) / a : c / (root - b)};
+    if (b * b < a * c) return 0;
+    for (int k = 0; k < 2; k++) {
+        if (t[k] >= 0.0 && t[k] <= 1.0 && z + t[k] * along >= 0.0 && z + t[k] * along <= w->length && r + t[k] * dr >= 0.0) return 1;
+    }
+    return 0;
+}
+/* Returns whether an edge of a core, whose corners are given in a mesh's frame, passes through the mesh. */
+static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s, const dem_vec *corner, dem_vec centre) {
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, centre, s->reach)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = 3 * node->first; k < 3 * (node->first + node->count); k += 3) {
+            const dem_vec *v = t->vertex;
+            const int32_t *c = t->corner + k;
+            for (int e = 0; e < s->edges; e++) {
+                if (dem__passes_triangle(corner[s->edge[e][0]], corner[s->edge[e][1]], v[c[0]], v[c[1]], v[c[2]])) return 1;
+            }
+        }
+    }
+    return 0;
+}
+/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
+static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
+    double low = 0.0, high = 1.0;
+    for (int f = 0; f < s->faces; f++) {
+        const dem_vec n = dem__point(s->plane[f]);
+        const double from = dem__dot(n, p) - s->plane[f][3], to = dem__dot(n, q) - s->plane[f][3];
+        if (from >= 0.0 && to >= 0.0) return 0;
+        if (from > 0.0 && from / (from - to) > low) low = from / (from - to);
+        if (to > 0.0 && from / (from - to) < high) high = from / (from - to);
+    }
+    return low < high;
+}
+static inline int dem__core_passes_screen(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
+    const dem_vec d = dem__sub(place->x, w->position);
+    double first, last;
+    dem_vec end[2];
+    for (int family = 0; family < 2; family++) {
+        dem__bars_near(w, family, d, s->reach, &first, &last);
+        for (double index = first; index <= last; index += 1.0) {
+            if (!dem__bar_ends(w, family, index, end)) continue;
+            for (int k = 0; k < 2; k++) end[k] = dem__into_core(place, dem__sub(end[k], d));
+            if (dem__core_holds_line(s, end[0], end[1])) return 1;
+        }
+    }
+    return 0;
+}
+/* Returns whether a core has passed into a sheet, a mesh or a cone, or into the axis of a bar: beyond them its corners touch nothing. */
+static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
+    dem_vec corner[DEM_CORNERS_MAX];
+    if (w->kind == DEM_SCREEN) return dem__core_passes_screen(w, s, place);
+    for (int k = 0; k < s->corners; k++) corner[k] = dem__sub(dem__corner_at(s, place, k), w->position);
+    for (int e = 0; e < s->edges && w->kind == DEM_CONE; e++) {
+        if (dem__passes_cone(w, corner[s->edge[e][0]], corner[s->edge[e][1]])) return 1;
+    }
+    if (w->kind != DEM_MESH) return 0;
+    for (int k = 0; k < s->corners; k++) corner[k] = dem__to_frame(w, corner[k]);
+    return dem__core_passes_mesh(w->tree, s, corner, dem__to_frame(w, dem__sub(place->x, w->position)));
 }

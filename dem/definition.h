@@ -80,6 +80,8 @@ static inline int dem__is_law(const dem_law *law) {
            law->vectors <= law->history / 3 && law->constants >= 0 && law->constants <= DEM_CONSTANTS_MAX;
 }
 
+DEM_INLINE int dem__is_thread_count(int threads) { return threads >= 1 && threads <= 4096; }
+
 /* Returns the name of the first bad field, or NULL. */
 static const char *dem__bad_pair(const dem_pair_def *p) {
     if (!dem__positive(p->stiffness)) return "pair.stiffness";
@@ -97,7 +99,7 @@ static const char *dem__bad_field(const dem_def *def) {
     if (!def) return "def";
     if (def->cookie != 0x6d656452u) return "cookie";
     if (def->materials < 1 || def->materials > DEM_MATERIALS_MAX) return "materials";
-    if (def->threads < 1 || def->threads > 4096) return "threads";
+    if (!dem__is_thread_count(def->threads)) return "threads";
     if (def->skip < 0 || def->skip > DEM_SKIP_ALL) return "skip";
     if (!dem__is_time_step(def->dt)) return "dt";
     if (!(def->skin > 0.0 && def->skin < 100.0)) return "skin";

@@ -9,6 +9,7 @@ DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *sta
     dem_contact c = *contact;
     dem_response r;
     double s[DEM_STATE_MAX];
+    memset(&r, 0, sizeof r);
     for (int k = 0; k < law->states; k++) s[k] = state[k];
     c.gap = gap < 0.0 ? gap : -DBL_MIN;
     c.closing = closing;

@@ -167,6 +167,7 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         dem_contact q;
         dem_response r;
         double s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
+        memset(&r, 0, sizeof r); /* what a law leaves out is 0 */
         for (int a = 0; a < law->constants && !is_link; a++) p[a] = x->types.constant[a][k];
         for (int a = 0; a < law->states; a++) s[a] = old->state[a][k];
         if (law->vectors > 0) dem__turn(&x->rows, k, h, s); /* by itself: clang does not unroll so long a loop, even for one turn */

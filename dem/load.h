@@ -88,6 +88,7 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     if (!dem__not_negative(e->links.near) || !dem__not_negative(e->links.interval)) return 0;
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
+    if (!dem__is_thread_count(w->def.threads)) w->def.threads = 1; /* the caller of the saved world had set it to something else */
     return dem__bad_field(&w->def) == NULL;
 }
 

@@ -248,7 +248,7 @@ static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, 
 
 /* Returns what prevents a run, or DEM_OK. */
 static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *kernel, int features) {
-    if (w->def.threads < 1 || w->def.threads > 4096) return DEM_BAD_DEFINITION;
+    if (!dem__is_thread_count(w->def.threads)) return DEM_BAD_DEFINITION;
     if (w->status == DEM_NOT_FINITE || w->status == DEM_TOO_FAST) return w->status;
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;

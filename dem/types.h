@@ -290,7 +290,7 @@ typedef struct dem_contact {
 } dem_contact;
 
 /* Output of a law: forces on i. A law sets normal, contact and ended; with DEM_FRICTION tangential, and remaining if there is any; with
-   DEM_ROLLING rolling; with DEM_ENERGY the rest. A law of links sets normal, tangential and ended. */
+   DEM_ROLLING rolling; with DEM_ENERGY the rest. A law of links sets normal, tangential and ended. What a law does not set is 0. */
 typedef struct dem_response {
     double normal;        /* along n; positive repels [N] */
     double contact;       /* the part of normal that the overlap makes; 0 without overlap [N] */

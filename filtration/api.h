@@ -116,15 +116,16 @@ typedef struct filtration_fluid {
 FILTRATION_API filtration_fluid_def filtration_fluid_default_def(void);
 /* Returns BAD_DEF if a field is out of range; then *field (may be NULL) is its name, in static storage. */
 FILTRATION_API filtration_status filtration_fluid_check_def(const filtration_fluid_def *def, const char **field);
-/* Makes a fluid at rest. After an error *fluid is empty and may be freed. BAD_DEF, NO_MEMORY. */
+/* Makes a fluid at rest. A fluid in use must be freed first. After an error *fluid is empty and may be freed. BAD_DEF, NO_MEMORY. */
 FILTRATION_API filtration_status filtration_fluid_init(filtration_fluid *fluid, const filtration_fluid_def *def);
 FILTRATION_API void filtration_fluid_free(filtration_fluid *fluid);
 /* Returns the memory that a definition will allocate, without spheres and links [B]; 0 for an invalid one. */
 FILTRATION_API double filtration_fluid_bytes(const filtration_fluid_def *def);
 
 /* Takes one time step: the fluid flows around the spheres where they are now, and force and torque are set to those of this step. Then the
-   caller moves the spheres by fluid->dt and steps again. spheres may be NULL: none. BAD_ARGUMENT, NO_MEMORY, TOO_FAST, DIVERGED. After an
-   error the fluid can be read, saved and freed. */
+   caller moves the spheres by fluid->dt and steps again. spheres may be NULL: none. BAD_ARGUMENT, NO_MEMORY, TOO_FAST, DIVERGED. A step
+   tests the flow that it begins with: what a force, a face or a sphere makes of it in this step is told by the next one. After an error the
+   fluid can be read, saved and freed. */
 FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, const filtration_spheres *spheres);
 /* Takes steps with spheres whose centres stay (their surfaces may move: velocity and spin hold). */
 FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, int64_t steps, const filtration_spheres *spheres);

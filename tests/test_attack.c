@@ -1,4 +1,5 @@
 /* What random programs, failing memory and hostile numbers have found (issue 42): each fault, held down. */
+#include <limits.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -434,6 +435,103 @@ static void test_infinite_energy_does_not_leave(void **state) {
     dem_free(&w);
 }
 
+/* ---- what a host sets afterwards, and what its law leaves out ---- */
+
+/* Numbers of threads that are none: the run is refused and changes nothing, and what is saved then can be loaded. */
+static void test_threads_set_later(void **state) {
+    (void)state;
+    static const int bad[] = {0, -1, INT_MIN, INT_MAX, 4097};
+    const double at[3] = {0, 0, 0}, d = 1e-3;
+    dem_def def = scene_def(4e-6);
+    dem_world w;
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    assert_int_equal(dem_add_spheres(&w, 1, at, &d, 0, 0), DEM_OK);
+    assert_int_equal(dem_run(&w, 1e-3, DEM_LINEAR), DEM_OK);
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        dem_world twin;
+        const uint64_t was = dem_hash(&w);
+        w.def.threads = bad[k];
+        assert_int_equal(dem_run(&w, 1e-3, DEM_LINEAR), DEM_BAD_DEFINITION);
+        assert_true(dem_hash(&w) == was && w.status == DEM_OK && dem_energy(&w).kinetic > 0.0);
+        const size_t size = dem_save(&w, NULL, 0);
+        void *bytes = malloc(size);
+        assert_non_null(bytes);
+        assert_true(dem_save(&w, bytes, size) == size);
+        assert_int_equal(dem_load(&twin, bytes, size, NULL), DEM_OK);
+        free(bytes);
+        assert_int_equal(twin.def.threads, 1);
+        w.def.threads = 2;
+        assert_int_equal(dem_run(&w, 1e-3, DEM_LINEAR), DEM_OK);
+        assert_int_equal(dem_run(&twin, 1e-3, DEM_LINEAR), DEM_OK);
+        assert_true(dem_hash(&w) == dem_hash(&twin));
+        dem_free(&twin);
+    }
+    dem_free(&w);
+}
+
+/* Memory that is no world, whatever it contains, becomes one. */
+static void test_worlds_in_used_memory(void **state) {
+    (void)state;
+    dem_def def = scene_def(4e-6);
+    dem_world w, copy;
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    const size_t size = dem_save(&w, NULL, 0);
+    void *bytes = malloc(size);
+    assert_non_null(bytes);
+    assert_true(dem_save(&w, bytes, size) == size);
+    copy = w; /* looks like a world in use */
+    dem_free(&w);
+    assert_int_equal(dem_init(&copy, &def, NULL), DEM_OK);
+    dem_free(&copy);
+    memset(&copy, 0xa5, sizeof copy);
+    assert_int_equal(dem_load(&copy, bytes, size, NULL), DEM_OK);
+    dem_free(&copy);
+    memset(&copy, 0xa5, sizeof copy);
+    assert_int_equal(dem_load(&copy, bytes, size - 1, NULL), DEM_BAD_DATA); /* and is empty after a failure */
+    dem_free(&copy);
+    free(bytes);
+}
+
+DEM_INLINE void terse_force(const dem_contact *c, double *state, dem_response *r) {
+    (void)state;
+    if (c->gap < 0.0) r->normal = r->contact = -1e3 * c->gap;
+    else r->ended = 1.0;
+}
+static double no_constants(const dem_birth *birth, double *constants) { return (void)birth, (void)constants, 0.0; }
+static const dem_law terse = {"terse", 1, 0, 0, 0, 0, no_constants, terse_force, NULL, NULL};
+DEM_KERNEL(terse_kernel, terse, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
+DEM_INLINE void terse_pull(const dem_contact *c, double *state, dem_response *r) {
+    (void)state;
+    r->normal = -1e-3 * c->gap;
+}
+static const dem_law terse_link = {"terse link", 1, 0, 0, 0, 0, NULL, terse_pull, NULL, NULL};
+DEM_LINK_KERNEL(terse_link_kernel, terse_link)
+
+/* A law that sets two numbers of its response: the rest is 0, in the first and last step of a contact, too, and of a link. */
+static void test_terse_law(void **state) {
+    (void)state;
+    const double at[9] = {0, 0, 0, 0.3e-3, 0.2e-3, 2.2e-3, 5e-3, 0, 0}, d[3] = {2e-3, 2e-3, 2e-3};
+    uint64_t first = 0;
+    for (int k = 0; k < 3; k++) {
+        dem_def def = scene_def(1e-6);
+        dem_world w;
+        def.gravity = dem_vec3(0, 0, 0);
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        assert_int_equal(dem_add_spheres(&w, 3, at, d, 0, 0), DEM_OK);
+        assert_int_equal(dem_set_links(&w, &terse_link_kernel, 1e-5, 0.0), DEM_OK);
+        assert_int_equal(dem_add_link(&w, 0, 2, 0, NULL), DEM_OK);
+        assert_int_equal(dem_set_motion(&w, 1, dem_vec3(0, 0, -0.5), dem_vec3(30, 20, -10)), DEM_OK);
+        assert_int_equal(dem_run_law(&w, 3e-3, &terse_kernel), DEM_OK);
+        const dem_vec v = dem_velocity(&w, 0), spin = dem_spin(&w, 1);
+        const dem_energy_ledger e = dem_energy(&w);
+        assert_true(v.z < -0.1 && dem_contact_count(&w) == 0 && spin.x == 30.0 && spin.y == 20.0 && spin.z == -10.0);
+        assert_true(e.sliding_loss == 0.0 && e.rolling_loss == 0.0 && fabs(e.kinetic - dem_mass(&w, 0) * 0.125) < 1e-3 * e.kinetic);
+        if (k == 0) first = dem_hash(&w);
+        assert_true(dem_hash(&w) == first);
+        dem_free(&w);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_memory_of_rich_scenes),
@@ -448,6 +546,9 @@ int main(void) {
         cmocka_unit_test(test_link_work_after_exit),
         cmocka_unit_test(test_flight_after_an_attraction),
         cmocka_unit_test(test_refused_where_they_enter),
+        cmocka_unit_test(test_threads_set_later),
+        cmocka_unit_test(test_worlds_in_used_memory),
+        cmocka_unit_test(test_terse_law),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

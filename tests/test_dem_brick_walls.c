@@ -242,9 +242,69 @@ static void test_energy(void **state) {
     }
 }
 
+/* A cube of 4 mm, rounded by 0.4 mm, that has sunk into a wall: as deep as its rounding allows, and beyond, where the wall cuts its core,
+   also where its corners have passed a sheet. Walls of kind 0 to 8: plane, box, cylinder from inside and outside, sphere from inside and
+   outside, screen, tube from inside and from outside. Returns what is counted. */
+enum { CUT_KINDS = 9 };
+static int64_t cut_by(int kind, double deep) {
+    const double x = 2e-3 - deep, square = 2e-3 * 1.4142135623730951;
+    const dem_vec up = dem_vec3(0, 0, 1), across = dem_vec3(0, 1, 0);
+    dem_vec at = dem_vec3(0, 0, x);
+    dem_screen screen = dem_default_screen();
+    dem_cone tube = dem_default_cone();
+    dem_world w;
+    dem_convex cube;
+    make(&w, 1e-7, 1e-3, 0.5, 0.5, dem_vec3(0, 0, 0));
+    screen.aperture = 0.03, screen.wire = 2e-3, screen.centre = dem_vec3(16e-3, 16e-3, -1e-3), screen.half_x = screen.half_y = 0.048;
+    screen.circular = 0;
+    tube.low = dem_vec3(0, -0.02, 0), tube.high = dem_vec3(0, 0.02, 0), tube.low_radius = tube.high_radius = 0.01;
+    switch (kind) {
+    case 0: dem_add_plane(&w, 0, dem_vec3(0, 0, 0), up); break;
+    case 1: dem_add_box(&w, 0, dem_vec3(-0.02, -0.02, 0), dem_vec3(0.021, 0.021, 0.02)); break;
+    case 2: dem_add_cylinder(&w, 0, dem_vec3(0, 0, sqrt(1e-4 - 4e-6)), across, 0.01, 1); break;
+    case 3: dem_add_cylinder(&w, 0, dem_vec3(0, 0, -1e-3), across, 1e-3, 0); break;
+    case 4: dem_add_sphere_wall(&w, 0, dem_vec3(0, 0, sqrt(1e-4 - square * square)), 0.01, 1); break;
+    case 5: dem_add_sphere_wall(&w, 0, dem_vec3(0, 0, -1e-3), 1e-3, 0); break;
+    case 6: assert_true(dem_add_screen(&w, 0, &screen) >= 0); break;
+    case 7: assert_true(dem_add_cone(&w, 0, &tube) >= 0), at.z = sqrt(1e-4 - 4e-6) - x; break;
+    default: assert_true(dem_add_cone(&w, 0, &tube) >= 0), at.z = 0.01 + x; break;
+    }
+    assert_int_equal(dem_make_brick(&cube, dem_vec3(4e-3, 4e-3, 4e-3), 0.1, NULL), DEM_OK);
+    near(cube.radius, 4e-4, 1e-15);
+    assert_int_equal(dem_add_shape(&w, &cube), 0);
+    const double place[3] = {at.x, at.y, at.z};
+    assert_int_equal(dem_add_convex(&w, 0, 1, place, NULL, 0, 0), DEM_OK);
+    assert_int_equal(dem_core_overlaps(&w), 0); /* nothing has run */
+    RUN(&w, 1e-7);
+    const int64_t n = dem_core_overlaps(&w);
+    dem_free(&w);
+    return n;
+}
+static void test_cut_cores(void **state) {
+    (void)state;
+    for (int kind = 0; kind < CUT_KINDS; kind++) {
+        assert_int_equal(cut_by(kind, -1e-4), 0);
+        assert_int_equal(cut_by(kind, 2e-4), 0);
+        assert_int_equal(cut_by(kind, 6e-4), 1);
+        assert_int_equal(cut_by(kind, 2e-3), 1);
+    }
+    /* a sphere whose centre is in a core */
+    for (int deep = 0; deep < 2; deep++) {
+        dem_world w;
+        const double at[3] = {0, 0, deep ? 1.5e-3 : 1.7e-3}, d = 1e-3;
+        make(&w, 1e-7, 1e-3, 0.5, 0.5, dem_vec3(0, 0, 0));
+        put(&w, dem_vec3(4e-3, 4e-3, 4e-3), dem_vec3(0, 0, deep ? 0 : -2e-4), straight);
+        assert_int_equal(dem_add_spheres(&w, 1, at, &d, 0, 0), DEM_OK);
+        RUN(&w, 1e-7);
+        assert_int_equal(dem_core_overlaps(&w), deep);
+        dem_free(&w);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rests_across), cmocka_unit_test(test_holes),  cmocka_unit_test(test_inside),
+        cmocka_unit_test(test_cut_cores),
         cmocka_unit_test(test_saved),        cmocka_unit_test(test_screen), cmocka_unit_test(test_energy),
     };
     if (getenv("RIDDLE_TEST")) cmocka_set_test_filter(getenv("RIDDLE_TEST"));
