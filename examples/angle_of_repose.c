@@ -1,10 +1,10 @@
 /* angle_of_repose - spheres through a funnel onto a plate: the slope of the heap against the coefficient of friction.
 
-   The funnel is a triangle mesh from an STL file: one that the program writes, or --stl. Spheres of one size are fed into its top; below
-   its lowest point stands a round plate with a rim one diameter high, over which the surplus falls. When the last have come to rest, the heap's surface is the
-   highest centre in each ring and sector of the plate; the angle of repose is the slope of a line through the rings' means, its error that of
-   the mean of heaps poured alike with other random numbers: what the sectors of one heap have in common makes no scatter there. Friction is that
-   between spheres and with the plate; the funnel is smooth. A lever arm of rolling resistance stands for what spheres have too little of. */
+   The funnel is a triangle mesh from an STL file: the program writes one, or --stl names yours. Spheres of one size are fed into its top.
+   Below it is a round plate with a rim one diameter high, over which the surplus falls. The surface of the heap at rest is the highest
+   centre in each ring and sector of the plate; the angle of repose is the slope of a line through the means of the rings. Its error is the
+   standard error of the mean of several heaps with other random numbers. Friction acts between spheres and with the plate; the funnel is
+   smooth. Rolling resistance with a lever arm replaces the shape that spheres lack. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

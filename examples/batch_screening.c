@@ -1,11 +1,11 @@
 /* batch_screening - a batch of glass spheres on a vibrated sieve: the study of Elskamp & Kruggel-Emden (2019).
 
-   1.41 kg of spheres of 5, 7 and 10 mm lie well mixed on the floor of a feed bin. At t = 0 the floor is taken away; they fall onto a
-   woven screen with 8 mm apertures that vibrates along an ellipse, and the smaller two classes pass it. Printed and drawn is the
-   fraction retained per class over time, for one seed or as mean and interval of several, each a mixture of its own.
-   Studies made of such runs: all 27 cases of the paper's table 5, a case and its neighbours, what moisture changes, and what the paper
-   leaves open (diameter of the deck, drop height, outlet, profile of the bars, damping convention), which is an option each;
-   docs/batch_screening.md says why the defaults are what they are. */
+   1.41 kg of mixed spheres of 5, 7 and 10 mm lie on the floor of a feed bin. At t = 0 the floor is removed; they fall onto a woven screen
+   with 8 mm apertures that vibrates along an ellipse, and the smaller two classes pass it. The program prints and draws the fraction
+   retained by class over time, for one seed, or the mean of several with its interval.
+   Studies: all 27 cases of the paper's table 5 (--all-cases), a case and its neighbours (--vary), the effect of moisture
+   (--compare-moisture), and what the paper does not give (--sensitivity: diameter of the deck, drop height, outlet, profile of the bars,
+   damping convention). docs/batch_screening.md gives the reasons for the defaults. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,7 +3,8 @@
    Draws the counterparts of its figures, for one material and speed (the curves also for the other two speeds):
    fig07_rebound_angle, fig08_rebound_on_wheel, fig09_restitution (with the bars of Thornton & Ning), fig10_impact_radius, fig11_contacts,
    fig12_case_weights, fig13_separation, figA4_contacts_fixed; paths.svg: the balance at the hit against the whole path; circuit.svg:
-   what a second stage with recycle does. tromp.csv holds the separation curve. Inputs that the paper only draws are stand-ins (docs/classifier.md).
+   the effect of a second stage with recycle. tromp.csv has the separation curve. Inputs that the paper only draws are replaced by plausible
+   values (docs/classifier.md).
 
    Your own material:  classifier --sphericity psi.csv --restitution e.csv --imperfection angle.csv --tangential vt.csv --radial vr.csv
                        columns low,high,share (shares add up to 1; angles in degrees, velocities in m/s); --contact-counts n.csv with

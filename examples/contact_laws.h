@@ -1,4 +1,4 @@
-/* contact_laws.h - laws of contact beside the shipped ones of dem.h, each a law of your own as dem.h's hook wants it:
+/* contact_laws.h - more contact laws for dem.h, each written as a user law:
 
        #include "contact_laws.h"
        DEM_KERNEL(kernel, contact_jkr, DEM_HERTZ | DEM_FRICTION)            // once, outside of functions: compiles the law's loop
@@ -19,7 +19,7 @@
    contact_bonds       parallel bonds of Potyondy & Cundall (2004) that bend, twist and break, and linear friction where there is none;
                        DEM_LINEAR | DEM_FRICTION | DEM_ROLLING
 
-   Restitution, friction and stiffness come from dem_pair() as ever. An instance of contact_laws must outlive the runs; it is not part of
+   Restitution, friction and stiffness come from dem_pair(). An instance of contact_laws must outlive the runs; it is not part of
    dem_save(): set world.user again after dem_load(). SI units. No memory, no globals. docs/contact_laws.md has equations and checks. */
 #ifndef CONTACT_LAWS_H
 #define CONTACT_LAWS_H

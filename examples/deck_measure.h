@@ -1,4 +1,4 @@
-/* deck_measure.h - what is measured on a deck_scene.h machine: which grain left where, when the machine is steady, and from then on the
+/* deck_measure.h - what is measured on a deck_scene.h machine: which grain left where, when the machine is steady, and then the
    partition curve, the flow along the deck, blocked holes and times of residence, with intervals from batch means over windows. */
 #ifndef DECK_MEASURE_H
 #define DECK_MEASURE_H

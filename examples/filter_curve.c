@@ -1,10 +1,10 @@
 /* Resistances of filter cake and medium from a measured filter curve, by filtration.h, in the manner of VDI 2762.
 
-   1. curve.svg: t / V over V, the straight stretch, its line with the interval, and what is left over.
-   2. prediction.svg: filtrate in time on another filter: --new-area-cm2, --new-pressure-pa, --new-rate-ml-s.
+   1. curve.svg: t / V over V, the straight stretch, its line with the interval, and the residuals.
+   2. prediction.svg: filtrate over time on another filter: --new-area-cm2, --new-pressure-pa, --new-rate-ml-s.
 
    Your own curve:  filter_curve --data run.csv --pressure-pa 1e5 --area-cm2 20     columns time_s and volume_ml, volume_m3 or mass_g
-   Without --data the readings are drawn: 14 mL through 20 cm2 at 1000 Pa with R_M0 3.4e6 1/m, as in Puderbach, Schmidt & Antonyuk,
+   Without --data the readings are generated: 14 mL through 20 cm2 at 1000 Pa with R_M0 3.4e6 1/m, as in Puderbach, Schmidt & Antonyuk,
    Processes 9 (2021) 826, R_MI 2e6 1/m, r_K K_S 4.14e9 1/m2 and 0.5 % scatter. The paper's raw readings are not printed. */
 #include <math.h>
 #include <stdio.h>

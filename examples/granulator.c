@@ -8,10 +8,10 @@
    map       figure 10: every collision of some runs in the plane of the Stokes numbers, and the coalescence boundaries of the population
              as it then is
    midbatch  binder is sprayed on, the impeller slows down and the binder cools while a batch runs
-   sound     Tables 2 and 3 again with physically sounder readings: swept contacts, momentum conserved
+   sound     Tables 2 and 3 with readings that conserve momentum: swept contacts
    custom    one condition of your own: --rpm, --binder, --viscosity ...
 
-   The paper leaves about ten readings open; the set used ("G1", granulation_paper_def) is a documented fit: docs/granulation.md. */
+   The paper leaves about ten parameters and rules open. The set used here ("G1", granulation_paper_def) is a fit: docs/granulation.md. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,10 +1,10 @@
-/* hopper - a silo whose fill stays as high as it is: Beverloo's law, and that the height of the fill does not matter.
+/* hopper - discharge of a silo at constant fill height, compared with Beverloo's law.
 
-   Spheres are rained into a cylinder whose orifice is shut, and come to rest. Then it is opened, and what falls out is counted and put
-   back on top, so that the rate is steady and can be averaged for as long as it takes. Silos of one shape (their width and fill over
-   the diameter D of the orifice) and of several sizes give the exponent n of W ~ (D - k d)^n (Beverloo, Leniger & van de Velde 1961:
-   n = 2.5, k about 1.4); others differ in the height of the fill alone. --scene dosta: the silo of Dosta et al. (2024) with its
-   Hertz-Mindlin parameters, as many of its 100 000 spheres as --spheres says, which run out until it is empty or for --time. */
+   Spheres fall into a cylinder whose orifice is closed, and come to rest. Then it opens. Spheres that leave are counted and fed again at
+   the top, so that the rate is steady. Silos of one shape (width and fill height over the diameter D of the orifice) and several sizes
+   give the exponent n of W ~ (D - k d)^n (Beverloo, Leniger & van de Velde 1961: n = 2.5, k about 1.4); others differ in the fill height
+   only. --scene dosta: the silo of Dosta et al. (2024) with its Hertz-Mindlin parameters and --spheres of its 100 000 spheres, until it is
+   empty or for --time. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,12 +1,11 @@
-/* rotating_drum - two species in a turning drum: segregation in time, and the dynamic angle of repose.
+/* rotating_drum - two species in a rotating drum: segregation over time, and the dynamic angle of repose.
 
-   Small and large spheres (or light and heavy ones) are rained into the lower half of a drum between two flat ends, well mixed or small
-   on the left and large on the right (--start), and the drum turns. Told over time: Lacey's index in a grid of cells, the share of
-   unlike contacts, the radial segregation (how much nearer to the middle of the bed the small ones lie), and the slope of the free
-   surface. For a drum of your own: the options, the materials in build(), and dem_add_box in build() for lifters
-   (examples/first/my_drum.c has some). --scene dosta: the drum of Dosta et al. (2024), R 0.1 m, 2 rad/s,
-   Hertz-Mindlin, M2 of 4 mm and M1 of 2 mm; --scale shrinks
-   numbers and drum width together (1: 8000 and 30 000 spheres in 60 mm). */
+   Small and large spheres (or light and heavy ones) fall into the lower half of a drum between two flat ends, mixed or small on the left
+   and large on the right (--start), and the drum turns. Results over time: Lacey's index in a grid of cells, the share of unlike contacts,
+   the radial segregation (how much nearer to the middle of the bed the small ones are), and the slope of the free surface.
+   For your own drum: the options, the materials in build(), and dem_add_box in build() for lifters (examples/first/my_drum.c has some).
+   --scene dosta: the drum of Dosta et al. (2024), R 0.1 m, 2 rad/s, Hertz-Mindlin, M2 of 4 mm and M1 of 2 mm; --scale reduces numbers and
+   drum width together (1: 8000 and 30 000 spheres in 60 mm). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

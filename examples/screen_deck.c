@@ -1,12 +1,12 @@
-/* screen_deck - a vibrating screen under a steady feed, for one's own machine, by dem.h.
+/* screen_deck - a vibrating screen of your own under a steady feed, by dem.h.
 
-   A section of the width of an inclined screen of one to three decks, square meshes or slots, that shakes along a line, a circle or an
-   ellipse, is fed with stones of a size distribution, dry or moist, until as much leaves as comes in. From then on: partition curve with
-   95 % bands, efficiency, flows, bed depth and velocity along the deck, blocked holes by zone, times of residence. A second run has another
-   feed rate. The process models of screen_models.h are fitted to the first run and predict the second; the deck that a recovery needs is
-   told by DEM and by each model.
+   A section of the width of an inclined screen with one to three decks, square meshes or slots, and linear, circular or elliptic motion is
+   fed with a size distribution, dry or moist, until outflow equals inflow. From then on the program measures the partition curve with 95 %
+   intervals, efficiency, flows, bed depth and velocity along the deck, blocked holes by zone, and residence times. A second run has
+   another feed rate. The process models of screen_models.h are fitted to the first run and predict the second; DEM and each model give the
+   deck area that a recovery needs.
 
-   deck_scene.h   the machine       deck_measure.h   what is measured       deck_models.h   the models       deck_report.h   pictures, files */
+   deck_scene.h   the machine       deck_measure.h   measurements       deck_models.h   the models       deck_report.h   pictures, files */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

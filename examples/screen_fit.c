@@ -2,9 +2,9 @@
    screen_models.h.
 
    1. The published parameters on these data, one set fitted to all cases, one set a case: deviations beside the paper's.
-   2. Predictions of cases that were not fitted: between two levels of a factor, below, above; five cases from four. Two cases say little
-      of six parameters: large exponents have a small price in these fits (--shrink).
-   3. What the paper found, each with the number that confirms or refutes it on these data.
+   2. Predictions of cases that were not fitted: between two levels of a factor, below, above; five cases from four. Two cases hardly
+      determine six parameters, so large exponents have a small price in these fits (--shrink).
+   3. The paper's findings, each with the number that confirms or refutes it on these data.
    fig8.svg: curves of six cases beside the data; fig9.svg: deviations of the fits; fig10.svg: deviations of the predictions, fig10d.svg:
    five groups of five from four;
    band.svg: a prediction with its confidence band; separation.svg: partition curves of the deck.
@@ -16,7 +16,7 @@
    Data: --data FILE with the columns case,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,retained_near_mesh, as
    `batch_screening --all-cases` writes them; rows of one case and time with different seeds are averaged. Without --data the file
    data/screening_27_cases.csv of this repository is taken. If there is none, or with --synthetic, the curves are made from the published
-   parameters of model 2: that shows the program, and proves nothing about the models. */
+   parameters of model 2; such curves demonstrate the program and say nothing about the models. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
-/* screening_findings.h - what Elskamp & Kruggel-Emden (2019) say in sections 5.1 and 5.2, statement by statement, beside the numbers of a
-   study. A comparison of cases is confirmed or refuted where the 95 % interval of the difference between their means leaves out zero; with
-   one seed there is no interval, and the sign alone decides. */
+/* screening_findings.h - the statements of Elskamp & Kruggel-Emden (2019), sections 5.1 and 5.2, each with the numbers of a study. A
+   comparison of cases is confirmed or refuted where the 95 % interval of the difference between their means does not include zero; with one
+   seed there is no interval, and the sign decides. */
 #ifndef SCREENING_FINDINGS_H
 #define SCREENING_FINDINGS_H
 

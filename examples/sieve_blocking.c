@@ -3,7 +3,7 @@
    1. table2.svg: the exponentials of Table 2, experiment beside model.
    2. fit.svg: rate constants from counted holes. Without --data the readings are drawn from a row of Table 2 with the counting noise of
       four templates of 100 holes, at the paper's times 0, 1, 2, 4 ... 2048 s: the paper does not print its raw counts.
-   3. polynomials.svg: mean free fraction f*(K, x_h) of Table 3, cut to 1 where the cubic exceeds it.
+   3. polynomials.svg: mean free fraction f*(K, x_h) of Table 3, limited to 1.
    4. deck.svg: the deck area for a duty, from the fitted curve and from Table 3.
 
    The process itself: sieve_blocking --simulate --k 1.5 --xh 0.65  counts the holes of a periodic patch of a vibrated sieve by dem.h, of

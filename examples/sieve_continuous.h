@@ -1,8 +1,8 @@
 /* sieve_continuous.h - Fig 12 of Lawinska, Modrzewski & Wodzinski (2016) by sieve_patch.h: does a sieve block in continuous screening as
    it does in intermittent tests? The same mixture on the same sieve, at the same toss indicator, on three sieves:
-     intermittent   the test of section 2.1: level, a vertical vibration, a batch that thins out
-     inclined       the same batch on a sieve of 15 degrees on a circle (the industrial screen of section 2.2)
-     continuous     that sieve under a feed: each grain that passes is replaced, load and mixture stay */
+     intermittent   the test of section 2.1: level, vertical vibration, a batch that becomes smaller
+     inclined       the same batch at 15 degrees on a circular motion (the industrial screen of section 2.2)
+     continuous     the same under a feed: each grain that passes is replaced, so load and mixture are constant */
 #ifndef SIEVE_CONTINUOUS_H
 #define SIEVE_CONTINUOUS_H
 

@@ -1,10 +1,10 @@
-/* wet_pair: two wet spheres (or a sphere and a plate) are pulled apart, and thrown at each other.
+/* wet_pair: two wet spheres (or a sphere and a plate) are pulled apart, and collide.
 
-   1. Pulled: the force over the gap, by the header's table, by the closed-form laws and by the laws as printed in Elskamp & Kruggel-Emden
-      2019, against Young-Laplace; for a range of volumes and contact angles.
-   2. Thrown: head-on collisions at a range of speeds, volumes and angles. Dry contact is a linear spring with a damper that never pulls;
-      the bridge forms in contact and breaks at its dynamic rupture distance. Ratio of the speeds after and before is the wet coefficient of
-      restitution; below the sticking velocity the two never part.
+   1. Pulled apart: the force over the gap, by the header's table, by the closed-form laws and by the laws as printed in Elskamp &
+      Kruggel-Emden 2019, against Young-Laplace, for a range of volumes and contact angles.
+   2. Collisions: head-on at a range of speeds, volumes and angles. The dry contact is a linear spring with a damper that never pulls; the
+      bridge forms at contact and breaks at its dynamic rupture distance. The wet coefficient of restitution is the ratio of the speeds
+      after and before; below the sticking velocity the spheres stay together.
 
    Pictures: wet_pair.png, force.svg, curves.svg, restitution.svg, sticking.svg; numbers: force.csv, restitution.csv, sticking.csv. */
 #include <math.h>

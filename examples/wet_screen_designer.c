@@ -1,28 +1,27 @@
-/* Planning a batch on a wet screen: screen_models.h says how fast undersize passes, blocking.h how many holes are left for it.
+/* Planning a batch on a wet screen: screen_models.h gives the rate of passage, blocking.h the free holes.
 
    Choose amplitude, frequency, moisture, deck area and feed; get the time to a wanted recovery of the undersize, with its uncertainty,
    with blocking and without, by the models of Dong, Subasinghe and Soldinger with the parameters of Elskamp & Kruggel-Emden (2019).
    Their 27 cases are glass spheres of 5 and 7 mm (and 10 mm that stay) on an 8 mm mesh, A 0.8-1.2 mm, f 45.8-55.4 Hz, moisture 0-0.05:
-   the defaults; beyond, they extrapolate.
+   the defaults; beyond these ranges the models extrapolate.
 
-   How the two are composed: each model's rate of passing is multiplied by the free holes per mass of feed over those of the study: by
-   the free fraction f(t), mean over each small step, and by (area / feed) / (0.02835 m2 / 1.41 kg) (eq 17 of Lawinska et al. 2016: what
-   counts is f F A0). That is k_p of Subasinghe and Soldinger and k of Dong, its trials per time. Stratification is not slowed by
+   Each model's rate of passage is multiplied by the free holes per mass of feed over those of the study: by the free fraction f(t), mean
+   over each small step, and by (area / feed) / (0.02835 m2 / 1.41 kg) (eq 17 of Lawinska et al. 2016: f F A0). That is k_p of Subasinghe and Soldinger and k of Dong, its trials per time. Stratification is not slowed by
    blocking.
 
-   k1 and k2 are yours: count holes and use sieve_blocking --data, or simulate. Without --k1 and --k2 the rate constants of Table 2, fit
-   7b, of Lawinska et al. stand in as an illustration; they are dry spheres on a 1 mm mesh. Table 3 of that paper (mean free fraction
+   You give k1 and k2: count holes and use sieve_blocking --data, or simulate. Without --k1 and --k2 the rate constants of Table 2, fit
+   7b, of Lawinska et al. are used as an illustration; they are for dry spheres on a 1 mm mesh. Table 3 of that paper (mean free fraction
    from K and x_h, --xh) is used only inside the box it was measured in; all 27 cases lie outside.
 
    Uncertainty: the published deviation of each model (mean |Y - Y_dem| 0.0593, 0.0387, 0.0417, as a normal error of the recovery) and
    the relative errors of k1 and k2 (--rate-error), 95 % ranges.
 
-   A screen of your own: --parameters FILE, the parameters.json that screen_fit --data has written, predicts by all models fitted there, for
-   classes from --diameters-mm, a sieve curve (--psd), --rosin-rammler or --lognormal; ranges hold the parameters' errors and the error that
-   the model makes on whole cases, and those of k1 and k2. What lies outside the range of the fit is said. With --feed-kg-s the deck is fed
-   all the time: efficiency, flows and bed depth, and the largest feed for the recovery.
+   Your own screen: --parameters FILE, the parameters.json of screen_fit --data, predicts by all models fitted there, for classes from
+   --diameters-mm, a sieve curve (--psd), --rosin-rammler or --lognormal. Ranges include the errors of the parameters, of the model on
+   whole cases, and of k1 and k2. The program names what lies outside the range of the fit. With --feed-kg-s the deck is fed continuously:
+   efficiency, flows and bed depth, and the largest feed for the recovery.
 
-   --tests FILE: k1 and k2 from counts of many blocking tests, by the law that they follow, with its errors (as sieve_blocking --tests).
+   --tests FILE: k1 and k2 from counts of many blocking tests, by a fitted law, with its errors (as sieve_blocking --tests).
 
    Writes retained.svg (curves), map.svg (amplitude and frequency), area.svg, and their CSV files. */
 #include <math.h>
