@@ -81,10 +81,11 @@ DEM_IO_API riddle_io_status dem_io_particles(const dem_world *world, const char 
 DEM_IO_API riddle_io_status dem_io_walls(const dem_world *world, const char *folder, const char *name);
 DEM_IO_API riddle_io_status dem_io_polyhedra(const dem_world *world, const char *folder, const char *name);
 
-/* A series of both in time. The caller owns it; folder must live as long. */
+/* A series of all in time: NAME.pvd, NAME_walls.pvd and, from the first frame of a world that has shapes on, NAME_polyhedra.pvd. The caller
+   owns it; folder and name must live as long. */
 typedef struct dem_io_series {
-    const char *folder;
-    riddle_io_series *particles, *walls;
+    const char *folder, *name;
+    riddle_io_series *particles, *walls, *polyhedra;
 } dem_io_series;
 DEM_IO_API dem_io_series dem_io_open(const char *folder, const char *name); /* name: without an ending */
 DEM_IO_API riddle_io_status dem_io_add(dem_io_series *series, const dem_world *world);
@@ -547,7 +548,7 @@ DEM_IO_API riddle_io_status dem_io_polyhedra(const dem_world *world, const char 
 }
 
 DEM_IO_API dem_io_series dem_io_open(const char *folder, const char *name) {
-    dem_io_series s = {folder, NULL, NULL};
+    dem_io_series s = {folder, name, NULL, NULL, NULL};
     char walls[300];
     snprintf(walls, sizeof walls, "%s_walls", name ? name : "");
     s.particles = riddle_io_series_open(folder, name);
@@ -557,15 +558,24 @@ DEM_IO_API dem_io_series dem_io_open(const char *folder, const char *name) {
 
 DEM_IO_API riddle_io_status dem_io_add(dem_io_series *series, const dem_world *world) {
     if (!series || !series->particles || !series->walls || !world) return RIDDLE_IO_BAD_ARGUMENT;
-    const riddle_io_status status = dem_io_particles(world, series->folder, riddle_io_series_name(series->particles, world->time));
-    return status != RIDDLE_IO_OK ? status : dem_io_walls(world, series->folder, riddle_io_series_name(series->walls, world->time));
+    riddle_io_status status = dem_io_particles(world, series->folder, riddle_io_series_name(series->particles, world->time));
+    if (status == RIDDLE_IO_OK) status = dem_io_walls(world, series->folder, riddle_io_series_name(series->walls, world->time));
+    if (status != RIDDLE_IO_OK || !dem_get_shape(world, 0)) return status;
+    if (!series->polyhedra) {
+        char name[300];
+        snprintf(name, sizeof name, "%s_polyhedra", series->name);
+        series->polyhedra = riddle_io_series_open(series->folder, name);
+        if (!series->polyhedra) return RIDDLE_IO_NO_MEMORY;
+    }
+    return dem_io_polyhedra(world, series->folder, riddle_io_series_name(series->polyhedra, world->time));
 }
 
 DEM_IO_API riddle_io_status dem_io_close(dem_io_series *series) {
     if (!series) return RIDDLE_IO_BAD_ARGUMENT;
     const riddle_io_status first = riddle_io_series_close(series->particles), second = riddle_io_series_close(series->walls);
-    series->particles = series->walls = NULL;
-    return first != RIDDLE_IO_OK ? first : second;
+    const riddle_io_status third = series->polyhedra ? riddle_io_series_close(series->polyhedra) : RIDDLE_IO_OK;
+    series->particles = series->walls = series->polyhedra = NULL;
+    return first != RIDDLE_IO_OK ? first : second != RIDDLE_IO_OK ? second : third;
 }
 
 /* ======================================================== >>sections ======================================================== */

@@ -141,7 +141,7 @@ static void pour(heap *h) {
     feed.velocity = dem_vec3(0, 0, -sqrt(9.81 * d)), feed.scatter = dem_vec3(0.1 * sqrt(9.81 * d), 0.1 * sqrt(9.81 * d), 0);
     const double unit = sqrt(d / 9.81), interval = 2.0 * unit, rate = 10.0 / unit; /* the outlet lets through about 20 spheres a unit */
     const double end = h->spheres / rate + 45.0 * unit;
-    dem_io_series series = {NULL, NULL, NULL};
+    dem_io_series series = {0};
     if (h->folder) series = dem_io_open(h->folder, "particles");
     world_movie reel = {0};
     if (h->folder && h->film) reel = world_movie_open(h->folder, "angle_of_repose.mp4", &view);

@@ -168,7 +168,7 @@ static int run(int index, void *user) {
     if (d->status == DEM_OK) d->status = fill(&world, s, d, &feed, &st->bar, share);
     const double begin = world.time;
     const bool shown = index == 0, written = shown && !st->self->quick;
-    dem_io_series series = {NULL, NULL, NULL};
+    dem_io_series series = {0};
     if (written && d->status == DEM_OK) series = dem_io_open(st->self->out, "particles");
     world_movie reel = {0};
     if (shown && st->film) reel = world_movie_open(st->self->out, "hopper.mp4", &view);

@@ -33,16 +33,33 @@ static int is_glass(const dem_wall *wall, const dem_io_surface *s, int index, de
     return PICTURE_GLASS;
 }
 
+static picture_colour colour_of(const dem_world *world, const picture_def *look, ptrdiff_t i) {
+    const dem_vec v = dem_velocity(world, i);
+    if (!(look->speed > 0.0)) return picture_class(world->group[i]);
+    return picture_scale(sqrt(v.x * v.x + v.y * v.y + v.z * v.z) / look->speed);
+}
+
+static void put_polyhedra(picture *s, const dem_world *world, const picture_def *look) {
+    dem_io_surface surface;
+    if (!dem_get_shape(world, 0) || dem_io_polyhedra_of(world, &surface) != DEM_OK) return;
+    for (int t = 0; t < surface.triangles; t++) {
+        const int *c = &surface.triangle[3 * t];
+        picture_triangle(s, &surface.vertex[3 * c[0]], &surface.vertex[3 * c[1]], &surface.vertex[3 * c[2]],
+                         colour_of(world, look, surface.wall[c[0]]), PICTURE_SOLID);
+    }
+    dem_io_free_surface(&surface);
+}
+
 static void put_world(picture *s, const dem_world *world, const picture_def *look) {
     dem_io_surface surface;
     dem_vec middle = dem_vec3(0, 0, 0);
     int n = 0, kind[DEM_WALLS_MAX];
+    put_polyhedra(s, world, look);
     for (ptrdiff_t i = 0; i < world->count; i++) {
         if (!world->alive[i]) continue;
-        const dem_vec x = dem_position(world, i), v = dem_velocity(world, i);
-        const double at[3] = {x.x, x.y, x.z}, speed = sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
-        picture_sphere(s, at, dem_radius(world, i),
-                       look->speed > 0.0 ? picture_scale(speed / look->speed) : picture_class(world->group[i]));
+        const dem_vec x = dem_position(world, i);
+        const double at[3] = {x.x, x.y, x.z};
+        if (dem_shape_of(world, i) < 0) picture_sphere(s, at, dem_radius(world, i), colour_of(world, look, i));
         middle.x += x.x, middle.y += x.y, middle.z += x.z;
         n++;
     }

@@ -258,6 +258,32 @@ static void test_empty(void **state) {
     dem_free(&w);
 }
 
+/* A series of a world with shapes has a third index, with as many frames. */
+static void series_of_polyhedra(const dem_world *w) {
+    char name[100], *text;
+    snprintf(name, sizeof name, "test_dem_io_series_%d", (int)getpid());
+    dem_io_series series = dem_io_open(NULL, name);
+    assert_int_equal(dem_io_add(&series, w), RIDDLE_IO_OK);
+    assert_int_equal(dem_io_add(&series, w), RIDDLE_IO_OK);
+    assert_int_equal(dem_io_close(&series), RIDDLE_IO_OK);
+    static const char *const endings[] = {".pvd", "_walls.pvd", "_polyhedra.pvd"};
+    static const char *const frames[] = {"", "_walls", "_polyhedra"};
+    for (int k = 0; k < 3; k++) {
+        char file_name[200];
+        for (int frame = 0; frame < 2; frame++) {
+            snprintf(file_name, sizeof file_name, "%s%s_%04d.vtp", name, frames[k], frame);
+            text = taken(file_name);
+            assert_true((strstr(text, "\"particle\"") != NULL) == (k == 2));
+            free(text);
+        }
+        snprintf(file_name, sizeof file_name, "%s%s", name, endings[k]);
+        text = taken(file_name);
+        assert_non_null(strstr(text, "_0001.vtp"));
+        assert_null(strstr(text, "_0002.vtp"));
+        free(text);
+    }
+}
+
 /* The surface of a brick and of another polyhedron, turned, is closed, faces outwards and holds their volume but for the edges. */
 static void test_polyhedra(void **state) {
     (void)state;
@@ -294,6 +320,7 @@ static void test_polyhedra(void **state) {
         assert_true(dem__length(area[k]) < 1e-12);
     }
     dem_io_free_surface(&s);
+    series_of_polyhedra(&w);
     assert_int_equal(dem_io_polyhedra_of(NULL, &s), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_io_polyhedra_of(&w, NULL), DEM_BAD_ARGUMENT);
     dem_free(&w);

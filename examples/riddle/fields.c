@@ -218,10 +218,23 @@ static int read_choice(tree_file *file, const tree *v, const scene_field *f, int
 static int read_vector(tree_file *file, const tree *v, const scene_field *f, double *xyz) {
     char name[80];
     if (v->kind != TREE_LIST || v->n != 3) return tree_fail(file, v, "%s: three numbers are wanted: [x, y, z]", f->key);
+    scene_field number = *f;
+    number.kind = FIELD_NUMBER, number.low = -HUGE_VAL, number.high = HUGE_VAL; /* the range of a list is that of its length */
     for (int c = 0; c < 3; c++) {
         snprintf(name, sizeof name, "%s, %c", f->key, "xyz"[c]);
-        if (read_number(file, v->item[c], name, f, &xyz[c])) return -1;
+        if (read_number(file, v->item[c], name, &number, &xyz[c])) return -1;
     }
+    return 0;
+}
+
+static int read_points(tree_file *file, const tree *v, const scene_field *f, scene_list *list) {
+    if (v->kind != TREE_LIST) return tree_fail(file, v, "%s: a list of points is wanted, each [x, y, z]", f->key);
+    if (v->n < f->low || v->n > f->high) return tree_fail(file, v, "%s: %d of them; allowed is %g to %g", f->key, v->n, f->low, f->high);
+    double *item = tree_memory(file, 3 * sizeof *item * (size_t)(v->n ? v->n : 1));
+    if (!item) return -1;
+    list->n = v->n, list->item = item;
+    for (int k = 0; k < v->n; k++)
+        if (read_vector(file, v->item[k], f, item + 3 * k)) return -1;
     return 0;
 }
 
@@ -267,6 +280,7 @@ static int read_value(tree_file *file, const tree *v, const scene_field *f, void
     case FIELD_TWO: return read_two(file, v, f, at);
     case FIELD_CHOICE: return read_choice(file, v, f, at);
     case FIELD_VECTOR: return read_vector(file, v, f, at);
+    case FIELD_POINTS: return read_points(file, v, f, at);
     case FIELD_PART: return fields_read(file, v, f->section, at);
     case FIELD_LIST:
     case FIELD_NAMED: return read_list(file, v, f, at);
@@ -280,7 +294,7 @@ static int set_default(tree_file *file, const scene_field *f, void *into) {
     void *at = (char *)into + f->at;
     if (f->kind == FIELD_NUMBER || f->kind == FIELD_WHOLE) *(double *)at = (double)NAN;
     if (f->kind == FIELD_VECTOR) ((double *)at)[0] = ((double *)at)[1] = ((double *)at)[2] = (double)NAN;
-    if (!f->fallback || !f->fallback[0] || f->kind >= FIELD_PART) return 0;
+    if (!f->fallback || !f->fallback[0] || f->kind >= FIELD_POINTS) return 0;
     tree text = {TREE_TEXT, 0, 0, f->fallback, 0, 0, 0, 0, NULL, NULL};
     if (f->kind != FIELD_VECTOR) return read_value(file, &text, f, into);
     double *xyz = at; /* "[0, 0, 1]": only bare numbers */
@@ -357,6 +371,9 @@ static const char *type_text(const scene_field *f, char *text, size_t size) {
         break;
     }
     case FIELD_VECTOR: snprintf(text, size, "[x, y, z]%s%s", allowed[0] ? ", each " : "", allowed); break;
+    case FIELD_POINTS:
+        snprintf(text, size, "list of [x, y, z]%s%s; %g to %g of them", allowed[0] ? ", each " : "", allowed, f->low, f->high);
+        break;
     case FIELD_PART: snprintf(text, size, "keys: %s", f->section->title); break;
     case FIELD_LIST: snprintf(text, size, "list of: %s", f->section->title); break;
     case FIELD_NAMED: snprintf(text, size, "names, each with: %s", f->section->title); break;

@@ -39,6 +39,7 @@ typedef enum field_kind {
     FIELD_TWO,    /* const char *[2] */
     FIELD_CHOICE, /* int: which of choices, "linear|hertz" */
     FIELD_VECTOR, /* double[3] */
+    FIELD_POINTS, /* scene_list of double[3] */
     FIELD_PART,   /* a struct in its place, beginning with a scene_part */
     FIELD_LIST,   /* scene_list of such structs */
     FIELD_NAMED   /* the same, as a map from names */

@@ -7,6 +7,7 @@
 
 #include "../world_picture.h"
 #include "scene_feed.h"
+#include "scene_shapes.h"
 #include "scene_wet.h"
 
 enum { NAME = 96, FIXED = 4, OF_REGION = 8, CURVES = 8, FRAMES_A_SECOND = 25 };
@@ -26,6 +27,7 @@ struct report {
     picture_def look;
     world_movie film;
     int filmed, drawn;
+    int bodies; /* 1: a particle may have several spheres */
 };
 
 /* ---- columns ---- */
@@ -50,6 +52,7 @@ static void name_columns(report *r) {
     for (int k = 0; k < def->measure.regions.n; k++)
         for (int c = 0; c < OF_REGION; c++) snprintf(r->column[n++], NAME, "%.60s_%s", m[k].part.name, of_region[c]);
     if (r->s->wet) snprintf(r->column[n++], NAME, "bridges"), snprintf(r->column[n++], NAME, "liquid_kg");
+    if (scene_has_polyhedra(r->s)) snprintf(r->column[n++], NAME, "core_overlaps");
     r->columns = n;
 }
 
@@ -74,10 +77,11 @@ static int check_stops(report *r) {
 report *report_open(scene *s, const char *folder) {
     const scene_def *def = s->def;
     const measured_region *m = def->measure.regions.item;
-    const size_t most = FIXED + (size_t)s->groups + 3 * DEM_WALLS_MAX + OF_REGION * (size_t)def->measure.regions.n + 2;
+    const size_t most = FIXED + (size_t)s->groups + 3 * DEM_WALLS_MAX + OF_REGION * (size_t)def->measure.regions.n + 3;
     report *r = tree_memory(s->file, sizeof *r);
     if (!r) return NULL;
     r->s = s, r->folder = folder;
+    for (int k = 0; k < s->sources; k++) r->bodies |= s->source[k].shape != NULL;
     r->column = tree_memory(s->file, most * sizeof *r->column);
     r->region = tree_memory(s->file, ((size_t)def->measure.regions.n + 1) * sizeof *r->region);
     if (!r->column || !r->region) return NULL;
@@ -133,7 +137,7 @@ static void measure(report *r) {
     double count = 0.0, mass = 0.0;
     const double now = scene_time(s), passed = now - r->looked;
     for (ptrdiff_t i = 0; i < world->count; i++)
-        if (world->alive[i]) count += 1.0, mass += world->particle[i].mass;
+        if (world->alive[i] && (!r->bodies || dem_get_body(world, i).first == i)) count += 1.0, mass += dem_mass(world, i);
     const dem_energy_ledger energy = dem_energy(world);
     *at++ = now, *at++ = count, *at++ = mass, *at++ = energy.kinetic + energy.rotational;
     for (int g = 0; g < s->groups; g++) *at++ = left_of(&s->group[g]);
@@ -153,6 +157,7 @@ static void measure(report *r) {
         const double volume = scene_wet_total(s, &bridges);
         *at++ = bridges, *at++ = volume * s->def->liquid.density;
     }
+    if (scene_has_polyhedra(s)) *at++ = (double)dem_core_overlaps(world);
     r->looked = now;
 }
 
@@ -172,9 +177,11 @@ static const stop_def *stopped(const report *r) {
 static int open_series(report *r) {
     if (!r->series.particles) {
         r->series = dem_io_open(r->folder, "scene");
+        if (r->frames && scene_has_polyhedra(r->s)) r->series.polyhedra = riddle_io_series_open(r->folder, "scene_polyhedra");
         for (int k = 0; k < r->frames && r->series.particles; k++) {
             riddle_io_series_name(r->series.particles, r->frame[k]);
             riddle_io_series_name(r->series.walls, r->frame[k]);
+            if (r->series.polyhedra) riddle_io_series_name(r->series.polyhedra, r->frame[k]);
         }
     }
     return r->series.particles ? 0 : common_fail("%s: the series could not be begun", r->folder);

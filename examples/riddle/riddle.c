@@ -1,7 +1,7 @@
 /* riddle - a scene from a file, without C: riddle run scene.yaml
 
-   The file (YAML, or JSON, which is a part of it) says what there is: materials, walls and how they move, feeds, liquid, what is measured,
-   when to stop. docs/scene_files.md lists every key. `riddle run --template screen` writes one to begin with. */
+   The file (YAML, or JSON, which is a part of it) says what there is: materials, walls and how they move, shapes, feeds, liquid, what is
+   measured, when to stop. docs/scene_files.md lists every key. `riddle run --template screen` writes one to begin with. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,10 +10,10 @@
 #include "report.h"
 #include "scene.h"
 
-static const char *const templates[] = {"hopper", "screen", "drum", "box"};
+static const char *const templates[] = {"hopper", "screen", "drum", "box", "shapes"};
 static const char state_name[] = "scene.state";
 static const char usage[] =
-    "usage: riddle run FILE [options]; riddle run --template hopper|screen|drum|box; riddle keys; riddle run --help";
+    "usage: riddle run FILE [options]; riddle run --template hopper|screen|drum|box|shapes; riddle keys; riddle run --help";
 
 typedef struct job {
     const char *file;
@@ -38,7 +38,7 @@ static int write_template(const char *name) {
     int known = 0;
     for (size_t k = 0; k < sizeof templates / sizeof *templates; k++) known |= strcmp(templates[k], name) == 0;
     if (!known) {
-        fprintf(stderr, "riddle: --template %.60s: allowed: hopper, screen, drum or box\n", name);
+        fprintf(stderr, "riddle: --template %.60s: allowed: hopper, screen, drum, box or shapes\n", name);
         return 2;
     }
     snprintf(target, sizeof target, "%s.yaml", name);
@@ -214,7 +214,7 @@ int main(int argc, char **argv) {
     option options[] = {
         option_flag("continue", &j.again, "go on from the save in --out, with the same bits as if it had never stopped"),
         option_flag("check", &j.check, "read the file and build the scene, but do not run"),
-        option_string("template", "NAME", &pattern, "write NAME.yaml, to begin with: hopper, screen, drum or box"),
+        option_string("template", "NAME", &pattern, "write NAME.yaml, to begin with: hopper, screen, drum, box or shapes"),
     };
     if (argc == 2 && strcmp(argv[1], "keys") == 0) {
         fields_describe(&scene_section);

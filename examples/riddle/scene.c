@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "scene_feed.h"
+#include "scene_shapes.h"
 #include "scene_walls.h"
 #include "scene_wet.h"
 
@@ -57,7 +58,8 @@ static int define(scene *s, dem_def *def) {
     return dem_check_def(def, &bad) == DEM_OK ? 0 : tree_fail(s->file, s->file->root, "%s is outside its range", bad);
 }
 
-/* The step for the smallest particle that may come, against its like and against a wall of every material: asked of a world of such. */
+/* The step for the smallest particle that may come, against its like and against a wall of every material: asked of a world of such. A face
+   of a polyhedron has down to a quarter of its mass on four springs, and its contacts begin and end uncorrected (docs/dem_convex.md). */
 static int choose_step(scene *s, dem_def def, double *dt) {
     dem_world trial;
     *dt = s->def->time_step;
@@ -71,12 +73,11 @@ static int choose_step(scene *s, dem_def def, double *dt) {
         double low, high;
         scene_extremes(&s->source[k], &low, &high);
         for (int twice = 0; twice < 2 && status == DEM_OK; twice++) {
-            const double centre[3] = {at, 0.0, 0.0};
-            status = dem_add_spheres(&trial, 1, centre, &low, s->source[k].feed.material, 0);
-            at += 3.0 * high;
+            status = scene_put(&trial, &s->source[k], low, dem_vec3(at, 0.0, 0.0));
+            at += 3.0 * high * (s->source[k].shape ? s->source[k].shape->reach : 1.0);
         }
     }
-    if (status == DEM_OK) *dt = dem_advise(&trial, s->features, EXPECTED_SPEED).advised;
+    if (status == DEM_OK) *dt = dem_advise(&trial, s->features, EXPECTED_SPEED).advised * (scene_has_polyhedra(s) ? 0.4 : 1.0);
     dem_free(&trial);
     return status == DEM_OK && *dt > 0.0 && isfinite(*dt)
                ? 0
@@ -102,10 +103,12 @@ int scene_make(scene *s, const scene_def *def, tree_file *file, uint64_t seed, i
     dem_def d;
     memset(s, 0, sizeof *s);
     s->def = def, s->file = file, s->seed = seed, s->threads = threads;
-    if (define(s, &d) || scene_add_sources(s) || choose_step(s, d, &d.dt)) return -1;
+    if (define(s, &d) || scene_make_shapes(s) || scene_add_sources(s)) return -1;
+    if (scene_has_polyhedra(s)) s->features |= DEM_FRICTION; /* what their contacts remember; without friction its coefficient is 0 */
+    if (choose_step(s, d, &d.dt)) return -1;
     const char *bad = "";
     if (dem_init(&s->world, &d, &bad) != DEM_OK) return tree_fail(file, file->root, "%s is outside its range", bad);
-    return scene_add_walls(s) || choose_tick(s) || scene_wet_begin(s) ? -1 : 0;
+    return scene_add_shapes(s) || scene_add_walls(s) || choose_tick(s) || scene_wet_begin(s) ? -1 : 0;
 }
 
 void scene_free(scene *s) {
@@ -180,6 +183,7 @@ static void exchange_feed(scene_state *io, source *q) {
     exchange_count(io, &q->feed.placed);
     exchange_count(io, &q->feed.missed);
     state_whole(io, &q->feed.random);
+    if (q->shape) state_same(io, q->shape->diameter), state_same(io, q->shape->reach);
 }
 
 static void exchange_world(scene *s, scene_state *io) {

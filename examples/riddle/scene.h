@@ -10,9 +10,19 @@
 #include "scene_def.h"
 #include "state.h"
 
+/* A clump or a convex polyhedron of the file, as it was drawn. */
+typedef struct body_shape {
+    const shape_def *def;
+    dem_clump clump; /* no spheres: a polyhedron */
+    dem_convex polyhedron;
+    double diameter; /* of the sphere of its volume [m] */
+    double reach;    /* its farthest point from the centre, over half that diameter [-] */
+} body_shape;
+
 /* One class of sizes of one feed. */
 typedef struct source {
     const feed_def *def;
+    const body_shape *shape; /* NULL: spheres */
     dem_feed feed;
     int group;
     double amount, density; /* [kg], [-] or [kg/s], as the feed's def says; [kg/m3] */
@@ -37,6 +47,7 @@ typedef struct scene {
     uint64_t seed;
     dem_world world;
     int wall_of[DEM_WALLS_MAX]; /* index in the world of a wall of the file */
+    body_shape *shape;          /* [def->shapes.n] */
     source *source;
     int sources;
     size_group *group;

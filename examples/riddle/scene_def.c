@@ -49,7 +49,8 @@ static const scene_field contact_fields[] = {
     NUMBER(contact_def, tangential_damping, UNIT_NONE, AT_LEAST_0, "0", "tangential dashpot over the normal one"),
     CHOICE(contact_def, dashpot, "clipped|naive", "clipped", "clipped: it never pulls; `law: linear` only"),
 };
-SECTION(contact, contact_def, "contact", "How two materials touch. A material has the defaults with itself; two that differ and touch must be listed.");
+SECTION(contact, contact_def, "contact",
+        "How two materials touch. A material has the defaults with itself; two that differ and touch must be listed.");
 
 /* ---- walls ---- */
 
@@ -173,6 +174,31 @@ static const scene_field wall_fields[] = {
 };
 SECTION(wall, wall_def, "wall", "One shape, and how it moves. At most 32 walls; an exit counts.");
 
+/* ---- shapes ---- */
+
+static const scene_field shape_sphere_fields[] = {
+    VECTOR(shape_sphere, centre, UNIT_LENGTH, MUST, "in a frame of the shape's own, with its origin anywhere"),
+    NUMBER(shape_sphere, diameter, UNIT_LENGTH, POSITIVE, MUST, "of it"),
+};
+SECTION(shape_sphere, shape_sphere, "sphere of a shape", "Spheres may overlap: the body is their union, of one density.");
+static const scene_field shape_mesh_fields[] = {
+    TEXT(shape_mesh, file, MUST, "an STL file of a closed convex surface; its name is relative to the scene's folder"),
+    NUMBER(shape_mesh, unit, UNIT_LENGTH, POSITIVE, "1e-3", "length of one unit of the file; 1 mm as CAD writes it"),
+    NUMBER(shape_mesh, weld, UNIT_LENGTH, AT_LEAST_0, "0", "corners nearer than this become one"),
+};
+SECTION(shape_mesh, shape_mesh, "mesh of a shape", "At most 32 corners.");
+static const scene_field shape_fields[] = {
+    {"spheres", FIELD_LIST, UNIT_NONE, offsetof(shape_def, spheres), 1, SHAPE_SPHERES_MAX, false, "", 1, NULL, &shape_sphere_section,
+     "a clump: spheres that move as one body"},
+    {"box", FIELD_VECTOR, UNIT_LENGTH, offsetof(shape_def, box), ANY, "", 1, NO_WORDS, "a brick: its three lengths"},
+    {"corners", FIELD_POINTS, UNIT_LENGTH, offsetof(shape_def, corners), 4, SHAPE_CORNERS_MAX, false, "", 1, NO_WORDS,
+     "a convex polyhedron, in any order; its origin is anywhere"},
+    PART(shape_def, mesh, shape_mesh, "", 1, "a convex polyhedron from a file"),
+    {"rounding", FIELD_NUMBER, UNIT_NONE, offsetof(shape_def, rounding), 0.001, 0.4, false, "0.03", 0, NO_WORDS,
+     "radius of edges and corners of a polyhedron, over its smallest width"},
+};
+SECTION(shape, shape_def, "shape", "What particles of a feed look like, if they are no spheres. Each comes turned at random.");
+
 /* ---- feed ---- */
 
 static const scene_field box_region_fields[] = {
@@ -200,10 +226,10 @@ static const scene_field region_fields[] = {
 SECTION(region, region_def, "region", "A part of space.");
 
 static const scene_field class_fields[] = {
-    NUMBER(size_class, diameter, UNIT_LENGTH, POSITIVE, MUST, "of all spheres of the class"),
+    NUMBER(size_class, diameter, UNIT_LENGTH, POSITIVE, MUST, "of all particles of the class"),
     {"share", FIELD_NUMBER, UNIT_SHARE, offsetof(size_class, share), 0.0, 1e30, false, "1", 0, NO_WORDS, "of any sum; see `shares`"},
 };
-SECTION(class, size_class, "class", "Spheres of one diameter.");
+SECTION(class, size_class, "class", "Particles of one diameter.");
 static const scene_field even_fields[] = {
     NUMBER(even_sizes, smallest, UNIT_LENGTH, POSITIVE, MUST, "diameter"),
     NUMBER(even_sizes, largest, UNIT_LENGTH, POSITIVE, MUST, "diameter"),
@@ -236,23 +262,26 @@ static const scene_field sizes_fields[] = {
     PART(sizes_def, rosin_rammler, rosin, "", 1, "Rosin-Rammler"),
     CHOICE(sizes_def, shares, "mass|number", "mass", "what shares and distributions count"),
 };
-SECTION(sizes, sizes_def, "sizes", "Diameters. Each class is measured by itself: its column is `left_<size>mm`.");
+SECTION(sizes, sizes_def, "sizes",
+        "Diameters; of a shape, that of the sphere of its volume. Each class is measured by itself: its column is `left_<size>mm`.");
 
 static const scene_field feed_fields[] = {
     TEXT(feed_def, material, MUST, "name of a material"),
-    PART(feed_def, sizes, sizes, MUST, 0, "how large"),
-    PART(feed_def, region, region, MUST, 0, "where: spheres are put there at random, without touching anything"),
+    TEXT(feed_def, shape, "", "name of a shape; default: spheres"),
+    PART(feed_def, sizes, sizes, "", 0, "how large; must be given for spheres, a shape comes as it was drawn without it"),
+    PART(feed_def, region, region, MUST, 0, "where: particles are put there at random, without touching anything"),
     ONE_NUMBER(feed_def, mass, FIELD_NUMBER, UNIT_MASS, POSITIVE, 1, "all at once, at `from`"),
-    {"count", FIELD_WHOLE, UNIT_NONE, offsetof(feed_def, count), 1.0, 1e8, false, "", 1, NO_WORDS, "likewise, so many spheres"},
+    {"count", FIELD_WHOLE, UNIT_NONE, offsetof(feed_def, count), 1.0, 1e8, false, "", 1, NO_WORDS, "likewise, so many particles"},
     ONE_NUMBER(feed_def, rate, FIELD_NUMBER, UNIT_MASS_FLOW, POSITIVE, 1, "steadily, from `from` until `until`"),
-    VECTOR(feed_def, velocity, UNIT_SPEED, "[0, 0, 0]", "of new spheres"),
+    VECTOR(feed_def, velocity, UNIT_SPEED, "[0, 0, 0]", "of new particles"),
     VECTOR(feed_def, scatter, UNIT_SPEED, "[0, 0, 0]", "largest deviation from it"),
     NUMBER(feed_def, from, UNIT_TIME, AT_LEAST_0, "0", "beginning"),
     NUMBER(feed_def, until, UNIT_TIME, AT_LEAST_0, "", "end of a steady feed; else that of the run"),
-    {"tries", FIELD_WHOLE, UNIT_NONE, offsetof(feed_def, tries), 1.0, 1e6, false, "2000", 0, NO_WORDS, "random places tried for a sphere"},
-    TEXT(feed_def, label, "", "of its classes in figures and columns, before the size"),
+    {"tries", FIELD_WHOLE, UNIT_NONE, offsetof(feed_def, tries), 1.0, 1e6, false, "2000", 0, NO_WORDS,
+     "random places tried for a particle"},
+    TEXT(feed_def, label, "", "of its classes in figures and columns, before the size; default for a shape: its name"),
 };
-SECTION(feed, feed_def, "feed", "A source of spheres.");
+SECTION(feed, feed_def, "feed", "A source of particles.");
 
 static const scene_field liquid_fields[] = {
     {"moisture", FIELD_NUMBER, UNIT_SHARE, offsetof(liquid_def, moisture), 0.0, 0.5, false, MUST, 0, NO_WORDS,
@@ -283,7 +312,10 @@ static const scene_field measure_fields[] = {
 SECTION(
     measure, measure_def, "measure",
     "`measured.csv` always has `time_s`, `particles`, `mass_kg`, `kinetic_J`, of each class `left_<class>` (share of its fed mass that has "
-    "passed no exit), of each exit `<exit>_kg`, of each other wall `<wall>_Fx_N`, `_Fy_N`, `_Fz_N` (mean since the row before).");
+    "passed no exit), of each exit `<exit>_kg`, of each other wall `<wall>_Fx_N`, `_Fy_N`, `_Fz_N` (mean since the row before); with "
+    "liquid `bridges`, `liquid_kg`; with polyhedra `core_overlaps`, pairs pressed deeper than their rounding: 0 is right, else contacts "
+    "are "
+    "too soft.");
 static const scene_field output_fields[] = {
     NUMBER(output_def, frames, UNIT_TIME, POSITIVE, "",
            "time between two frames of the ParaView series `scene.pvd`, `scene_walls.pvd`; default: none"),
@@ -328,6 +360,7 @@ static const scene_field scene_fields[] = {
     LIST(scene_def, materials, FIELD_NAMED, material, 8, MUST, "materials with names"),
     LIST(scene_def, contacts, FIELD_LIST, contact, 64, "", "pairs of materials"),
     LIST(scene_def, walls, FIELD_NAMED, wall, 32, "", "walls with names"),
+    LIST(scene_def, shapes, FIELD_NAMED, shape, 32, "", "clumps and convex polyhedra with names"),
     LIST(scene_def, feeds, FIELD_LIST, feed, 100, MUST, "sources of particles"),
     PART(scene_def, periodic, periodic, "", 0, "axes that close on themselves"),
     PART(scene_def, liquid, liquid, "", 0, "makes the scene wet"),

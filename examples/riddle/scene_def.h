@@ -96,6 +96,26 @@ typedef struct wall_def {
     double from, until;
 } wall_def;
 
+/* ---- shapes ---- */
+
+enum { SHAPE_SPHERES_MAX = 64, SHAPE_CORNERS_MAX = 32 }; /* as dem.h has them */
+
+typedef struct shape_sphere {
+    scene_part part;
+    double centre[3], diameter;
+} shape_sphere;
+typedef struct shape_mesh {
+    scene_part part;
+    const char *file;
+    double unit, weld;
+} shape_mesh;
+typedef struct shape_def {
+    scene_part part; /* of the shapes' name */
+    scene_list spheres, corners;
+    double box[3], rounding;
+    shape_mesh mesh;
+} shape_def;
+
 /* ---- feed ---- */
 
 typedef struct box_region {
@@ -146,7 +166,7 @@ typedef struct sizes_def {
 
 typedef struct feed_def {
     scene_part part;
-    const char *material, *label;
+    const char *material, *shape, *label;
     sizes_def sizes;
     region_def region;
     double mass, count, rate;
@@ -194,7 +214,7 @@ typedef struct scene_def {
     const char *title;
     double duration, time_step, gravity[3], seed;
     int law;
-    scene_list materials, contacts, walls, feeds, stop;
+    scene_list materials, contacts, walls, shapes, feeds, stop;
     periodic_def periodic;
     liquid_def liquid;
     measure_def measure;

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "csv.h"
+#include "scene_shapes.h"
 #include "scene_walls.h"
 
 enum { CLASSES_MAX = 1000, DRAWS = 4000 };
@@ -85,9 +86,20 @@ static int read_csv(scene *s, const sizes_def *def, size_shares *list) {
     return failed ? -1 : 0;
 }
 
-static int read_sizes(scene *s, const sizes_def *def, size_shares *list) {
+/* A shape without sizes comes as it was drawn. */
+static int read_drawn(scene *s, const feed_def *feed, size_shares *list) {
+    const body_shape *shape;
+    if (!feed->shape) return tree_fail(s->file, feed->part.where, "feed: sizes is missing");
+    return scene_shape_of(s, feed, &shape)
+               ? -1
+               : add_share(s, list, feed->part.where, dem_one_size(shape->diameter), 1.0, shape->diameter, shape->diameter);
+}
+
+static int read_sizes(scene *s, const feed_def *feed, size_shares *list) {
+    const sizes_def *def = &feed->sizes;
     const size_class *c = def->classes.item;
     const tree *at = def->part.where;
+    if (!at) return read_drawn(s, feed, list);
     list->by_mass = def->shares == 0;
     if (def->file) return read_csv(s, def, list);
     for (int k = 0; k < def->classes.n; k++)
@@ -111,9 +123,11 @@ static int read_sizes(scene *s, const sizes_def *def, size_shares *list) {
 /* ---- sources ---- */
 
 static int group_of(scene *s, const feed_def *def, const size_share *c, double density) {
+    const char *label = def->label ? def->label : def->shape ? def->shape : "", *bar = label[0] ? "_" : "";
     char name[64];
-    if (c->low == c->high) snprintf(name, sizeof name, "%s%s%gmm", def->label ? def->label : "", def->label ? "_" : "", 1e3 * c->low);
-    else snprintf(name, sizeof name, "%s%s%g-%gmm", def->label ? def->label : "", def->label ? "_" : "", 1e3 * c->low, 1e3 * c->high);
+    if (!def->sizes.part.where) snprintf(name, sizeof name, "%.50s", label);
+    else if (c->low == c->high) snprintf(name, sizeof name, "%.40s%s%gmm", label, bar, 1e3 * c->low);
+    else snprintf(name, sizeof name, "%.40s%s%g-%gmm", label, bar, 1e3 * c->low, 1e3 * c->high);
     for (char *p = name; *p; p++)
         if (*p == ',' || *p == ' ' || *p == '"') *p = '_';
     for (int g = 0; g < s->groups; g++)
@@ -167,9 +181,11 @@ static int larger_first(const void *a, const void *b) {
 static int add_sources(scene *s, const feed_def *def, size_shares *list) {
     const size_share *order[CLASSES_MAX];
     source *first = &s->source[s->sources];
+    const body_shape *shape;
     dem_region region;
     int material;
-    if (scene_material(s->file, s->def, &def->part, "material", def->material, &material) || scene_region(s->file, &def->region, &region))
+    if (scene_material(s->file, s->def, &def->part, "material", def->material, &material) || scene_region(s->file, &def->region, &region) ||
+        scene_shape_of(s, def, &shape))
         return -1;
     if (list->n == 0) return tree_fail(s->file, def->sizes.part.where, "sizes: all shares are 0");
     if (!isnan(def->until) && !(def->until > def->from)) return tree_fail(s->file, fields_where(&def->part, "until"), "until: after from");
@@ -178,13 +194,17 @@ static int add_sources(scene *s, const feed_def *def, size_shares *list) {
     for (int k = 0; k < list->n; k++, s->sources++) {
         source *q = &s->source[s->sources];
         memset(q, 0, sizeof *q);
-        q->def = def;
+        q->def = def, q->shape = shape;
         q->density = ((const material_def *)s->def->materials.item)[material].density;
         q->group = group_of(s, def, order[k], q->density);
         q->feed = dem_default_feed();
         q->feed.region = region, q->feed.sizes = order[k]->sizes, q->feed.material = material, q->feed.group = q->group;
         q->feed.velocity = scene_vec(def->velocity), q->feed.scatter = scene_vec(def->scatter);
+        q->feed.clump = shape && shape->clump.spheres ? &shape->clump : NULL;
         q->feed.tries = (int)def->tries;
+        if (scene_is_polyhedron(shape) && q->feed.sizes.kind != DEM_SIZES_LIST)
+            return tree_fail(s->file, def->sizes.part.where,
+                             "sizes: polyhedra come in single sizes: diameter, classes, or a file with shares");
         q->feed.random = s->seed * 1000003u + (uint64_t)s->sources + 1u;
         for (int c = 0; c < 3; c++)
             if (!(def->scatter[c] >= 0.0)) return tree_fail(s->file, fields_where(&def->part, "scatter"), "scatter: at least 0");
@@ -201,7 +221,7 @@ int scene_add_sources(scene *s) {
     int total = 0;
     if (!lists) return -1;
     for (int k = 0; k < n; k++) {
-        if (read_sizes(s, &def[k].sizes, &lists[k])) return -1;
+        if (read_sizes(s, &def[k], &lists[k])) return -1;
         total += lists[k].n;
     }
     s->source = tree_memory(s->file, (size_t)total * sizeof *s->source);
@@ -230,6 +250,7 @@ double scene_feed_interval(const scene *s, const source *q) {
     const double speed = sqrt(v.x * v.x + v.y * v.y + v.z * v.z), pull = sqrt(g.x * g.x + g.y * g.y + g.z * g.z);
     double smallest, largest;
     scene_extremes(q, &smallest, &largest);
+    if (q->shape) largest *= q->shape->reach;
     const double way = 0.5 * fmax(extent(&q->feed.region, speed > 0.0 ? v : g), largest);
     if (pull > 0.0) return (sqrt(speed * speed + 2.0 * pull * way) - speed) / pull;
     return speed > 0.0 ? way / speed : HUGE_VAL;

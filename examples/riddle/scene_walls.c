@@ -117,22 +117,25 @@ static int add_lifters(scene *s, int material, const lifters_shape *l) {
     return dem_add_mesh(&s->world, material, &m);
 }
 
-static int add_mesh(scene *s, int material, const mesh_shape *shape) {
+int scene_read_stl(tree_file *file, const tree *at, const char *name, double unit, double weld, dem_mesh *mesh) {
     char path[1000], message[300];
-    const char *slash = strrchr(s->file->name, '/');
-    const int folder = slash && shape->file[0] != '/' ? (int)(slash - s->file->name) + 1 : 0;
-    const tree *at = fields_where(&shape->part, "file");
+    const char *slash = strrchr(file->name, '/');
+    const int folder = slash && name[0] != '/' ? (int)(slash - file->name) + 1 : 0;
     size_t size;
+    snprintf(path, sizeof path, "%.*s%s", folder, file->name, name);
+    char *bytes = input_read(path, &size, message, sizeof message);
+    if (!bytes) return tree_fail(file, at, "file: %s", message);
+    const dem_status status = dem_read_stl(bytes, size, unit, weld, NULL, mesh, NULL);
+    free(bytes);
+    return status == DEM_OK ? 0 : tree_fail(file, at, "file: %s: %s", path, dem_status_text(status));
+}
+
+static int add_mesh(scene *s, int material, const mesh_shape *shape) {
     dem_mesh m;
     turn t;
     if (make_turn(shape->axis, shape->angle, &t))
         return tree_fail(s->file, fields_where(&shape->part, "axis"), "axis: it has no direction");
-    snprintf(path, sizeof path, "%.*s%s", folder, s->file->name, shape->file);
-    char *bytes = input_read(path, &size, message, sizeof message);
-    if (!bytes) return tree_fail(s->file, at, "file: %s", message);
-    const dem_status status = dem_read_stl(bytes, size, shape->unit, shape->weld, NULL, &m, NULL);
-    free(bytes);
-    if (status != DEM_OK) return tree_fail(s->file, at, "file: %s: %s", path, dem_status_text(status));
+    if (scene_read_stl(s->file, fields_where(&shape->part, "file"), shape->file, shape->unit, shape->weld, &m)) return -1;
     for (ptrdiff_t k = 0; k < m.vertices; k++) turn_and_shift(&t, shape->centre, &m.vertex[3 * k]);
     const int wall = dem_add_mesh(&s->world, material, &m);
     dem_free_mesh(&m);

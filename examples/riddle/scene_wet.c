@@ -41,6 +41,10 @@ int scene_wet_begin(scene *s) {
     int decks = 0;
     if (!l->part.where) return 0;
     if (s->def->law != 0) return tree_fail(s->file, l->part.where, "liquid: only with law: linear");
+    for (int k = 0; k < s->sources; k++)
+        if (s->source[k].shape)
+            return tree_fail(s->file, l->part.where, "liquid: only spheres can be wet, and a feed has the shape %.60s",
+                             s->source[k].def->shape);
     for (int k = 0; k < s->world.walls; k++) decks += s->world.wall[k].kind == DEM_SCREEN;
     s->wet_room = room_of(s, &volume);
     if (s->wet_room < 0) return tree_fail(s->file, l->part.where, "liquid: more than 20 million particles");

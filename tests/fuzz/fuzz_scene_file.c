@@ -22,6 +22,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     return 0;
 }
 
+#define SHAPES                                                                                                                             \
+    "shapes:\n  rod: {spheres: [{centre: [0, 0, 0], diameter: 4 mm}, {centre: [3 mm, 0, 0], diameter: 4 mm}]}\n  box: {box: [4 mm, 5 mm, " \
+    "6 "                                                                                                                                   \
+    "mm], rounding: 0.1}\n  wedge: {corners: [[0, 0, 0], [1 mm, 0, 0], [0, 1 mm, 0], [0, 0, 1 mm]]}\n"
+#define REGION "region: {box: {low: [0, 0, 0], high: [0.1, 0.1, 10 mm]}}"
 #define HEAD "duration: 2 s\nmaterials:\n  g: {density: 2500 kg/m3}\n"
 #define FEED "feeds:\n  - {material: g, mass: 1 g, sizes: {diameter: 3 mm}, region: {box: {low: [0, 0, 0], high: [0.1, 0.1, 10 mm]}}}\n"
 static const char *const samples[] = {
@@ -40,7 +45,10 @@ static const char *const samples[] = {
     "liquid: {moisture: 2 %}\nstop:\n  - {column: particles, below: 1}\nmeasure: {every: 10 ms, regions: {a: {region: {box: {low: [0, 0, "
     "0], "
     "high: [1, 1, 1]}}}}}\nperiodic: {x: {low: 0, high: 1}}\noutput: {movie: yes, frames: 1e-1}\ngravity: [0, nan, -inf]\n",
+    HEAD SHAPES "feeds:\n  - {material: g, shape: rod, mass: 1 g, sizes: {uniform: {smallest: 1 mm, largest: 2 mm}}, " REGION
+                "}\n  - {material: g, shape: box, count: 3, sizes: {diameter: 3 mm}, " REGION
+                "}\n  - {material: g, shape: wedge, rate: 1 g/s, " REGION "}\n",
     "[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[&a [*a, *a], *b, <<: *a, ? x, !!binary x, %YAML 1.1\n---\n...\n--- \"\\0\" |\n  x\n",
 };
 
-FUZZ_MAIN(samples, 6, 6000)
+FUZZ_MAIN(samples, 7, 6000)

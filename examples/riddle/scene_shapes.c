@@ -1,0 +1,128 @@
+/* scene_shapes.c: see scene_shapes.h */
+#include "scene_shapes.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "scene_walls.h"
+
+/* An array of negative length does not compile: the limits of the table are those of dem.h. */
+typedef char limits_agree[SHAPE_SPHERES_MAX == DEM_CLUMP_MAX && SHAPE_CORNERS_MAX == DEM_CORNERS_MAX ? 1 : -1];
+
+int scene_is_polyhedron(const body_shape *shape) { return shape && shape->clump.spheres == 0; }
+
+static double diameter_of(double volume) { return 2.0 * riddle_cbrt(volume / (4.0 / 3.0 * RIDDLE_PI)); }
+
+/* ---- making ---- */
+
+static int make_clump(scene *s, body_shape *b) {
+    const shape_sphere *sphere = b->def->spheres.item;
+    double centre[SHAPE_SPHERES_MAX][3], diameter[SHAPE_SPHERES_MAX], reach = 0.0;
+    const int n = b->def->spheres.n;
+    for (int k = 0; k < n; k++) memcpy(centre[k], sphere[k].centre, sizeof centre[k]), diameter[k] = sphere[k].diameter;
+    const dem_status status = dem_make_clump(n, &centre[0][0], diameter, &b->clump);
+    if (status != DEM_OK)
+        return tree_fail(s->file, fields_where(&b->def->part, "spheres"), "spheres: %s (places or diameters too large or too small)",
+                         dem_status_text(status));
+    for (int k = 0; k < b->clump.spheres; k++) {
+        const dem_vec x = b->clump.centre[k];
+        reach = fmax(reach, sqrt(x.x * x.x + x.y * x.y + x.z * x.z) + b->clump.radius[k]);
+    }
+    b->diameter = dem_clump_diameter(&b->clump);
+    b->reach = 2.0 * reach / b->diameter;
+    return 0;
+}
+
+static dem_status make_from_mesh(scene *s, body_shape *b, const char **reason) {
+    const shape_mesh *m = &b->def->mesh;
+    dem_mesh mesh;
+    if (scene_read_stl(s->file, fields_where(&m->part, "file"), m->file, m->unit, m->weld, &mesh)) return DEM_BAD_ARGUMENT;
+    const dem_status status = dem_make_convex_mesh(&b->polyhedron, &mesh, b->def->rounding, reason);
+    dem_free_mesh(&mesh);
+    return status;
+}
+
+static int make_polyhedron(scene *s, body_shape *b) {
+    const shape_def *d = b->def;
+    const char *reason = "", *key = d->corners.n ? "corners" : d->mesh.part.where ? "mesh" : "box";
+    const dem_status status = d->corners.n         ? dem_make_convex(&b->polyhedron, d->corners.n, d->corners.item, d->rounding, &reason)
+                              : d->mesh.part.where ? make_from_mesh(s, b, &reason)
+                                                   : dem_make_brick(&b->polyhedron, scene_vec(d->box), d->rounding, &reason);
+    if (status != DEM_OK) return tree_fail(s->file, fields_where(&d->part, key), "%s: %s", key, reason);
+    b->diameter = diameter_of(b->polyhedron.volume);
+    b->reach = 2.0 * b->polyhedron.reach / b->diameter;
+    return 0;
+}
+
+int scene_make_shapes(scene *s) {
+    const shape_def *d = s->def->shapes.item;
+    s->shape = tree_memory(s->file, (size_t)(s->def->shapes.n + 1) * sizeof *s->shape);
+    if (!s->shape) return -1;
+    for (int k = 0; k < s->def->shapes.n; k++) {
+        s->shape[k].def = &d[k];
+        if (d[k].spheres.n ? make_clump(s, &s->shape[k]) : make_polyhedron(s, &s->shape[k])) return -1;
+    }
+    return 0;
+}
+
+int scene_shape_of(scene *s, const feed_def *feed, const body_shape **shape) {
+    const char *names[40];
+    *shape = NULL;
+    if (!feed->shape) return 0;
+    for (int k = 0; k < s->def->shapes.n; k++) {
+        names[k] = s->shape[k].def->part.name;
+        if (strcmp(names[k], feed->shape) == 0) *shape = &s->shape[k];
+    }
+    const tree *at = fields_where(&feed->part, "shape");
+    if (!*shape && s->def->shapes.n == 0) return tree_fail(s->file, at, "shape: no shape %.60s; the scene has no shapes", feed->shape);
+    return *shape ? 0 : fields_refuse_word(s->file, at, "shape", feed->shape, names, s->def->shapes.n);
+}
+
+/* ---- in a world ---- */
+
+/* The same polyhedron, all lengths times a factor. */
+static dem_convex scaled(const dem_convex *original, double factor) {
+    dem_convex c = *original;
+    const double cube = factor * factor * factor;
+    for (int k = 0; k < c.corners; k++)
+        for (int a = 0; a < 3; a++) c.corner[k][a] *= factor;
+    for (int k = 0; k < c.faces; k++) c.plane[k][3] *= factor;
+    for (int a = 0; a < 3; a++) c.moment[a] *= cube * factor * factor;
+    for (int a = 0; a < 3; a++) *dem_axis_of(&c.half, a) *= factor, *dem_axis_of(&c.centroid, a) *= factor;
+    c.radius *= factor, c.reach *= factor, c.volume *= cube;
+    return c;
+}
+
+/* The number of a source's polyhedron of a diameter in a world, which gets it; or minus a dem_status. */
+static int add_polyhedron(dem_world *world, const source *q, double diameter) {
+    const dem_convex c = scaled(&q->shape->polyhedron, diameter / q->shape->diameter);
+    return dem_add_shape(world, &c);
+}
+
+int scene_add_shapes(scene *s) {
+    for (int k = 0; k < s->sources; k++) {
+        source *q = &s->source[k];
+        if (!scene_is_polyhedron(q->shape)) continue;
+        const int number = add_polyhedron(&s->world, q, q->feed.sizes.diameter[0]);
+        if (number < 0)
+            return tree_fail(s->file, q->def->part.where, "shape %.60s: %s", q->shape->def->part.name,
+                             dem_status_text((dem_status)-number));
+        q->feed.polyhedron = number + 1;
+    }
+    return 0;
+}
+
+int scene_has_polyhedra(const scene *s) {
+    for (int k = 0; k < s->sources; k++)
+        if (scene_is_polyhedron(s->source[k].shape)) return 1;
+    return 0;
+}
+
+dem_status scene_put(dem_world *world, const source *q, double diameter, dem_vec centre) {
+    const double at[3] = {centre.x, centre.y, centre.z};
+    const int material = q->feed.material;
+    if (!q->shape) return dem_add_spheres(world, 1, at, &diameter, material, 0);
+    if (!scene_is_polyhedron(q->shape)) return dem_add_clumps(world, 1, &q->shape->clump, at, &diameter, NULL, material, 0);
+    const int number = add_polyhedron(world, q, diameter);
+    return number < 0 ? (dem_status)-number : dem_add_convex(world, number, 1, at, NULL, material, 0);
+}

@@ -1,0 +1,18 @@
+/* scene_shapes.h: the clumps and the convex polyhedra of a scene file. */
+#ifndef RIDDLE_SCENE_SHAPES_H
+#define RIDDLE_SCENE_SHAPES_H
+
+#include "scene.h"
+
+/* Makes the shapes of the file. 0, or -1 with the message in the file. */
+int scene_make_shapes(scene *s);
+/* Finds the shape of a feed; *shape is NULL for spheres. */
+int scene_shape_of(scene *s, const feed_def *feed, const body_shape **shape);
+/* Adds the polyhedra of all sources to the scene's world, each class of sizes as a shape of its own. */
+int scene_add_shapes(scene *s);
+int scene_is_polyhedron(const body_shape *shape);
+int scene_has_polyhedra(const scene *s);
+/* Adds one particle of a source and a diameter at rest to any world. */
+dem_status scene_put(dem_world *world, const source *q, double diameter, dem_vec centre);
+
+#endif
