@@ -5,8 +5,8 @@
       One row has an interpolation that needs no second fluid node.
    2. Node updates a second, bare and with one moving sphere, against the limit of memory: every population of the same memory read, changed
       and written back, in the same run.
-   3. A sphere that moves through liquid at rest: how its drag and the pressure beside it flicker as it crosses the lattice, over the bulk
-      viscosity; what becomes of the liquid's mass; up to which speed it holds, and how it ends beyond. */
+   3. A sphere that moves through liquid at rest: fluctuations of its drag and of the pressure beside it as it crosses the lattice, over the
+      bulk viscosity; change of the liquid's mass; largest speed of a stable run. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

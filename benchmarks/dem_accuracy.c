@@ -7,8 +7,8 @@
       small enough.
    3. Layers of skipping on the stack: run time, same hash.
 
-   Beside dem.h stand integrators as other codes have them, written out in impact.h: they give the first and the last step of a contact a
-   whole step's force or none. Effort is counted in evaluations of the contact law, those of resolved steps included; run time is
+   dem.h is compared with the integrators of other codes, in impact.h: they apply a whole step's force or none in the first and last step of
+   a contact. Effort is counted in evaluations of the contact law, those of resolved steps included; run time is
    processor time. */
 #include <math.h>
 #include <stdio.h>

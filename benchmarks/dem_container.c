@@ -1,7 +1,7 @@
-/* dem.h: what a container costs as a mesh: the same bed at rest in five planes, in dem_add_box and in 56 triangles.
+/* dem.h: cost of a container made of a mesh: the same bed at rest in five planes, in dem_add_box and in 56 triangles.
 
-   Spheres of 3.6 to 4.4 mm settle in a box of 50 mm and are then run on. Figure of merit: processor time of a contact and step, the least of
-   repeats that take turns, over that in planes. The beds differ as grains do: 10 % of their contacts are with walls. */
+   Spheres of 3.6 to 4.4 mm settle in a box of 50 mm; then steps are timed. Figure of merit: processor time of a contact and step, the
+   smallest of repeats in turns, over that in planes. 10 % of the contacts are with walls. */
 #include <math.h>
 #include <string.h>
 

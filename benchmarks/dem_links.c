@@ -1,9 +1,9 @@
-/* dem.h with examples/wet_contact.h: how seldom may liquid bridges be evaluated?
+/* dem.h with examples/wet_contact.h: error of the interval between evaluations of liquid bridges.
 
-   Pairs of wet spheres of 5 mm, as the batch screen has them, hit each other at all angles (as often as in a gas: sin 2 theta), and phases of
-   the interval, and part again or hang together. Against the same pairs with bridges evaluated in every step, after 30 ms: error of
-   relative velocity and spin over the speed of the impact, and of the energy that is left over that before. For scale, the same of pairs
-   without bridges, and what the step of contacts errs by: see dem_steps. */
+   Pairs of wet spheres of 5 mm, those of the batch screen, collide at all angles (as often as in a gas: sin 2 theta) and phases of the
+   interval, and rebound or stay together. After 30 ms they are compared with pairs whose bridges are evaluated in every step: error of
+   relative velocity and spin over the speed of the impact, and of the energy left over that before. Beside it: pairs without bridges. The
+   error of the time step of contacts: see dem_steps. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
