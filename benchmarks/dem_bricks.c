@@ -1,8 +1,9 @@
 /* dem.h: cost of a bed of bricks, compared with as many clumps of two spheres and as many spheres.
 
    Bodies of 1 : 1 : 2.08 (a clump: two spheres that touch; a sphere: of the brick's volume) fall, turned at random, into a box that is
-   periodic sideways, and settle. Then steps are timed at rest or on a vibrating floor. Figure of merit: particle-steps per second
-   of processor time. state.csv holds the settled state, from which benchmarks/peers/bricks runs other programs. --rebounds measures the rebound of bricks from a plane instead. */
+   periodic sideways, and settle. Then steps are timed at rest or on a vibrating floor. Figure of merit: particle-steps per second of
+   processor time. state.csv holds the settled state, from which benchmarks/peers/bricks runs other programs. --rebounds measures the
+   rebound of bricks from a plane instead. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,9 @@
 /* dem.h: cost of a wall of triangles: to build, in memory, and per contact and step, compared with a plane.
 
    Spheres of 5 mm roll side by side over a floor that is a plane, or a plate of 0.5 m of more and more triangles, cut along random
-   diagonals. All are in contact in every step, which is the worst case: a sphere without contact is tested only when it could touch. With 400
-   spheres and a fine mesh the data fill the caches; with 9 spheres they do not, and the depth of the tree determines the time. Figure of
-   merit: processor time of a step of a sphere, the median of repeats, over that of as many on the plane. */
+   diagonals. All are in contact in every step, which is the worst case: a sphere without contact is tested only when it could touch. With
+   400 spheres and a fine mesh the data fill the caches; with 9 spheres they do not, and the depth of the tree determines the time. Figure
+   of merit: processor time of a step of a sphere, the median of repeats, over that of as many on the plane. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
