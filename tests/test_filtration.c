@@ -181,7 +181,7 @@ static void test_zick_homsy(void **state) {
 }
 
 /* RIDDLE_FINE (scripts/verify filtration_arrays): three solid fractions at 20 and 40 cells a diameter, four places of the centre within a
-   voxel, and at 20 relaxation times 0.6 to 5, both precisions and lattices. The finer ones in floats with the largest step, to save time. */
+   voxel, and at 20 relaxation times 0.6 to 5, both precisions and lattices. At 40 in floats with the largest step, to save time. */
 static void test_fine_arrays(void **state) {
     (void)state;
     const double c[] = {0.064, 0.125, 0.216}, drag[] = {2.8102, 4.2916, 7.442}, tau[] = {0.6, 1.0, 2.0, 5.0};
