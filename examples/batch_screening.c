@@ -168,10 +168,10 @@ static void report_one(const study *st, double wall) {
                                        : "time [s]|small retained|near-mesh retained|apertures free");
     for (int k = 0; k < st->samples; k += (int)(fmax(0.1, s->time >= 10.0 ? floor(s->time / 10.0 + 0.5) : s->time / 10.0) / SAMPLE + 0.5)) {
         table_cell(&rows, "%.1f", a.time[k]);
-        if (plate) table_cell(&rows, "%.2f", 1e3 * a.mean[H_STAR][k]), table_cell(&rows, "%.2f", 1e3 * a.interval[H_STAR][k]);
+        if (plate) table_cell(&rows, "%.2f", 1e3 * a.mean[H_STAR][k]), interval_cell(&rows, 2, 1e3 * a.interval[H_STAR][k]);
         for (int c = 0; c < UNDERSIZE && !plate; c++) {
             table_cell(&rows, "%.3f", a.mean[c][k]);
-            if (several) table_cell(&rows, "%.3f", a.interval[c][k]);
+            if (several) interval_cell(&rows, 3, a.interval[c][k]);
         }
         if (!plate) table_cell(&rows, "%.3f", a.mean[FREE][k]);
     }
@@ -342,7 +342,7 @@ static void report_cases(const study *st) {
         for (int k = 0; k < 2; k++)
             for (int c = 0; c < UNDERSIZE; c++) {
                 const statistics x = measure_of(st, v, at_time(c, SAMPLE * (k ? end : five)));
-                table_cell(&t, "%.3f", x.mean), table_cell(&t, "%.3f", x.interval);
+                table_cell(&t, "%.3f", x.mean), interval_cell(&t, 3, x.interval);
             }
     }
     table_end(&t);
@@ -359,7 +359,7 @@ static void report_cases(const study *st) {
         json_findings(j, &f);
         json_close(j);
     }
-    report_findings(&f, st->self->out);
+    report_findings(&f, st->seeds < 2, st->self->out);
 }
 
 /* ---- sensitivity: what the paper leaves open, one thing at a time ---- */
@@ -396,10 +396,12 @@ static void report_sensitivity(const study *st) {
             for (int c = 0; c < UNDERSIZE; c++) {
                 s[c] = measure_of(st, v, at_time(c, when[w]));
                 mean[c][v + 1] = s[c].mean;
-                table_cell(&t, "%.3f", s[c].mean), table_cell(&t, "%.3f", s[c].sd);
+                table_cell(&t, "%.3f", s[c].mean), interval_cell(&t, 3, s[c].sd);
             }
-            csv_line(rows, "%s,%g,%.6f,%.6f,%.6f,%.6f,%d", names[v + 1], when[w], s[SMALL].mean, s[SMALL].sd, s[NEAR_MESH].mean,
-                     s[NEAR_MESH].sd, st->seeds);
+            char sd[UNDERSIZE][32] = {"", ""};
+            for (int c = 0; c < UNDERSIZE && st->seeds > 1; c++) snprintf(sd[c], sizeof sd[c], "%.6f", s[c].sd);
+            csv_line(rows, "%s,%g,%.6f,%s,%.6f,%s,%d", names[v + 1], when[w], s[SMALL].mean, sd[SMALL], s[NEAR_MESH].mean, sd[NEAR_MESH],
+                     st->seeds);
         }
         plot_panel(figure, w, 0, "", "fraction retained [-]");
         plot_title(figure, heading[w]);
@@ -512,9 +514,9 @@ static void report_neighbours(const study *st) {
                 const statistics mean = measure_of(st, v, over_time(curves[row], 0.0, base->time)),
                                  end = measure_of(st, v, at_time(curves[row], base->time));
                 const double unit = plate ? 1e3 : 1.0;
-                const char *digits = plate ? "%.2f" : "%.3f";
-                table_cell(&t, digits, unit * mean.mean), table_cell(&t, digits, unit * mean.interval);
-                if (plate) table_cell(&t, digits, unit * end.mean), table_cell(&t, digits, unit * end.interval);
+                const int digits = plate ? 2 : 3;
+                interval_cell(&t, digits, unit * mean.mean), interval_cell(&t, digits, unit * mean.interval);
+                if (plate) interval_cell(&t, digits, unit * end.mean), interval_cell(&t, digits, unit * end.interval);
                 snprintf(text, sizeof text, "%s_mean_over_time", curve_name[curves[row]]);
                 json_statistics(j, text, mean);
                 snprintf(text, sizeof text, "%s_end", curve_name[curves[row]]);
@@ -546,7 +548,7 @@ static void report_neighbours(const study *st) {
     json_close(j);
     csv_close(file);
     table_end(&t);
-    report_findings(&f, st->self->out);
+    report_findings(&f, st->seeds < 2, st->self->out);
     plot_write(figure, st->self->out, "neighbours.svg");
 }
 
@@ -611,7 +613,7 @@ static void report_moisture(const study *st) {
         table_cell(&means, "%s", st->variants[v].name);
         for (int c = 0; c < UNDERSIZE; c++) {
             const statistics x = measure_of(st, v, at_time(c, end));
-            table_cell(&means, "%.3f", x.mean), table_cell(&means, "%.3f", x.sd), table_cell(&means, "%.3f", x.interval);
+            table_cell(&means, "%.3f", x.mean), interval_cell(&means, 3, x.sd), interval_cell(&means, 3, x.interval);
         }
         json_object_begin(j, NULL);
         json_number(j, "moisture", st->variants[v].set.moisture);
@@ -629,7 +631,7 @@ static void report_moisture(const study *st) {
             const char *laws = low == high ? "printed minus corrected" : st->variants[to[k]].set.laws ? "printed" : "corrected";
             table_cell(&t, "%s", class_name[c]), table_cell(&t, "%s", laws);
             table_cell(&t, "%.1f", 100.0 * low), table_cell(&t, "%.1f", 100.0 * high), table_cell(&t, "%+.3f", x.difference);
-            table_cell(&t, "%.3f", x.paired), table_cell(&t, "%.3f", x.independent), table_cell(&t, "%+.2f", x.correlation);
+            interval_cell(&t, 3, x.paired), interval_cell(&t, 3, x.independent), interval_cell(&t, 2, x.correlation);
             json_object_begin(j, NULL);
             json_string(j, "class", class_name[c]);
             json_string(j, "laws", laws);
@@ -653,7 +655,9 @@ static void report_moisture(const study *st) {
                 x[m] = 100.0 * st->variants[v].set.moisture + (laws ? 0.08 : -0.08); /* beside each other */
                 y[m] = d.difference, plus_minus[m] = d.paired;
             }
-            plot_error_bars(figure, laws ? "printed laws" : "corrected laws", x, y, plus_minus, 2);
+            const char *label = laws ? "printed laws" : "corrected laws";
+            if (st->seeds > 1) plot_error_bars(figure, label, x, y, plus_minus, 2);
+            else plot_points(figure, label, x, y, 2);
         }
     }
     json_array_end(j);

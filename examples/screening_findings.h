@@ -1,6 +1,6 @@
 /* screening_findings.h - the statements of Elskamp & Kruggel-Emden (2019), sections 5.1 and 5.2, each with the numbers of a study. A
-   comparison of cases is confirmed or refuted where the 95 % interval of the difference between their means does not include zero; with one
-   seed there is no interval, and the sign decides. */
+   comparison of cases is confirmed or refuted where the 95 % interval of the difference between their means does not include zero. With one
+   seed there is no interval: how far another run would be from it is not known, and nothing is confirmed or refuted by it. */
 #ifndef SCREENING_FINDINGS_H
 #define SCREENING_FINDINGS_H
 
@@ -9,8 +9,8 @@
 #include "screen_models.h"
 #include "screening_study.h"
 
-typedef enum verdict { CONFIRMED, REFUTED, OPEN } verdict;
-static const char *const verdict_name[] = {"confirmed", "refuted", "within the scatter"};
+typedef enum verdict { CONFIRMED, REFUTED, OPEN, ONE_RUN } verdict;
+static const char *const verdict_name[] = {"confirmed", "refuted", "within the scatter", "one run: not known"};
 
 enum { FINDINGS_MAX = 64, FINDING_NUMBERS = 240 };
 
@@ -38,11 +38,16 @@ static void find_that(findings *f, const char *claim, verdict holds, const char 
 
 static verdict yes_or_no(bool holds) { return holds ? CONFIRMED : REFUTED; }
 
-/* Whether the second is larger than the first by more than chance makes, or smaller. */
-static verdict is_larger(contrast c) { return fabs(c.difference) <= c.independent ? OPEN : yes_or_no(c.difference > 0.0); }
+/* Whether a number is above zero by more than chance makes, or below. */
+static verdict is_positive(double value, double interval) {
+    return isnan(interval) ? ONE_RUN : fabs(value) <= interval ? OPEN : yes_or_no(value > 0.0);
+}
+
+/* The same of the second less the first. */
+static verdict is_larger(contrast c) { return is_positive(c.difference, c.independent); }
 
 /* Several comparisons that one statement needs: refuted if one is, confirmed if all are. */
-static verdict both(verdict a, verdict b) { return a == REFUTED || b == REFUTED ? REFUTED : a == OPEN || b == OPEN ? OPEN : CONFIRMED; }
+static verdict both(verdict a, verdict b) { return a == REFUTED || b == REFUTED ? REFUTED : a == CONFIRMED ? b : a; }
 
 /* ---- section 5.1: the 27 cases; variant k is case k + 1 ---- */
 
@@ -54,15 +59,16 @@ enum { ONLY_SMALL = 1, ONLY_NEAR_MESH = 2, BOTH = 3 };
 static void find_pair(findings *f, const study *st, const char *claim, int classes, int first, int second, double alike) {
     verdict holds = CONFIRMED;
     contrast x[UNDERSIZE];
-    char text[UNDERSIZE][64] = {"", ""};
+    char text[UNDERSIZE][64] = {"", ""}, plus_minus[INTERVAL_TEXT];
     for (int c = 0; c < UNDERSIZE; c++) {
         if (!(classes & 1 << c)) continue;
         x[c] = contrast_of(st, first - 1, second - 1, over_time(c, EARLY, WHOLE));
         const double size = fabs(x[c].difference), interval = x[c].independent;
-        if (alike > 0.0) holds = both(holds, size + interval < alike ? CONFIRMED : size - interval > alike ? REFUTED : OPEN);
+        if (alike > 0.0 && isnan(interval)) holds = ONE_RUN;
+        else if (alike > 0.0) holds = both(holds, size + interval < alike ? CONFIRMED : size - interval > alike ? REFUTED : OPEN);
         else holds = both(holds, is_larger(x[c]));
-        snprintf(text[c], sizeof text[c], "%s%s %+.3f +- %.3f", c && classes == BOTH ? ", " : "", c ? "near-mesh" : "small",
-                 x[c].difference, interval);
+        snprintf(text[c], sizeof text[c], "%s%s %+.3f%s", c && classes == BOTH ? ", " : "", c ? "near-mesh" : "small", x[c].difference,
+                 within(plus_minus, interval));
     }
     find_that(f, claim, holds, "case %d minus case %d, mean over 5-20 s: %s%s%s", second, first, text[SMALL], text[NEAR_MESH],
               alike > 0.0 ? " (alike: within 0.03)" : "");
@@ -78,22 +84,25 @@ static void find_alike(findings *f, const study *st, const char *claim, int clas
 /* What is left of both classes in a case at 20 s: more than a limit, or less. */
 static void find_left(findings *f, const study *st, const char *claim, int number, bool some) {
     const double limit = some ? 0.02 : 0.01;
+    char plus_minus[UNDERSIZE][INTERVAL_TEXT];
     verdict holds = CONFIRMED;
     statistics s[UNDERSIZE];
     for (int c = 0; c < UNDERSIZE; c++) {
         s[c] = measure_of(st, number - 1, at_time(c, WHOLE));
-        const double excess = some ? s[c].mean - limit : limit - s[c].mean;
-        holds = both(holds, fabs(excess) <= s[c].interval ? OPEN : yes_or_no(excess > 0.0));
+        holds = both(holds, is_positive(some ? s[c].mean - limit : limit - s[c].mean, s[c].interval));
+        within(plus_minus[c], s[c].interval);
     }
-    find_that(f, claim, holds, "case %d at 20 s: small %.3f +- %.3f, near-mesh %.3f +- %.3f (%s %.2f)", number, s[SMALL].mean,
-              s[SMALL].interval, s[NEAR_MESH].mean, s[NEAR_MESH].interval, some ? "above" : "below", limit);
+    find_that(f, claim, holds, "case %d at 20 s: small %.3f%s, near-mesh %.3f%s (%s %.2f)", number, s[SMALL].mean, plus_minus[SMALL],
+              s[NEAR_MESH].mean, plus_minus[NEAR_MESH], some ? "above" : "below", limit);
 }
 
 /* A number of the text, met within the interval of the mean and the digits that it is given with. */
 static void find_number(findings *f, const study *st, const char *claim, measure m, double paper, double digits) {
     const statistics s = measure_of(st, 4, m);
-    find_that(f, claim, yes_or_no(fabs(s.mean - paper) <= s.interval + digits), "%.3f +- %.3f, one run scatters by %.3f; text %.3f", s.mean,
-              s.interval, s.sd, paper);
+    if (st->seeds < 2) find_that(f, claim, ONE_RUN, "%.3f in one run, whose scatter is not known; text %.3f", s.mean, paper);
+    else
+        find_that(f, claim, yes_or_no(fabs(s.mean - paper) <= s.interval + digits), "%.3f +- %.3f, one run scatters by %.3f; text %.3f",
+                  s.mean, s.interval, s.sd, paper);
 }
 
 /* Mean deviation of a case from the paper's model 2 with its published parameters (section 5.3), and its bound on our side. */
@@ -120,7 +129,6 @@ static void find_in_all_cases(findings *f, const study *st) {
     double constant = 1.0, most_at_5 = 0.0, before = 1.0, after = 0.0, least_left = 1.0;
     int ahead = 0, open = 0, top_ahead = 0;
     for (int v = 0; v < CASES; v++) {
-        verdict holds = CONFIRMED;
         for (int c = 0; c < UNDERSIZE; c++) {
             const double at_5 = measure_of(st, v, at_time(c, 5.0)).mean, at_10 = measure_of(st, v, at_time(c, 10.0)).mean;
             constant = fmin(constant, measure_of(st, v, at_time(c, 0.5)).mean);
@@ -132,8 +140,8 @@ static void find_in_all_cases(findings *f, const study *st) {
         for (int q = 0; q < st->seeds; q++)
             apart[q] = measured(st, v, q, over_time(NEAR_MESH, 0.5, WHOLE)) - measured(st, v, q, over_time(SMALL, 0.5, WHOLE));
         const statistics s = statistics_of(st->seeds, apart);
-        holds = fabs(s.mean) <= s.interval ? OPEN : yes_or_no(s.mean > 0.0);
-        ahead += holds == CONFIRMED, open += holds == OPEN;
+        const verdict holds = is_positive(s.mean, s.interval);
+        ahead += holds == CONFIRMED || (holds == ONE_RUN && s.mean > 0.0), open += holds == OPEN;
         top_ahead += measure_of(st, v, top_layer(NEAR_MESH)).mean > measure_of(st, v, top_layer(SMALL)).mean;
     }
     find_that(f, "retained is constant until 0.5 s, the way to the end of the outlet (5.1)", yes_or_no(constant > 0.999),
@@ -142,7 +150,8 @@ static void find_in_all_cases(findings *f, const study *st) {
     find_that(f, "after 5 s the fractions decline only slowly (5.1)", yes_or_no(after < 0.5 * before),
               "fastest over 5-10 s %.3f 1/s, slowest over 0.5-5 s %.3f 1/s", after, before);
     find_that(f, "small decline faster than near-mesh in all cases (5.1)",
-              ahead == CASES          ? CONFIRMED
+              st->seeds < 2           ? ONE_RUN
+              : ahead == CASES        ? CONFIRMED
               : open + ahead == CASES ? OPEN
                                       : REFUTED,
               "in %d of 27 cases, %d within the scatter", ahead, open);
@@ -154,6 +163,7 @@ static void find_in_all_cases(findings *f, const study *st) {
 
 static void find_dry(findings *f, const study *st) {
     static const int figure_3[5] = {2, 4, 5, 6, 8};
+    char plus_minus[UNDERSIZE][INTERVAL_TEXT];
     double early = 0.0, late = 0.0;
     for (int k = 45; k <= 200; k += 5) { /* largest distance between the curves of figures 3a, b at 4.5 s, and after */
         for (int c = 0; c < UNDERSIZE; c++) {
@@ -178,8 +188,8 @@ static void find_dry(findings *f, const study *st) {
     const contrast small = contrast_of(st, 7, 4, over_time(SMALL, 5.0, 10.0)),
                    near_mesh = contrast_of(st, 7, 4, over_time(NEAR_MESH, 5.0, 10.0));
     find_that(f, "A = 1.2 mm: both decline faster between 5 and 10 s (5.1)", both(is_larger(small), is_larger(near_mesh)),
-              "case 5 minus case 8, mean over 5-10 s: small %+.3f +- %.3f, near-mesh %+.3f +- %.3f", small.difference, small.independent,
-              near_mesh.difference, near_mesh.independent);
+              "case 5 minus case 8, mean over 5-10 s: small %+.3f%s, near-mesh %+.3f%s", small.difference,
+              within(plus_minus[SMALL], small.independent), near_mesh.difference, within(plus_minus[NEAR_MESH], near_mesh.independent));
     find_more(f, st, "A = 1.2 mm: the small are depleted earlier (5.1)", ONLY_SMALL, 8, 5);
     find_alike(f, st, "A = 1.2 mm: the near-mesh need about the same time (5.1)", ONLY_NEAR_MESH, 5, 8);
     find_more(f, st, "A = 0.8 mm: slower decline of both after 5 s (5.1)", BOTH, 5, 2);
@@ -220,7 +230,8 @@ static void find_wet(findings *f, const study *st) {
     find_alike(f, st, "dry: f = 55.4 Hz makes up for A = 0.8 mm (5.1)", BOTH, 5, 3);
 }
 
-/* Top layer: in how many of the steps from one level to the next, all else equal, the time changes as the paper says. */
+/* Top layer: in how many of the steps from one level to the next, all else equal, the time changes as the paper says; with one seed by the
+   sign. */
 static void find_top_steps(findings *f, const study *st, const char *claim, const int *stride, int strides, double sign) {
     int right = 0, wrong = 0, steps = 0;
     for (int k = 0; k < strides; k++)
@@ -229,14 +240,17 @@ static void find_top_steps(findings *f, const study *st, const char *claim, cons
             for (int c = 0; c < UNDERSIZE; c++, steps++) {
                 contrast x = contrast_of(st, v, v + stride[k], top_layer(c));
                 x.difference *= sign;
-                right += is_larger(x) == CONFIRMED, wrong += is_larger(x) == REFUTED;
+                const verdict holds = is_larger(x) == ONE_RUN ? yes_or_no(x.difference > 0.0) : is_larger(x);
+                right += holds == CONFIRMED, wrong += holds == REFUTED;
             }
         }
     find_that(f, claim,
-              wrong > steps / 20       ? REFUTED
+              st->seeds < 2            ? ONE_RUN
+              : wrong > steps / 20     ? REFUTED
               : right + wrong == steps ? CONFIRMED
                                        : OPEN,
-              "%d steps of one level: %d as stated, %d the other way, %d within the scatter", steps, right, wrong, steps - right - wrong);
+              "%d steps of one level: %d as stated, %d the other way, %d %s", steps, right, wrong, steps - right - wrong,
+              st->seeds < 2 ? "alike (by the sign of one run)" : "within the scatter");
 }
 
 static void find_top_layer(findings *f, const study *st) {
@@ -282,8 +296,9 @@ static void find_trend(findings *f, const study *st, const char *claim, int curv
     contrast x = contrast_of(st, from, to, mean);
     const double difference = x.difference;
     x.difference *= sign;
-    find_that(f, claim, is_larger(x), "mean over time %.3f -> %.3f%s, difference %+.3f +- %.3f", unit * first.mean, unit * last.mean,
-              curve == H_STAR ? " mm" : "", unit * difference, unit * x.independent);
+    char plus_minus[INTERVAL_TEXT];
+    find_that(f, claim, is_larger(x), "mean over time %.3f -> %.3f%s, difference %+.3f%s", unit * first.mean, unit * last.mean,
+              curve == H_STAR ? " mm" : "", unit * difference, within(plus_minus, unit * x.independent));
 }
 
 /* order: the n variants of a factor (0 amplitude, 1 frequency, 2 water) by its level. */
@@ -326,8 +341,9 @@ static void json_findings(json *j, const findings *f) {
 }
 
 /* On the screen, and as a table for a page. */
-static void report_findings(const findings *f, const char *folder) {
+static void report_findings(const findings *f, bool one_seed, const char *folder) {
     if (!f->count) return;
+    if (one_seed) common_print("One run each: how far others would be from it is not known; --seeds tells.\n");
     output *file = output_open(folder, "findings.md");
     output_print(file, "| the paper | here | |\n|---|---|---|\n");
     for (int k = 0; k < f->count; k++) {

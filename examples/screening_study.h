@@ -123,7 +123,7 @@ static bool read_run(const study *st, int v, int q) {
 
 /* ---- statistics ---- */
 
-/* Mean and standard deviation of n values; two-sided 95 % interval of the mean. */
+/* Mean and standard deviation of n values; two-sided 95 % interval of the mean. One run says nothing of the scatter: both are NaN then. */
 typedef struct statistics {
     double mean, sd, interval;
 } statistics;
@@ -137,13 +137,29 @@ static double student(int freedom) {
 }
 
 static statistics statistics_of(int n, const double *values) {
-    statistics s = {0.0, 0.0, 0.0};
+    statistics s = {0.0, (double)NAN, (double)NAN};
     for (int q = 0; q < n; q++) s.mean += values[q] / n;
     if (n < 2) return s;
+    s.sd = 0.0;
     for (int q = 0; q < n; q++) s.sd += (values[q] - s.mean) * (values[q] - s.mean);
     s.sd = sqrt(s.sd / (n - 1));
     s.interval = student(n - 1) * s.sd / sqrt((double)n);
     return s;
+}
+
+enum { INTERVAL_TEXT = 24 };
+
+/* " +- 0.012", or nothing where it is not known. */
+static const char *within(char text[INTERVAL_TEXT], double interval) {
+    if (isnan(interval)) text[0] = '\0';
+    else snprintf(text, INTERVAL_TEXT, " +- %.3f", interval);
+    return text;
+}
+
+/* A cell of a number that may not be known. */
+static void interval_cell(table *t, int digits, double value) {
+    if (isnan(value)) table_cell(t, "-");
+    else table_cell(t, "%.*f", digits, value);
 }
 
 enum { SEEDS_MAX = 1000 };
@@ -179,7 +195,7 @@ static statistics measure_of(const study *st, int v, measure m) {
 }
 
 /* Difference between two variants. Seeds are pairs of the same mixture: the paired interval is that of the differences, the other that
-   of two independent samples (Welch 1947; degrees of freedom of Satterthwaite 1946). */
+   of two independent samples (Welch 1947; degrees of freedom of Satterthwaite 1946). NaN with one seed. */
 typedef struct contrast {
     double difference, paired, independent, correlation;
 } contrast;
@@ -190,7 +206,8 @@ static contrast contrast_of(const study *st, int from, int to, measure m) {
     for (int q = 0; q < n; q++) differences[q] = measured(st, to, q, m) - measured(st, from, q, m);
     const statistics d = statistics_of(n, differences), a = measure_of(st, from, m), b = measure_of(st, to, m);
     const double va = a.sd * a.sd / n, vb = b.sd * b.sd / n, sum = va * va + vb * vb;
-    contrast c = {d.mean, d.interval, 0.0, 0.0};
+    const double none = n > 1 ? 0.0 : (double)NAN;
+    contrast c = {d.mean, d.interval, none, none};
     if (n > 1 && sum > 0.0) c.independent = student((int)((va + vb) * (va + vb) * (n - 1) / sum)) * sqrt(va + vb);
     if (a.sd > 0.0 && b.sd > 0.0) c.correlation = (a.sd * a.sd + b.sd * b.sd - d.sd * d.sd) / (2.0 * a.sd * b.sd);
     return c;
