@@ -15,7 +15,7 @@ static inline void dem__place_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t
         const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
         dem__placed *place = &w->engine->convex.place[i];
         place->x = dem__in_box(w, p.x);
-        for (int a = 0; a < 3; a++) place->axis[a] = dem__to_lab(turn, dem_vec3(a == 0, a == 1, a == 2));
+        place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn), place->axis[2] = dem__third_axis(turn);
     }
 }
 

@@ -37,14 +37,20 @@ static inline void dem__note_strides(dem_world *w) {
     }
 }
 
+/* Returns the orientation of a rigid body at tau after its origin step [s]. */
+DEM_INLINE dem_quaternion dem__turn_at(const dem_world *w, const dem__rigid *r, double tau) {
+    const int single = tau <= 1.5 * w->engine->run.dt;
+    if (tau == 0.0) return r->turn;
+    if (!single && dem__strides(r)) return dem__turn_of_flight(r, tau);
+    return dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, single);
+}
+
 /* Returns the state of a rigid body at tau after its origin step [s]. */
 static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigid *r, double tau) {
     dem__posture p;
     p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
     p.momentum = dem__plus(r->momentum, tau, r->torque);
-    if (tau == 0.0) p.turn = r->turn;
-    else if (tau > 1.5 * w->engine->run.dt && dem__strides(r)) p.turn = dem__turn_of_flight(r, tau);
-    else p.turn = dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, tau <= 1.5 * w->engine->run.dt);
+    p.turn = dem__turn_at(w, r, tau);
     p.spin = dem__spin_of(p.turn, r->moments, p.momentum);
     return p;
 }
@@ -52,11 +58,12 @@ static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigi
 /* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it. */
 static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
     dem__bodies *bodies = &w->engine->bodies;
+    const dem__axes axes = dem__axes_of(r->turn);
     r->strides = 0.0;
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-        const dem_vec arm = dem__to_lab(r->turn, bodies->offset[i]), round = dem__cross(spin, arm);
+        const dem_vec arm = dem__out_of(&axes, bodies->offset[i]), round = dem__cross(spin, arm);
         dem_particle *p = &w->particle[i];
         bodies->arm[i] = arm;
         p->x = dem__in_box(w, dem__add(r->x, arm)), p->v = dem__add(r->v, round), p->spin = spin;
@@ -80,7 +87,7 @@ static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec vel
 }
 
 /* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which is booked. */
-static inline void dem__wrap_body(dem_world *w, dem__rigid *r) {
+DEM_INLINE void dem__wrap_body(dem_world *w, dem__rigid *r) {
     const dem_vec x = dem__in_box(w, r->x);
     if (w->engine->ledger.on && !dem__is_fixed(w, r->first)) dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
     r->x = x;
@@ -88,30 +95,31 @@ static inline void dem__wrap_body(dem_world *w, dem__rigid *r) {
 
 /* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle. Those of its
    particles, which kernels read, are computed with the mean of the arms at both ends. */
-static inline void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
+DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
     dem__bodies *bodies = &w->engine->bodies;
     const double middle = tau - 0.5 * h;
     const int steps = tau <= h; /* else its flight ends in this step */
-    const dem__posture end = dem__find_posture(w, r, tau);
-    const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__find_posture(w, r, tau - h).turn;
+    const dem_quaternion end = dem__turn_at(w, r, tau);
+    const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__turn_at(w, r, tau - h);
+    const dem__axes axes = dem__axes_of(end);
     const dem_vec momentum = dem__plus(r->momentum, middle, r->torque);
-    dem_vec spin = dem__spin_of(end.turn, r->moments, momentum);
+    dem_vec spin = dem__spin_of(end, r->moments, momentum);
     if (h > 0.0) spin = dem__scale(0.5, dem__add(spin, dem__spin_of(from, r->moments, momentum)));
-    r->v = dem__plus(r->v, middle, r->a), r->x = end.x, r->momentum = momentum;
-    r->turn = dem__kept_unit(end.turn);
+    r->x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), r->v = dem__plus(r->v, middle, r->a), r->momentum = momentum;
+    r->turn = dem__kept_unit(end);
     if (w->engine->run.has_periodic) dem__wrap_body(w, r);
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-        const dem_vec arm = dem__to_lab(end.turn, bodies->offset[i]);
-        const dem_vec before = h == 0.0 ? arm : steps ? bodies->arm[i] : dem__to_lab(from, bodies->offset[i]);
+        const dem_vec arm = dem__out_of(&axes, bodies->offset[i]);
+        const dem_vec old = h == 0.0 ? arm : steps ? bodies->arm[i] : dem__to_lab(from, bodies->offset[i]);
         dem_particle *p = &w->particle[i];
         bodies->arm[i] = arm;
         p->x = dem__in_box(w, dem__add(r->x, arm)), p->spin = spin;
-        p->v = dem__add(r->v, dem__cross(spin, dem__scale(0.5, dem__add(before, arm))));
+        p->v = dem__add(r->v, dem__cross(spin, dem__scale(0.5, dem__add(old, arm))));
     }
 }
 
 /* Sums the force and the torque about its centre that act on a body's particles: by contacts, by loads, or both. */
-static inline void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force, dem_vec *torque) {
+DEM_INLINE void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force, dem_vec *torque) {
     const dem__bodies *bodies = &w->engine->bodies;
     *force = *torque = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
@@ -124,31 +132,37 @@ static inline void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int
     }
 }
 
+/* Sets the sums from which dem__kick_all computes the accelerations of a body's particle. load: on the particle, or NULL. */
+DEM_INLINE void dem__prepare_sum(dem__sum *sum, dem_vec pull, dem_vec rate, const double *load) {
+    const double mass = 1.0 / sum->per_mass, inertia = 1.0 / sum->per_inertia;
+    const dem_vec force = dem__scale(mass, pull), torque = dem__scale(inertia, rate);
+    sum->load[0] = force.x, sum->load[1] = force.y, sum->load[2] = force.z;
+    sum->load[3] = torque.x, sum->load[4] = torque.y, sum->load[5] = torque.z;
+    for (int a = 0; load && a < 6; a++) sum->load[a] -= load[a];
+}
+
 /* Computes the acceleration of a body, and moves its velocities from the middle of a step to its end. Prepares its particles for
    dem__kick_all: sums that give them their accelerations as parts of the body, and velocities that it moves to those at the end. */
-static inline void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
+DEM_INLINE void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     dem__bodies *bodies = &w->engine->bodies;
     const int loads = bodies->loads_on || w->engine->links.on;
     dem_vec force;
     if (dem__is_fixed(w, r->first)) return; /* dem__kick_all records the forces on its particles */
     r->strides = 0.0;
     dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
-    r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
+    const dem_vec pulled = dem__scale(1.0 / r->mass, force);
+    r->a = dem__add(dem__free_fall(w), pulled);
     r->v = dem__flushed_vec(dem__plus(r->v, half, r->a));
     r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, r->torque));
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
         const dem_vec arm = bodies->arm[i], round = dem__cross(spin, arm);
-        const dem_vec pull = dem__plus(dem__add(dem__cross(rate, arm), dem__cross(spin, round)), 1.0 / r->mass, force);
-        dem__sum *sum = &bodies->sum[i];
+        const dem_vec pull = dem__add(dem__add(dem__cross(rate, arm), dem__cross(spin, round)), pulled);
         dem_particle *p = &w->particle[i];
         p->v = dem__plus(dem__add(r->v, round), -half, dem__add(dem__free_fall(w), pull));
         p->spin = dem__plus(spin, -half, rate);
-        for (int a = 0; a < 3; a++) {
-            sum->load[a] = dem_axis(pull, a) / sum->per_mass - (loads ? bodies->load[i][a] : 0.0);
-            sum->load[3 + a] = dem_axis(rate, a) / sum->per_inertia - (loads ? bodies->load[i][3 + a] : 0.0);
-        }
+        dem__prepare_sum(&bodies->sum[i], pull, rate, loads ? bodies->load[i] : NULL);
     }
 }
 
@@ -186,31 +200,36 @@ static inline double dem__swing(const dem_world *w, const dem__rigid *r, ptrdiff
 }
 
 /* Moves the bodies whose first particles are among the active ones first .. end-1. */
-static inline void dem__advance_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const double h = *(const double *)context;
+DEM_INLINE void dem__advance_some_bodies(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
     const int64_t step = w->step + (h > 0.0);
-    (void)part;
     for (ptrdiff_t k = first; k < end; k++) {
         const int32_t i = w->engine->bodies.active[k];
         dem__rigid *r = dem__rigid_of(w, i);
         if (r && r->first == i) dem__advance_body(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt, h);
     }
 }
+DEM__AVX2_CLONE(dem__advance_bodies, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
+                dem__advance_some_bodies(w, h, first, end))
 /* Moves their velocities to the end of the step. */
-static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const double half = 0.5 * *(const double *)context;
-    (void)part;
+DEM_INLINE void dem__kick_some_bodies(dem_world *w, double half, ptrdiff_t first, ptrdiff_t end) {
     for (ptrdiff_t k = first; k < end; k++) {
         const int32_t i = w->engine->bodies.active[k];
         dem__rigid *r = dem__rigid_of(w, i);
         if (r && r->first == i) dem__kick_body(w, r, half);
     }
 }
+DEM__AVX2_CLONE(dem__kick_bodies, (dem_world * w, double half, ptrdiff_t first, ptrdiff_t end), (w, half, first, end),
+                dem__kick_some_bodies(w, half, first, end))
+static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
+    (void)part;
+    dem__kick_bodies(w, 0.5 * *(const double *)h, first, end);
+}
 
 /* Moves active particles first .. end-1 and the bodies whose first particles are among them to the end of the step. */
 static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
+    (void)part;
     dem__advance_all(w, *(const double *)h, first, end, 1);
-    dem__advance_bodies_range(w, first, end, part, h);
+    dem__advance_bodies(w, *(const double *)h, first, end);
 }
 
 /* Tests the due pairs in pages first .. end-1. */

@@ -16,18 +16,6 @@ DEM_INLINE dem_quaternion dem__turns(dem_quaternion a, dem_quaternion b) {
     return dem__quaternion(a.w * b.w - dem__dot(u, v), dem__add(dem__plus(dem__scale(a.w, v), b.w, u), dem__cross(u, v)));
 }
 
-/* Returns a turn about an axis. half: the unit axis times half the angle [rad]. Below 0.1 rad the series is as accurate, and cheaper. */
-DEM_INLINE dem_quaternion dem__turn_by(dem_vec half) {
-    const double square = dem__dot(half, half);
-    if (square < 0.01) {
-        const double s = 1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0)));
-        const double c = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0)));
-        return dem__quaternion(c, dem__scale(s, half));
-    }
-    const double angle = sqrt(square);
-    return dem__quaternion(riddle_cos(angle), dem__scale(riddle_sin(angle) / angle, half));
-}
-
 /* Returns a vector of the body's frame in the lab's. */
 DEM_INLINE dem_vec dem__to_lab(dem_quaternion q, dem_vec v) {
     const dem_vec u = dem__vector_part(q), t = dem__scale(2.0, dem__cross(u, v));
@@ -51,32 +39,89 @@ static inline int dem__unit_turn(dem_quaternion q, dem_quaternion *unit) {
     return 1;
 }
 
+/* Directions of a body's own axes in the lab's frame: the matrix of its orientation. It costs fewer operations than a quaternion where
+   several vectors are turned. */
+typedef struct dem__axes {
+    dem_vec x, y, z;
+} dem__axes;
+DEM_INLINE dem_vec dem__first_axis(dem_quaternion q) {
+    return dem_vec3(1.0 - 2.0 * (q.y * q.y + q.z * q.z), 2.0 * (q.x * q.y + q.w * q.z), 2.0 * (q.x * q.z - q.w * q.y));
+}
+DEM_INLINE dem_vec dem__second_axis(dem_quaternion q) {
+    return dem_vec3(2.0 * (q.x * q.y - q.w * q.z), 1.0 - 2.0 * (q.x * q.x + q.z * q.z), 2.0 * (q.y * q.z + q.w * q.x));
+}
+DEM_INLINE dem_vec dem__third_axis(dem_quaternion q) {
+    return dem_vec3(2.0 * (q.x * q.z + q.w * q.y), 2.0 * (q.y * q.z - q.w * q.x), 1.0 - 2.0 * (q.x * q.x + q.y * q.y));
+}
+DEM_INLINE dem__axes dem__axes_of(dem_quaternion q) {
+    dem__axes a;
+    a.x = dem__first_axis(q), a.y = dem__second_axis(q), a.z = dem__third_axis(q);
+    return a;
+}
+DEM_INLINE dem_vec dem__out_of(const dem__axes *a, dem_vec v) {
+    return dem__plus(dem__plus(dem__scale(v.x, a->x), v.y, a->y), v.z, a->z);
+}
+
 /* Returns the angular momentum of a spin, both in the lab's frame. */
 DEM_INLINE dem_vec dem__momentum_of(dem_quaternion q, dem_vec moments, dem_vec spin) {
-    const dem_vec w = dem__to_body(q, spin);
-    return dem__to_lab(q, dem_vec3(moments.x * w.x, moments.y * w.y, moments.z * w.z));
+    const dem__axes a = dem__axes_of(q);
+    return dem__out_of(&a, dem_vec3(moments.x * dem__dot(a.x, spin), moments.y * dem__dot(a.y, spin), moments.z * dem__dot(a.z, spin)));
 }
-/* Returns the spin of an angular momentum, both in the lab's frame. */
+/* Returns the spin of an angular momentum, both in the lab's frame: with one moment for all axes, and what the other two change. */
 DEM_INLINE dem_vec dem__spin_of(dem_quaternion q, dem_vec moments, dem_vec momentum) {
-    const dem_vec l = dem__to_body(q, momentum);
-    return dem__to_lab(q, dem_vec3(l.x / moments.x, l.y / moments.y, l.z / moments.z));
+    const dem_vec z = dem__third_axis(q);
+    const double first = 1.0 / moments.x;
+    dem_vec spin = dem__plus(dem__scale(first, momentum), (1.0 / moments.z - first) * dem__dot(z, momentum), z);
+    if (moments.x == moments.y) return spin;
+    const dem_vec y = dem__second_axis(q);
+    return dem__plus(spin, (1.0 / moments.y - first) * dem__dot(y, momentum), y);
+}
+
+/* Sets the cosine, and the sine over the angle, of an angle whose square is given [rad2]. Below 0.1 rad the series is as accurate, and
+   cheaper. */
+DEM_INLINE void dem__cosine_and_sine(double square, double *c, double *s) {
+    if (square < 0.01) {
+        *s = 1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0 - square * (1.0 / 362880.0))));
+        *c = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0 - square * (1.0 / 40320.0))));
+        return;
+    }
+    const double angle = sqrt(square);
+    *c = riddle_cos(angle), *s = riddle_sin(angle) / angle;
+}
+/* Returns a turn about an axis. half: the unit axis times half the angle [rad]. */
+DEM_INLINE dem_quaternion dem__turn_by(dem_vec half) {
+    double c, s;
+    dem__cosine_and_sine(dem__dot(half, half), &c, &s);
+    return dem__quaternion(c, dem__scale(s, half));
+}
+/* Return a body that was turned about its own first or third axis. half: half the angle [rad]. */
+DEM_INLINE dem_quaternion dem__turned_about_first(dem_quaternion q, double half) {
+    double c, s;
+    dem__cosine_and_sine(half * half, &c, &s);
+    s *= half;
+    return dem__quaternion(c * q.w - s * q.x, dem_vec3(c * q.x + s * q.w, c * q.y + s * q.z, c * q.z - s * q.y));
+}
+DEM_INLINE dem_quaternion dem__turned_about_third(dem_quaternion q, double half) {
+    double c, s;
+    dem__cosine_and_sine(half * half, &c, &s);
+    s *= half;
+    return dem__quaternion(c * q.w - s * q.z, dem_vec3(c * q.x + s * q.y, c * q.y - s * q.x, c * q.z + s * q.w));
 }
 
 /* Rotates a free body with moments i, i, k for a time t, exactly: about the angular momentum, and about its own third axis. */
 DEM_INLINE dem_quaternion dem__turn_top(dem_quaternion q, dem_vec momentum, double i, double k, double t) {
-    const dem_quaternion about = dem__turn_by(dem__scale(0.5 * t / i, momentum));
-    if (i == k) return dem__turns(about, q);
-    const double own = 0.5 * t * (1.0 / k - 1.0 / i) * dem__to_body(q, momentum).z;
-    return dem__turns(dem__turns(about, q), dem__turn_by(dem_vec3(0.0, 0.0, own)));
+    const dem_quaternion turned = dem__turns(dem__turn_by(dem__scale(0.5 * t / i, momentum)), q);
+    if (i == k) return turned;
+    return dem__turned_about_third(turned, 0.5 * t * (1.0 / k - 1.0 / i) * dem__dot(dem__third_axis(q), momentum));
 }
 
 /* Rotates a free body with three moments for a time t, to second order: as a symmetric top, and before and after for half of what the first
    moment differs from the second (symmetric splitting of the kinetic energy; Touma & Wisdom 1994). Conserves angular momentum. */
 static inline dem_quaternion dem__turn_split(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     const double rest = 0.25 * t * (1.0 / moments.x - 1.0 / moments.y);
-    q = dem__turns(q, dem__turn_by(dem_vec3(rest * dem__to_body(q, momentum).x, 0.0, 0.0)));
+    q = dem__turned_about_first(q, rest * dem__dot(dem__first_axis(q), momentum));
     q = dem__turn_top(q, momentum, moments.y, moments.z, t);
-    return dem__turns(q, dem__turn_by(dem_vec3(rest * dem__to_body(q, momentum).x, 0.0, 0.0)));
+    return dem__turned_about_first(q, rest * dem__dot(dem__first_axis(q), momentum));
 }
 
 /* Does the same to sixth order, by nine of these (Kahan & Li 1997, s9odr6a). */

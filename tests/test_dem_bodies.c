@@ -122,11 +122,11 @@ static void test_axes_in_any_order(void **state) {
 }
 
 /* A top under the torque of a field, U = R axis . g: kick, drift, kick. Relative drift of its energy over 800, by the
-   line that fits best. */
-static double torqued_drift(dem_vec moments) {
+   line that fits best. off: of the first spin. */
+static double torqued_drift(dem_vec moments, double off) {
     const dem_vec g = dem_vec3(0.3, -0.2, 0.5), axis = dem_vec3(0.2, 0.1, 1.0);
     dem_quaternion q = ONE;
-    dem_vec l = dem__momentum_of(q, moments, dem_vec3(1, 0.3, 1));
+    dem_vec l = dem__momentum_of(q, moments, dem_vec3(1 + off, 0.3, 1));
     const double h = 0.1;
     double sum = 0.0, slope = 0.0;
     const int n = 8000;
@@ -141,9 +141,11 @@ static double torqued_drift(dem_vec moments) {
     assert_true(fabs(length_of(q) - 1.0) < 1e-14);
     return 12.0 * slope / ((double)n * n * n) * n / (sum / n);
 }
+/* With three moments the motion is chaotic: rounding decides the slope of one run, +-1e-5. So the mean of many is tested. */
 static void test_energy_of_a_torqued_top_does_not_drift(void **state) {
     (void)state;
-    const double split = torqued_drift(dem_vec3(1, 2, 3)), exact = torqued_drift(dem_vec3(2, 2, 3));
+    double split = 0.0, exact = torqued_drift(dem_vec3(2, 2, 3), 0.0);
+    for (int k = 0; k < 40; k++) split += torqued_drift(dem_vec3(1, 2, 3), 1e-12 * k) / 40;
     print_message("    energy drift over 800: %.1e (three moments), %.1e (two equal)\n", split, exact);
     assert_true(fabs(split) < 1e-5 && fabs(exact) < 1e-5);
 }
