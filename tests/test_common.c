@@ -381,6 +381,7 @@ static void test_particles_as_others_write_them(void **state) {
         "7,8,9,0.1,0.25,0.5,1,0.005,0\n7,8,9,0.2,0.25,0.5,1,0.005,1\n",
         "X [mm];Y [mm];Z [mm];Diameter [um];class\r\n100;250,0;500;5000;0\r\n200;250;500,0;5,0e3;1\r\n",
         "x\ty\tz\tradius_mm\tgroup\r0.1\t0,25\t0.5\t2.5\t0\r0.2\t0.25\t0.5\t2,5\t1",
+        "x [ mm ],y_mm,z( m),diameter [\xB5m],Group [-]\n100,250,0.5,5000,0\n\"200\" ,250,0.5,5000,1\n", /* Latin-1 */
     };
     static const char *const wrong[][2] = {
         {"x,y,z,diameter,group\n0.1,0.25,0.5,0.005,small\n", "f.csv:2: column group: 'small' is not a whole number"},
@@ -397,6 +398,10 @@ static void test_particles_as_others_write_them(void **state) {
         {"x,y,z,diameter_s\n1,2,3,4\n", "f.csv: the unit of column diameter_s cannot be that of diameter"},
         {"x,y,z,vx_m,diameter\n1,2,3,4,5\n", "f.csv: the unit of column vx_m cannot be that of vx"},
         {"x,y,z,diameter,radius\n1,2,3,4,3\n", "f.csv:2: the diameter is not twice the radius"},
+        {"x,y,z,diameter\n\"1\"5,2,3,4\n", "f.csv:2: column x: '\"1\"5' is not a number"},
+        {"x,y,z,diameter,group_t\n1,2,3,4,1\n", "f.csv: the unit of column group_t cannot be that of group"},
+        {"x;y;z;diameter\n1,5;2;3;4\n1;2;1.250;4\n", "f.csv:3: column z: '1.250' may be in thousands: other numbers have decimal commas"},
+        {"x\ty\tz\tdiameter\n1,250\t2\t3.5\t4\n", "f.csv:2: column x: '1,250' may be in thousands: other numbers have decimal points"},
     };
     char message[900];
     particles p;
@@ -414,6 +419,45 @@ static void test_particles_as_others_write_them(void **state) {
     for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
         assert_int_equal(particles_parse(wrong[k][0], strlen(wrong[k][0]), "f.csv", &p, message, sizeof message), -1);
         assert_string_equal(message, wrong[k][1]);
+    }
+}
+
+/* Arrays of a .vtp file under other names and types: read as they are meant, or refused; never left out without a word. */
+static void test_vtp_arrays_as_others_write_them(void **state) {
+    (void)state;
+    double x[] = {0.1, 0.2}, y[] = {0.25, 0.25}, z[] = {0.5, 0.5}, size[] = {5000.0, 5000.0}, radius[] = {2.5, 2.5}, wide[] = {3.0, 3.0};
+    double velocity[] = {1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
+    float group[] = {0.0f, 1.0f}, part[] = {0.0f, 0.5f};
+    struct {
+        vtk_array array[4];
+        int n;
+        const char *message; /* NULL: right */
+    } cases[] = {
+        {{vtk_scalar("Diameter [um]", size), vtk_scalar("radius_mm", radius), vtk_vector("velocity_mm_s", velocity),
+          vtk_scalar_float("Group", group)},
+         4, NULL},
+        {{vtk_scalar("diameter_um", size), vtk_scalar_float("group", part)}, 2, "f.vtp: the array group is damaged or of another type"},
+        {{vtk_scalar("diameter_um", size), vtk_scalar("radius_mm", wide)}, 2, "f.vtp: the array radius_mm is damaged or of another type"},
+        {{vtk_scalar("diameter_um", size), vtk_scalar("diameter_mm", radius)}, 2, "f.vtp: two arrays are named diameter"},
+        {{vtk_scalar("diameter_um", size), vtk_vector("velocity_mm", velocity)}, 2,
+         "f.vtp: the unit of array velocity_mm cannot be that of velocity"},
+        {{vtk_scalar("diameter_s", size)}, 1, "f.vtp: the unit of array diameter_s cannot be that of diameter"},
+        {{vtk_vector("velocity", velocity)}, 1, "f.vtp: no diameter or radius"},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char message[400] = "";
+        long bytes;
+        particles p;
+        assert_int_equal(vtp_points(folder, "f.vtp", 2, vtk_vector3("position", x, y, z), cases[k].array, cases[k].n), 0);
+        char *text = slurp("f.vtp", &bytes);
+        assert_int_equal(particles_parse(text, (size_t)bytes, "f.vtp", &p, message, sizeof message), cases[k].message ? -1 : 0);
+        assert_string_equal(message, cases[k].message ? cases[k].message : "");
+        if (!cases[k].message) {
+            assert_true(p.n == 2 && p.group[0] == 0 && p.group[1] == 1);
+            assert_true(fabs(p.diameter[1] - 0.005) < 1e-9 && fabs(p.velocity[4] - 0.005) < 1e-9 && fabs(p.centre[3] - 0.2) < 1e-7);
+        }
+        particles_free(&p);
+        free(text);
     }
 }
 
@@ -653,6 +697,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_json_absent, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_csv_round_trip, make_folder, remove_folder),
         cmocka_unit_test(test_particles_as_others_write_them),
+        cmocka_unit_test_setup_teardown(test_vtp_arrays_as_others_write_them, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_csv_forms, make_folder, remove_folder),
         cmocka_unit_test(test_table),
         cmocka_unit_test_setup_teardown(test_vtp, make_folder, remove_folder),

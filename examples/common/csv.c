@@ -34,6 +34,22 @@ static bool to_number(const char *cell, char decimal, double *value) {
     return *end == '\0';
 }
 
+/* Returns whether a number is one to three digits, not 0 first, a mark, and three digits: 1.250 may be 1250. */
+static bool may_be_thousands(const char *cell) {
+    cell += *cell == '-' || *cell == '+';
+    const size_t first = strspn(cell, "0123456789");
+    if (first < 1 || first > 3 || *cell == '0' || (cell[first] != '.' && cell[first] != ',')) return false;
+    return strspn(cell + first + 1, "0123456789") == 3 && cell[first + 4] == '\0';
+}
+
+/* Returns the end of a quoted cell, its closing quote, or NULL: another character follows the quote, or there is none. */
+static char *closing_quote(char *cell, char separator) {
+    char *close = *cell == '"' ? strchr(cell + 1, '"') : NULL;
+    const char *next = close ? close + 1 : NULL;
+    while (next && is_blank(*next) && *next != separator) next++;
+    return next && (*next == separator || !*next) ? close : NULL;
+}
+
 /* Cuts a line (ended by 0) at its separators into cells without blanks and quotes around; returns how many. */
 static int cut(char *line, char separator, char **cells) {
     const char stop[2] = {separator, '\0'};
@@ -41,7 +57,7 @@ static int cut(char *line, char separator, char **cells) {
     for (char *at = line;; n++) {
         char *end;
         while (is_blank(*at) && *at != separator) at++;
-        if (*at == '"' && (end = strchr(at + 1, '"')) != NULL) {
+        if ((end = closing_quote(at, separator)) != NULL) {
             cells[n] = at + 1;
             *end++ = '\0';
             end += strcspn(end, stop);
@@ -108,6 +124,21 @@ static char *end_line(char *line) {
     return end + (both ? 2 : 1);
 }
 
+/* Refuses a number in a table that has decimal points as well as decimal commas, if one of them may separate thousands. */
+static int check_decimals(csv_data *data, const char *path, char *message, int message_size) {
+    bool point = false, comma = false;
+    int doubtful = -1;
+    for (int k = 0; k < data->rows * data->columns; k++) {
+        if (data->is_text[k % data->columns]) continue;
+        point |= strchr(data->cells[k], '.') != NULL, comma |= strchr(data->cells[k], ',') != NULL;
+        if (doubtful < 0 && may_be_thousands(data->cells[k])) doubtful = k;
+    }
+    if (!point || !comma || doubtful < 0) return 0;
+    return refuse(data, message, message_size, "%s:%d: column %.60s: '%.60s' may be in thousands: other numbers have %s", path,
+                  data->lines[doubtful / data->columns], data->names[doubtful % data->columns], data->cells[doubtful],
+                  strchr(data->cells[doubtful], '.') ? "decimal commas" : "decimal points");
+}
+
 static int take_row(csv_data *data, char *line, char separator, int number, const char *path, char *message, int message_size) {
     const int columns = data->columns;
     char **row = data->cells + (size_t)data->rows * (size_t)columns;
@@ -156,7 +187,7 @@ int csv_parse(const char *text, long size, const char *path, csv_data *data, cha
         data->columns = cut(line, separator, data->names);
     }
     if (!data->columns) return refuse(data, message, message_size, "%s: no header line", path);
-    return 0;
+    return separator == ',' ? 0 : check_decimals(data, path, message, message_size);
 }
 
 int csv_read(const char *path, csv_data *data, char *message, int message_size) {
@@ -182,8 +213,9 @@ static const unit units[] = {
     {"mm", 'L', 1e-3},
     {"cm", 'L', 1e-2},
     {"um", 'L', 1e-6},
-    {"\xc2\xb5m", 'L', 1e-6},
+    {"\xc2\xb5m", 'L', 1e-6}, /* the micro sign in UTF-8, the Greek letter, the sign in Latin-1 */
     {"\xce\xbcm", 'L', 1e-6},
+    {"\xb5m", 'L', 1e-6},
     {"micron", 'L', 1e-6},
     {"nm", 'L', 1e-9},
     {"s", 'T', 1.0},
@@ -255,8 +287,11 @@ static bool split_name(const char *name, char *base, size_t size, const unit **f
     const char close = n > 0 ? base[n - 1] : '\0';
     char *open = close == ']' ? strrchr(base, '[') : close == ')' ? strrchr(base, '(') : NULL;
     if (open) {
-        base[n - 1] = '\0';
-        *found = unit_of(open + 1);
+        const char *inside = open + 1;
+        for (n--; base + n > inside && is_blank(base[n - 1]);) n--;
+        base[n] = '\0';
+        while (is_blank(*inside)) inside++;
+        *found = unit_of(inside);
         while (open > base && (is_blank(open[-1]) || open[-1] == '_')) open--;
         *open = '\0';
         return *found != NULL;
@@ -320,7 +355,7 @@ int csv_find(const csv_data *data, const char *name, double *factor, char *messa
 int csv_measures(const char *name, char dimension) {
     char base[128];
     const unit *in;
-    return split_name(name, base, sizeof base, &in) && (!in || in->dimension == dimension);
+    return split_name(name, base, sizeof base, &in) && (!in || in->dimension == dimension || (dimension == '#' && strcmp(in->name, "-") == 0));
 }
 
 int csv_column(const csv_data *data, const char *name) { return csv_find(data, name, NULL, NULL, 0); }

@@ -1,7 +1,7 @@
 /* csv.h: tables of numbers from files. Lines that begin with '#' are comments, the first other line names the columns.
 
    Cells are separated by commas, semicolons or tabs, whichever the line of names has; with semicolons and tabs numbers may have decimal
-   commas. Lines end as on any system; a byte-order mark is passed over.
+   commas; a table that has decimal points, too, must not have numbers such as 1.250 or 1,250, which may be thousands. Lines end as on any system; a byte-order mark is passed over.
 
    A column is found by its exact name, after case and a unit are taken off: "x" is in x, X_m, "x [mm]", but not in x_velocity. Its numbers
    are converted to the unit that is asked for: "size_mm" reads size_um, "x" reads metres. A column without a unit is found only if none is
@@ -30,8 +30,8 @@ int csv_is(const char *name, const char *wanted, double *factor);
 /* Its index; factor (may be NULL): by which its numbers are multiplied. -1 if it is not there, if two columns have the name, or if its unit
    cannot be converted; message (may be NULL) then says so and lists the columns that are there. */
 int csv_find(const csv_data *data, const char *name, double *factor, char *message, int message_size);
-int csv_measures(const char *name,
-                 char dimension); /* 1: its unit is one of the dimension ('L' length, 'v' velocity, 'w' spin), or it has none */
+/* 1: its unit is one of the dimension ('L' length, 'v' velocity, 'w' spin, 's' share, '#' number without unit), or it has no unit. */
+int csv_measures(const char *name, char dimension);
 int csv_column(const csv_data *data, const char *name);            /* its index, or -1 */
 double csv_value(const csv_data *data, int row, const char *name); /* in the unit asked for; NaN if there is no such cell */
 void csv_free(csv_data *data);

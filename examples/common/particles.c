@@ -65,7 +65,8 @@ static int find_columns(const csv_data *data, const char *path, int *column, dou
     for (int k = 0; k < COLUMNS; k++) {
         column[k] = csv_find(data, column_names[k], &factor[k], said, sizeof said);
         if (k == GROUP && column[k] < 0) column[k] = csv_find(data, "class", &factor[k], said, sizeof said);
-        if (column[k] >= 0 && k != GROUP && !csv_measures(data->names[column[k]], k / 3 == 1 ? 'v' : k / 3 == 2 ? 'w' : 'L'))
+        const char dimension = k == GROUP ? '#' : k / 3 == 1 ? 'v' : k / 3 == 2 ? 'w' : 'L';
+        if (column[k] >= 0 && !csv_measures(data->names[column[k]], dimension))
             return refuse(p, message, message_size, "%s: the unit of column %.60s cannot be that of %s", path, data->names[column[k]],
                           column_names[k]);
         if (column[k] < 0 && (k < 3 || strncmp(said, "no column", 9) != 0)) return refuse(p, message, message_size, "%s: %s", path, said);
@@ -132,7 +133,7 @@ static uint64_t little(const unsigned char *bytes, int n) {
     return value;
 }
 
-/* One array of the appended block; to: with `stride` doubles between spheres, or a list of integers. */
+/* Reads one array of the appended block into `to`, or an array of whole numbers into `integers`. */
 static bool fetch(const char *raw, const char *end, const char *tag, const char *tag_end, int components, int n, double *to,
                   int *integers) {
     char type[16], offset_text[24], count_text[8];
@@ -154,10 +155,60 @@ static bool fetch(const char *raw, const char *end, const char *tag, const char 
         int32_t whole;
         memcpy(&value, &bits, sizeof value);
         memcpy(&whole, &bits, sizeof whole);
-        if (integers) integers[i] = is_float ? 0 : whole;
-        else to[i] = is_float ? (double)value : whole;
+        if (!integers) to[i] = is_float ? (double)value : whole;
+        else if (!is_float) integers[i] = whole;
+        else if (value == floorf(value) && fabsf(value) <= 2e9f) integers[i] = (int)value;
+        else return false;
     }
     return true;
+}
+
+/* The arrays that are read. One of groups is enough. */
+enum { VTP_DIAMETER, VTP_RADIUS, VTP_VELOCITY, VTP_SPIN, VTP_GROUP, VTP_CLASS, VTP_SPECIES, VTP_ARRAYS };
+static const struct {
+    const char *name;
+    char dimension;
+    int components;
+} vtp_arrays[VTP_ARRAYS] = {{"diameter", 'L', 1}, {"radius", 'L', 1}, {"velocity", 'v', 3}, {"spin", 'w', 3},
+                            {"group", '#', 1},    {"class", '#', 1},  {"species", '#', 1}};
+
+typedef struct vtp_file {
+    const char *raw, *end, *path;
+    bool seen[VTP_ARRAYS];
+} vtp_file;
+
+/* Reads diameters or radii. If they came before, they must agree. */
+static bool fetch_sizes(const vtp_file *file, const char *tag, const char *tag_end, double factor, particles *p) {
+    double *size = malloc(((size_t)p->n + 1) * sizeof *size);
+    bool good = size && fetch(file->raw, file->end, tag, tag_end, 1, p->n, size, NULL);
+    for (int i = 0; i < p->n && good; i++) {
+        if (file->seen[VTP_DIAMETER] || file->seen[VTP_RADIUS]) good = fabs(factor * size[i] / p->diameter[i] - 1.0) < 1e-3;
+        else p->diameter[i] = factor * size[i];
+    }
+    free(size);
+    return good;
+}
+
+/* Reads an array of point data if its name is one of the table. */
+static int take_array(vtp_file *file, const char *tag, const char *points, particles *p, char *message, int message_size) {
+    const char *tag_end = find(tag, points, ">");
+    char name[64];
+    double factor = 1.0;
+    int k = 0, is = 0;
+    attribute(tag, tag_end ? tag_end : points, "Name", name, sizeof name);
+    while (k < VTP_ARRAYS && (is = csv_is(name, vtp_arrays[k].name, &factor)) == 0) k++;
+    if (k == VTP_ARRAYS || !tag_end || (k > VTP_GROUP && file->seen[VTP_GROUP])) return 0;
+    if (is < 0 || !csv_measures(name, vtp_arrays[k].dimension))
+        return refuse(p, message, message_size, "%s: the unit of array %s cannot be that of %s", file->path, name, vtp_arrays[k].name);
+    if (file->seen[k]) return refuse(p, message, message_size, "%s: two arrays are named %s", file->path, vtp_arrays[k].name);
+    double *to = k == VTP_VELOCITY ? p->velocity : p->spin;
+    const bool good = k <= VTP_RADIUS ? fetch_sizes(file, tag, tag_end, k == VTP_RADIUS ? 2.0 * factor : factor, p)
+                                      : fetch(file->raw, file->end, tag, tag_end, vtp_arrays[k].components, p->n, to,
+                                              k >= VTP_GROUP ? p->group : NULL);
+    if (!good) return refuse(p, message, message_size, "%s: the array %s is damaged or of another type", file->path, name);
+    for (int i = 0; i < 3 * p->n && (k == VTP_VELOCITY || k == VTP_SPIN); i++) to[i] *= factor;
+    file->seen[k] = true;
+    return 0;
 }
 
 static int parse_vtp(const char *bytes, size_t size, const char *path, particles *p, char *message, int message_size) {
@@ -172,34 +223,18 @@ static int parse_vtp(const char *bytes, size_t size, const char *path, particles
     const long n = strtol(text, NULL, 10);
     if (n < 0 || n > INT_MAX / 16 || (size_t)n > size / 12) return refuse(p, message, message_size, "%s: NumberOfPoints is wrong", path);
     if (!make(p, (int)n)) return refuse(p, message, message_size, "%s: out of memory", path);
-    bool sized = false, placed = false;
-    for (const char *tag = piece; (tag = find(tag, raw, "<DataArray ")) != NULL; tag++) {
-        const char *tag_end = find(tag, raw, ">");
-        if (!tag_end) break;
-        attribute(tag, tag_end, "Name", text, sizeof text);
-        bool good = true;
-        double factor;
-        if (tag > points) {
-            if (placed) break; /* what follows the points are cells */
-            good = placed = fetch(raw, end, tag, tag_end, 3, p->n, p->centre, NULL);
-        } else if (csv_is(text, "diameter", &factor) || csv_is(text, "radius", &factor)) {
-            const double of_radius = csv_is(text, "radius", &factor) ? 2.0 : 1.0;
-            good = (csv_is(text, "diameter", &factor) > 0 || csv_is(text, "radius", &factor) > 0) &&
-                   fetch(raw, end, tag, tag_end, 1, p->n, p->diameter, NULL);
-            for (int i = 0; i < p->n; i++) p->diameter[i] *= of_radius * factor;
-            sized = true;
-        } else if (csv_is(text, "velocity", &factor)) {
-            good = csv_is(text, "velocity", &factor) > 0 && fetch(raw, end, tag, tag_end, 3, p->n, p->velocity, NULL);
-            for (int i = 0; i < 3 * p->n; i++) p->velocity[i] *= factor;
-        } else if (csv_is(text, "spin", &factor)) {
-            good = csv_is(text, "spin", &factor) > 0 && fetch(raw, end, tag, tag_end, 3, p->n, p->spin, NULL);
-            for (int i = 0; i < 3 * p->n; i++) p->spin[i] *= factor;
-        } else if (strcmp(text, "group") == 0 || strcmp(text, "class") == 0 || strcmp(text, "species") == 0)
-            good = fetch(raw, end, tag, tag_end, 1, p->n, NULL, p->group);
-        if (!good)
-            return refuse(p, message, message_size, "%s: the array %s is damaged or of another type", path, *text ? text : "of points");
+    if (find(points, raw, "<Piece ")) return refuse(p, message, message_size, "%s: more than one piece", path);
+    vtp_file file = {raw, end, path, {false}};
+    const char *tag = piece, *tag_end;
+    while ((tag = find(tag + 1, points, "<DataArray ")) != NULL) {
+        if (take_array(&file, tag, points, p, message, message_size) != 0) return -1;
     }
-    if (!placed || !sized) return refuse(p, message, message_size, "%s: no %s", path, placed ? "diameter or radius" : "points");
+    tag = find(points, raw, "<DataArray ");
+    tag_end = tag ? find(tag, raw, ">") : NULL;
+    if (!tag_end) return refuse(p, message, message_size, "%s: no points", path);
+    if (!fetch(raw, end, tag, tag_end, 3, p->n, p->centre, NULL))
+        return refuse(p, message, message_size, "%s: the array of points is damaged or of another type", path);
+    if (!file.seen[VTP_DIAMETER] && !file.seen[VTP_RADIUS]) return refuse(p, message, message_size, "%s: no diameter or radius", path);
     return check(p, path, message, message_size);
 }
 

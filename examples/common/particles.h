@@ -6,8 +6,8 @@
        particles_free(&start);
 
    CSV columns: x, y, z, and diameter or radius; if there are: vx, vy, vz; omega_x, omega_y, omega_z; group or class. A unit may follow
-   after an underscore (x_m, diameter_m, vx_m_s); numbers are SI all the same. .vtp arrays: the points; diameter_m, diameter or radius;
-   velocity_m_s or velocity; spin_rad_s or spin; group, class or species. */
+   after an underscore or in brackets (x_mm, "diameter [um]", vx_m_s); without one numbers are SI. .vtp arrays: the points [m]; diameter or
+   radius; if there are: velocity; spin; group, class or species; units as in CSV. */
 #ifndef RIDDLE_PARTICLES_H
 #define RIDDLE_PARTICLES_H
 

@@ -45,7 +45,8 @@ static const scene_field contact_fields[] = {
     {"restitution", FIELD_NUMBER, UNIT_NONE, offsetof(contact_def, restitution), 0.0, 1.0, true, "0.8", 0, NO_WORDS,
      "coefficient of restitution"},
     NUMBER(contact_def, friction, UNIT_NONE, AT_LEAST_0, "0.3", "Coulomb's coefficient"),
-    NUMBER(contact_def, rolling, UNIT_LENGTH, AT_LEAST_0, "0", "lever arm of rolling resistance"),
+    NUMBER(contact_def, rolling, UNIT_LENGTH, AT_LEAST_0, "0",
+           "lever arm of rolling resistance; on a slope below this limit a ball creeps at 5 g sin(slope) dt"),
     NUMBER(contact_def, tangential_damping, UNIT_NONE, AT_LEAST_0, "0", "tangential dashpot over the normal one"),
     CHOICE(contact_def, dashpot, "clipped|naive", "clipped", "clipped: it never pulls; `law: linear` only"),
 };
