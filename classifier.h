@@ -449,19 +449,21 @@ CLASSIFIER_API double classifier_class_mean(classifier_function t, const void *t
                                             double low, double high, int pieces);
 
 enum { CLASSIFIER_FREE_BYPASS = 1, CLASSIFIER_FREE_HOOK = 2 }; /* bits; 0: size and slope, always free, alone. HOOK frees the bypass too */
+enum { CLASSIFIER_SLOPE = 4 };                                 /* a bit of at_border */
 typedef struct classifier_fit_result {
     classifier_curve curve;
     /* Standard deviations from the curvature; with sd NULL scaled by the residuals. 0 where a parameter is not free or stands at its
        border, infinite where the points leave it open. */
     double size_sd, slope_sd, bypass_sd, hook_sd;
-    unsigned at_border; /* bits of free_parameters: BYPASS: the best bypass is 0; HOOK: the best curve has no hook (hook_size infinite) */
+    unsigned at_border; /* bits: FREE_BYPASS: the best bypass is 0; FREE_HOOK: the best curve has no hook (hook_size infinite); SLOPE: the
+                           best alpha is 0 (Molerus & Hoffmann) */
     double rms;         /* of T [-] */
     double dof;         /* degrees of freedom: points minus parameters that are not at a border */
     double student;     /* a 95 % range is value +- student * sd: Student's t of dof, or 1.96 with sd given */
     int iterations;
 } classifier_fit_result;
 /* Fits a curve by least squares (Levenberg-Marquardt in ln size, ln slope, logit bypass, ln hook) to n measured points x[n] [m] > 0, t[n];
-   sd[n] > 0 or NULL (all equal). A parameter whose best value lies at its border is fixed there and the others are fitted again; a hook is
+   sd[n] > 0, the largest at most 1e6 times the smallest, or NULL (all equal). A parameter whose best value lies at its border is fixed there and the others are fitted again; a hook is
    sought from between each two sizes. Needs more distinct sizes than free parameters (CLASSIFIER_TOO_FEW), values on both sides of one
    half, and T that rises with x so that no constant fits as well (CLASSIFIER_OUTSIDE: the points leave the cut size open). */
 CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
@@ -2576,6 +2578,32 @@ static inline bool classifier__fit_step(const classifier__fit_try *f, double nor
     return *length < HUGE_VAL;
 }
 
+/* Goes on from f->p along a narrow, curved valley, as one makes that pins the curve at a point with a small deviation. Damped steps creep
+   there: this takes steps without damping, each followed by damped ones that lead back to the floor. */
+static inline void classifier__follow_valley(classifier__fit_try *f, const classifier__fit_data *d) {
+    double normal[4][4], gradient[4], step[4], back[4], length;
+    for (int round = 0; round < 100; round++) {
+        const double before = classifier__try_squares(f, f->p, d, normal, gradient);
+        if (!classifier__fit_step(f, normal, gradient, 0.0, step, &length) || length < 1e-9) return;
+        bool lower = false;
+        for (double share = 1.0; share > 1e-4 && !lower; share *= 0.5) {
+            double q[4] = {f->p[0], f->p[1], f->p[2], f->p[3]};
+            for (int i = 0; i < f->n_free; i++) q[f->free[i]] += share * step[i];
+            for (int k = 0; k < 4; k++) {
+                if (!(classifier__try_squares(f, q, d, normal, gradient) < HUGE_VAL)) break;
+                if (!classifier__fit_step(f, normal, gradient, 1e-3, back, &length)) break;
+                for (int i = 0; i < f->n_free; i++) q[f->free[i]] += back[i];
+            }
+            f->squares = classifier__try_squares(f, q, d, NULL, NULL);
+            lower = f->squares < before * (1.0 - 1e-12);
+            for (int i = 0; i < 4 && lower; i++) f->p[i] = q[i];
+        }
+        if (lower) continue;
+        f->squares = before;
+        return;
+    }
+}
+
 /* Goes down from f->p until no step leads further; at most 200 steps. */
 static inline void classifier__descend(classifier__fit_try *f, const classifier__fit_data *d) {
     double normal[4][4], gradient[4], damping = 1e-3;
@@ -2598,6 +2626,7 @@ static inline void classifier__descend(classifier__fit_try *f, const classifier_
             arrived = tries == 39 || (solved && length < 1e-9);
         }
     }
+    if (d->sd) classifier__follow_valley(f, d);
 }
 
 static inline classifier__fit_try classifier__fit_begin(const classifier__fit_try *from, bool bypass, bool hook, double logit_bypass,
@@ -2701,11 +2730,9 @@ static inline void classifier__fit_from_grid(classifier__fit_try *best, const cl
     }
 }
 
-/* Returns whether a constant T fits the points as well: they leave the cut size open. Without a bypass, that of Molerus & Hoffmann has no
-   such limit. */
-static inline bool classifier__is_flat(const classifier__fit_try *best, const classifier__fit_data *d, bool bypass) {
+/* Returns whether a constant T fits the points as well: they leave the cut size open. */
+static inline bool classifier__is_flat(const classifier__fit_try *best, const classifier__fit_data *d) {
     double sum = 0.0, weights = 0.0, squares = 0.0;
-    if (best->like.law == CLASSIFIER_MOLERUS_HOFFMANN && !bypass) return false;
     for (int i = 0; i < d->n; i++) {
         const double weight = d->sd ? 1.0 / (d->sd[i] * d->sd[i]) : 1.0;
         sum += weight * d->t[i], weights += weight;
@@ -2726,6 +2753,17 @@ static inline int classifier__distinct(const double *x, int n, int most) {
         count += is_new;
     }
     return count;
+}
+
+/* Returns whether the points are numbers in their ranges, with deviations that are not too different for the fit to tell all of them. */
+static inline bool classifier__fit_accepts(const classifier__fit_data *d) {
+    double least = HUGE_VAL, most = 0.0;
+    if (!(d->x && d->t && d->n > 0)) return false;
+    for (int i = 0; i < d->n; i++) {
+        if (!(classifier__positive(d->x[i]) && fabs(d->t[i]) < HUGE_VAL && (!d->sd || classifier__positive(d->sd[i])))) return false;
+        if (d->sd) least = d->sd[i] < least ? d->sd[i] : least, most = d->sd[i] > most ? d->sd[i] : most;
+    }
+    return !d->sd || (least > 1e-100 && most < 1e100 && most <= 1e6 * least);
 }
 
 /* Sets the start of a fit: the size by interpolation at T = one half, the slope as the best of a few. Returns false if the points are not
@@ -2756,6 +2794,21 @@ static inline bool classifier__fit_start(classifier__fit_try *f, classifier_curv
     return true;
 }
 
+/* Returns whether parameter k is free and may grow by `way` at the same cut size without a change of T at the points, as the slope of a step
+   between two sizes. */
+static inline bool classifier__is_open(const classifier__fit_try *f, const classifier__fit_data *d, int k, double way) {
+    double q[4] = {f->p[0], f->p[1], f->p[2], f->p[3]};
+    bool is_free = false;
+    for (int j = 0; j < f->n_free; j++) is_free |= f->free[j] == k;
+    q[k] += way;
+    const classifier_curve best = classifier__curve_from(&f->like, f->p);
+    classifier_curve other = classifier__curve_from(&f->like, q);
+    other.size *= k == 1 ? classifier__curve_clean_size(&best, 0.5) / classifier__curve_clean_size(&other, 0.5) : 1.0;
+    for (int i = 0; i < d->n && is_free; i++)
+        if (!(fabs(classifier_curve_value(&other, d->x[i]) - classifier_curve_value(&best, d->x[i])) < 1e-6)) return false;
+    return is_free;
+}
+
 /* Deviations from the curvature at the best place: the diagonal of the inverse, column by column. */
 static inline void classifier__fit_deviations(const classifier__fit_try *f, const classifier__fit_data *d, classifier_fit_result *result) {
     double normal[4][4], gradient[4], deviation[4] = {0.0, 0.0, 0.0, 0.0};
@@ -2769,10 +2822,10 @@ static inline void classifier__fit_deviations(const classifier__fit_try *f, cons
         deviation[f->free[k]] = known ? sqrt(column[k] * (d->sd ? 1.0 : squares / result->dof)) : HUGE_VAL;
     }
     const classifier_curve *c = &result->curve;
-    result->size_sd = c->size * deviation[0];
-    result->slope_sd = c->slope * deviation[1];
-    result->bypass_sd = f->n_free > 2 ? c->bypass * (1.0 - c->bypass) * deviation[2] : 0.0;
-    result->hook_sd = f->n_free > 3 ? c->hook_size * deviation[3] : 0.0;
+    result->size_sd = classifier__is_open(f, d, 0, 0.01) ? HUGE_VAL : c->size * deviation[0];
+    result->slope_sd = classifier__is_open(f, d, 1, RIDDLE_LN2_HI) ? HUGE_VAL : c->slope > 0.0 ? c->slope * deviation[1] : 0.0;
+    result->bypass_sd = c->bypass > 0.0 ? c->bypass * (1.0 - c->bypass) * deviation[2] : 0.0;
+    result->hook_sd = c->hook_size < HUGE_VAL ? c->hook_size * deviation[3] : 0.0;
 }
 
 CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
@@ -2787,9 +2840,7 @@ CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsign
     result->curve = classifier_curve_of(law, classifier__nan(), classifier__nan());
     result->curve.bypass = result->curve.hook_size = result->rms = result->student = result->dof = classifier__nan();
     result->size_sd = result->slope_sd = result->bypass_sd = result->hook_sd = classifier__nan();
-    if (!(x && t && n > 0)) return CLASSIFIER_BAD_ARGUMENT;
-    for (int i = 0; i < n; i++)
-        if (!(classifier__positive(x[i]) && fabs(t[i]) < HUGE_VAL && (!sd || classifier__positive(sd[i])))) return CLASSIFIER_BAD_ARGUMENT;
+    if (!classifier__fit_accepts(&d)) return CLASSIFIER_BAD_ARGUMENT;
     if (classifier__distinct(x, n, wanted + 1) <= wanted) return CLASSIFIER_TOO_FEW;
     memset(&best, 0, sizeof best);
     if (!classifier__fit_start(&best, law, &d, &floor_t)) return CLASSIFIER_OUTSIDE;
@@ -2797,11 +2848,17 @@ CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsign
     if (bypass) classifier__fit_bypass(&best, &d, floor_t);
     classifier__fit_steps(&best, &d, bypass);
     classifier__fit_from_grid(&best, &d, bypass);
-    if (classifier__is_flat(&best, &d, bypass)) return CLASSIFIER_OUTSIDE;
+    if (classifier__is_flat(&best, &d)) return CLASSIFIER_OUTSIDE;
     if (hook) classifier__fit_hook(&best, &d, floor_t);
     result->curve = classifier__curve_from(&best.like, best.p);
-    result->at_border = (bypass && best.n_free < 3 ? (unsigned)CLASSIFIER_FREE_BYPASS : 0u) |
-                        (hook && best.n_free < 4 ? (unsigned)CLASSIFIER_FREE_HOOK : 0u);
+    const bool no_slope = law == CLASSIFIER_MOLERUS_HOFFMANN && result->curve.slope < 1e-7;
+    if (no_slope) { /* the border: the others are judged without it */
+        result->curve.slope = 0.0;
+        best.n_free--;
+        best.free[1] = 2, best.free[2] = 3;
+    }
+    result->at_border = (no_slope ? (unsigned)CLASSIFIER_SLOPE : 0u) | (bypass && !(best.like.bypass > 0.0) ? (unsigned)CLASSIFIER_FREE_BYPASS : 0u) |
+                        (hook && !(best.like.hook_size < HUGE_VAL) ? (unsigned)CLASSIFIER_FREE_HOOK : 0u);
     result->dof = n - best.n_free;
     result->student = sd ? 1.959963984540054 : classifier__student(n - best.n_free + 1);
     classifier__fit_deviations(&best, &d, result);

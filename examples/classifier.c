@@ -130,9 +130,11 @@ static void read_sizes(const program *self, const char *path, measured *m) {
     csv_free(&data);
 }
 
-static const char *bypass_range(char *text, size_t size, const classifier_fit_result *fit) {
-    if (fit->at_border & CLASSIFIER_FREE_BYPASS) return " (at its border)";
-    snprintf(text, size, " +- %.3f", fit->student * fit->bypass_sd);
+/* Writes the range of a fitted value, or why there is none. */
+static const char *range_of(char *text, size_t size, const classifier_fit_result *fit, double sd, bool at_border, int digits) {
+    if (at_border) return " (at its border)";
+    if (!(sd < HUGE_VAL)) return " (left open by the points)";
+    snprintf(text, size, " +- %.*f", digits, fit->student * sd);
     return text;
 }
 
@@ -675,13 +677,14 @@ int main(int argc, char **argv) {
     if (r.flags & CLASSIFIER_MISSED) common_print("Note: %.1f %% of the particles pass between the paddles untouched.\n", 100.0 * r.missed);
     if (r.clamped > 1e-3)
         common_print("Note: %.1f %% of the sphericities lie outside the conversion's range and were set to its end.\n", 100.0 * r.clamped);
-    char range[40];
+    char range[3][40];
     if (fitted)
-        common_print(
-            "Measured curve: x50 %.2f +- %.2f um, slope %.2f +- %.2f, bypass %.3f%s, rms %.3f (+- 95 %% range by Student's t, %.0f "
-            "degrees of freedom)\n",
-            1e6 * fit.curve.size, 1e6 * fit.student * fit.size_sd, fit.curve.slope, fit.student * fit.slope_sd, fit.curve.bypass,
-            bypass_range(range, sizeof range, &fit), fit.rms, fit.dof);
+        common_print("Measured curve: x50 %.2f%s um, slope %.2f%s, bypass %.3f%s, rms %.3f (+- 95 %% range by Student's t, %.0f "
+                     "degrees of freedom)\n",
+                     1e6 * fit.curve.size, range_of(range[0], sizeof *range, &fit, 1e6 * fit.size_sd, false, 2), fit.curve.slope,
+                     range_of(range[1], sizeof *range, &fit, fit.slope_sd, (fit.at_border & CLASSIFIER_SLOPE) != 0, 2), fit.curve.bypass,
+                     range_of(range[2], sizeof *range, &fit, fit.bypass_sd, (fit.at_border & CLASSIFIER_FREE_BYPASS) != 0, 3), fit.rms,
+                     fit.dof);
 
     json *report = json_open(self.json);
     const double weights[3] = {r.weights.clean, r.weights.thrown, r.weights.again};

@@ -1365,9 +1365,63 @@ static void test_fits_of_steps_and_of_flat_points(void **state) {
             assert_int_equal(classifier_fit((classifier_curve_law)law, bits[k], x, low, NULL, 9, &fit), CLASSIFIER_OK);
             assert_true(k == 0 || fit.rms < 1e-9);
             const classifier_status status = classifier_fit((classifier_curve_law)law, bits[k], x, flat, NULL, 9, &fit);
-            if (law == CLASSIFIER_MOLERUS_HOFFMANN && k == 0) assert_int_equal(status, CLASSIFIER_OK);
-            else assert_true(status == CLASSIFIER_OUTSIDE || fit.rms < 0.05); /* better than the constant */
+            assert_true(status == CLASSIFIER_OUTSIDE || fit.rms < 0.05); /* better than the constant */
         }
+    }
+}
+
+/* What the points leave open has an infinite deviation, what stands at its border none. */
+static void test_fits_say_what_is_open(void **state) {
+    (void)state;
+    const double x[6] = {1e-6, 2e-6, 4e-6, 8e-6, 1.6e-5, 3.2e-5}, step[6] = {0, 0, 0, 1, 1, 1}, pinned[6] = {0, 0, 0.5, 1, 1, 1},
+                 fall[6] = {0.9, 0.8, 0.6, 0.4, 0.2, 0.1}, gentle[6] = {0.4, 0.4, 0.5, 0.8, 0.95, 1.0};
+    classifier_fit_result fit;
+    for (int law = 0; law < 3; law++) {
+        const classifier_curve_law of = (classifier_curve_law)law;
+        assert_int_equal(classifier_fit(of, 0, x, step, NULL, 6, &fit), CLASSIFIER_OK);
+        assert_true(isinf(fit.slope_sd) && isinf(fit.size_sd)); /* any slope above 50, any size between two points */
+        assert_int_equal(classifier_fit(of, 0, x, pinned, NULL, 6, &fit), CLASSIFIER_OK);
+        assert_true(isinf(fit.slope_sd) && fit.size_sd < 1e-7 && fabs(classifier_curve_size(&fit.curve, 0.5) - 4e-6) < 1e-11);
+        assert_int_equal(classifier_fit(of, 0, x, fall, NULL, 6, &fit), CLASSIFIER_OUTSIDE);
+    }
+    assert_int_equal(classifier_fit(CLASSIFIER_MOLERUS_HOFFMANN, 0, x, gentle, NULL, 6, &fit), CLASSIFIER_OK);
+    assert_true(fit.at_border == CLASSIFIER_SLOPE && fit.curve.slope == 0.0 && fit.slope_sd == 0.0 && fit.dof == 5.0);
+    assert_true(isfinite(fit.size_sd) && fit.size_sd > 0.0);
+}
+
+/* One point that is far better known than the others pins the curve: the least sum of squares is found all the same, and the two laws that
+   are the same curves agree. */
+static void test_fits_with_uneven_deviations(void **state) {
+    (void)state;
+    const double x[6] = {1e-6, 2e-6, 4e-6, 8e-6, 1.6e-5, 3.2e-5}, t[6] = {0.05, 0.1, 0.3, 0.6, 0.9, 0.98};
+    for (int at = 0; at < 6; at += 2) {
+        for (double small = 1e-2; small > 0.9e-6; small *= 0.1) {
+            double sd[6] = {1, 1, 1, 1, 1, 1}, least = HUGE_VAL;
+            sd[at] = small;
+            for (int k = 0; k < 20000; k++) { /* all curves through the point */
+                const double slope = 0.5 + 3.0 * k / 20000.0;
+                const classifier_curve c =
+                    classifier_curve_of(CLASSIFIER_ROSIN_RAMMLER, x[at] / pow(-log(1.0 - t[at]), 1.0 / slope), slope);
+                double sum = 0.0;
+                for (int i = 0; i < 6; i++) sum += pow(t[i] - classifier_curve_value(&c, x[i]), 2.0);
+                least = sum < least ? sum : least;
+            }
+            for (int law = 0; law < 2; law++) {
+                classifier_fit_result fit;
+                double sum = 0.0;
+                assert_int_equal(classifier_fit((classifier_curve_law)law, 0, x, t, sd, 6, &fit), CLASSIFIER_OK);
+                for (int i = 0; i < 6; i++) sum += pow((t[i] - classifier_curve_value(&fit.curve, x[i])) / sd[i], 2.0);
+                assert_true(sum <= least * (1.0 + 1e-5));
+                assert_true(isfinite(fit.slope_sd) && fit.slope_sd > 0.5);
+            }
+        }
+    }
+    const double bad[3] = {1e-7, 1e-300, 1e101};
+    for (int k = 0; k < 3; k++) {
+        double sd[6] = {1, 1, 1, 1, 1, 1};
+        classifier_fit_result fit;
+        sd[3] = bad[k];
+        assert_int_equal(classifier_fit(CLASSIFIER_PLITT, 0, x, t, sd, 6, &fit), CLASSIFIER_BAD_ARGUMENT);
     }
 }
 
@@ -1432,6 +1486,8 @@ int main(void) {
         cmocka_unit_test(approach_in_gas),
         cmocka_unit_test(test_fits_whose_best_value_lies_on_a_border),
         cmocka_unit_test(test_fits_of_steps_and_of_flat_points),
+        cmocka_unit_test(test_fits_say_what_is_open),
+        cmocka_unit_test(test_fits_with_uneven_deviations),
         cmocka_unit_test(test_a_failure_is_not_hidden_by_a_later_success),
         cmocka_unit_test(drag_coefficients),
         cmocka_unit_test(sphericities),
