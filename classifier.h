@@ -463,9 +463,10 @@ typedef struct classifier_fit_result {
     int iterations;
 } classifier_fit_result;
 /* Fits a curve by least squares (Levenberg-Marquardt in ln size, ln slope, logit bypass, ln hook) to n measured points x[n] [m] > 0, t[n];
-   sd[n] > 0, the largest at most 1e6 times the smallest, or NULL (all equal). A parameter whose best value lies at its border is fixed there and the others are fitted again; a hook is
-   sought from between each two sizes. Needs more distinct sizes than free parameters (CLASSIFIER_TOO_FEW), values on both sides of one
-   half, and T that rises with x so that no constant fits as well (CLASSIFIER_OUTSIDE: the points leave the cut size open). */
+   sd[n] > 0, the largest at most 1e6 times the smallest, or NULL (all equal). A parameter whose best value lies at its border is fixed
+   there and the others are fitted again; a hook is sought from between each two sizes. Needs more distinct sizes than free parameters
+   (CLASSIFIER_TOO_FEW), values on both sides of one half, and T that rises with x so that no constant fits as well (CLASSIFIER_OUTSIDE: the
+   points leave the cut size open). */
 CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
                                                 const double *sd, int n, classifier_fit_result *result);
 
@@ -2794,8 +2795,8 @@ static inline bool classifier__fit_start(classifier__fit_try *f, classifier_curv
     return true;
 }
 
-/* Returns whether parameter k is free and may grow by `way` at the same cut size without a change of T at the points, as the slope of a step
-   between two sizes. */
+/* Returns whether parameter k is free and may grow by `way` at the same cut size without a change of T at the points, as the slope of a
+   step between two sizes. */
 static inline bool classifier__is_open(const classifier__fit_try *f, const classifier__fit_data *d, int k, double way) {
     double q[4] = {f->p[0], f->p[1], f->p[2], f->p[3]};
     bool is_free = false;
@@ -2857,7 +2858,8 @@ CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsign
         best.n_free--;
         best.free[1] = 2, best.free[2] = 3;
     }
-    result->at_border = (no_slope ? (unsigned)CLASSIFIER_SLOPE : 0u) | (bypass && !(best.like.bypass > 0.0) ? (unsigned)CLASSIFIER_FREE_BYPASS : 0u) |
+    result->at_border = (no_slope ? (unsigned)CLASSIFIER_SLOPE : 0u) |
+                        (bypass && !(best.like.bypass > 0.0) ? (unsigned)CLASSIFIER_FREE_BYPASS : 0u) |
                         (hook && !(best.like.hook_size < HUGE_VAL) ? (unsigned)CLASSIFIER_FREE_HOOK : 0u);
     result->dof = n - best.n_free;
     result->student = sd ? 1.959963984540054 : classifier__student(n - best.n_free + 1);

@@ -1389,8 +1389,8 @@ static void test_fits_say_what_is_open(void **state) {
     assert_true(isfinite(fit.size_sd) && fit.size_sd > 0.0);
 }
 
-/* One point that is far better known than the others pins the curve: the least sum of squares is found all the same, and the two laws that
-   are the same curves agree. */
+/* One point that is far better known than the others pins the curve: the least sum of squares is found all the same, by both laws that are
+   the same curves. */
 static void test_fits_with_uneven_deviations(void **state) {
     (void)state;
     const double x[6] = {1e-6, 2e-6, 4e-6, 8e-6, 1.6e-5, 3.2e-5}, t[6] = {0.05, 0.1, 0.3, 0.6, 0.9, 0.98};

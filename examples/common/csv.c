@@ -355,7 +355,8 @@ int csv_find(const csv_data *data, const char *name, double *factor, char *messa
 int csv_measures(const char *name, char dimension) {
     char base[128];
     const unit *in;
-    return split_name(name, base, sizeof base, &in) && (!in || in->dimension == dimension || (dimension == '#' && strcmp(in->name, "-") == 0));
+    if (!split_name(name, base, sizeof base, &in)) return 0;
+    return !in || in->dimension == dimension || (dimension == '#' && strcmp(in->name, "-") == 0);
 }
 
 int csv_column(const csv_data *data, const char *name) { return csv_find(data, name, NULL, NULL, 0); }

@@ -1,7 +1,8 @@
 /* csv.h: tables of numbers from files. Lines that begin with '#' are comments, the first other line names the columns.
 
    Cells are separated by commas, semicolons or tabs, whichever the line of names has; with semicolons and tabs numbers may have decimal
-   commas; a table that has decimal points, too, must not have numbers such as 1.250 or 1,250, which may be thousands. Lines end as on any system; a byte-order mark is passed over.
+   commas; a table that has decimal points, too, must not have numbers such as 1.250 or 1,250, which may be thousands. Lines end as on any
+   system; a byte-order mark is passed over.
 
    A column is found by its exact name, after case and a unit are taken off: "x" is in x, X_m, "x [mm]", but not in x_velocity. Its numbers
    are converted to the unit that is asked for: "size_mm" reads size_um, "x" reads metres. A column without a unit is found only if none is
