@@ -1915,6 +1915,7 @@ typedef struct screen__problem {
     double low[SCREEN_MAX_PARAMETERS], high[SCREEN_MAX_PARAMETERS];         /* in q; equal where a parameter is held */
     double box_low[SCREEN_MAX_PARAMETERS], box_high[SCREEN_MAX_PARAMETERS]; /* the caller's, of those without influence too */
     double centre[4];                                                       /* mean of speed[r] and wet, for each rate */
+    double width[4];                                                        /* and how far each reaches from low to high */
     double *retained, *slopes;                                              /* [points], [parameters][points] or [points][2] */
     screen_bed *bed;                                                        /* [most], model 3 */
     int most;                                                               /* classes of a case, at most */
@@ -2467,7 +2468,7 @@ static inline void screen__survey(screen__problem *p, double range[2][2][2]) {
             }
         }
     }
-    for (int k = 0; k < 4; k++) p->centre[k] /= terms;
+    for (int k = 0; k < 4; k++) p->centre[k] /= terms, p->width[k] = range[k / 2][k % 2][1] - range[k / 2][k % 2][0];
 }
 
 /* Sets bounds, centre and arrays of a problem whose cases have been checked. */
@@ -2922,26 +2923,85 @@ static inline double screen__last_time(const screen__problem *p) {
     return last > 0.0 ? last : p->def.duration;
 }
 
+/* Descends from `trial`. Takes the place where that ends for q if it is better; returns the better loss. */
+static inline double screen__try_at(screen__problem *p, double *trial, double best, double *q) {
+    const int squares = p->loss == SCREEN_LOSS_SQUARES;
+    int left = 100;
+    for (int stage = squares ? SCREEN__STAGES - 1 : 0; stage < SCREEN__STAGES; stage += 2)
+        screen__descend(p, trial, screen__rounding(stage), 40, &left);
+    const double loss = screen__sharp_loss(p, trial);
+    if (!(loss < best)) return best;
+    for (int j = 0; j < p->parameters; j++) q[j] = trial[j];
+    return loss;
+}
+
+/* The same from coefficients c. */
+static inline double screen__try_from(screen__problem *p, const double *c, double best, double *q) {
+    double trial[SCREEN_MAX_PARAMETERS];
+    screen__to_box(p->model, p->parameters, p->centre, p->low, p->high, c, trial);
+    return screen__try_at(p, trial, best, q);
+}
+
 /* Descends once more from each pair of plain rates (slow, middling and fast) without exponents: few data have minima that random starts
    miss. */
 static inline double screen__try_plain_rates(screen__problem *p, double best, double *q) {
     const double first = p->model == SCREEN_DONG ? 3.0 : -riddle_log(screen__last_time(p));
-    const int squares = p->loss == SCREEN_LOSS_SQUARES;
     int pairs = p->model == SCREEN_SOLDINGER || p->parameters == 5 ? 0 : screen__rates(p->model) == 2 ? 9 : 3;
     for (int k = 0; k < pairs; k++) {
-        double c[SCREEN_MAX_PARAMETERS] = {0.0}, trial[SCREEN_MAX_PARAMETERS];
-        int left = 100;
+        double c[SCREEN_MAX_PARAMETERS] = {0.0};
         c[0] = first + 2.5 * (k % 3);
         c[3] = first + 2.5 * (double)(k / 3);
-        screen__to_box(p->model, p->parameters, p->centre, p->low, p->high, c, trial);
-        for (int stage = squares ? SCREEN__STAGES - 1 : 0; stage < SCREEN__STAGES; stage += 2)
-            screen__descend(p, trial, screen__rounding(stage), 40, &left);
-        double loss = screen__sharp_loss(p, trial);
-        if (!(loss < best)) continue;
-        best = loss;
-        for (int j = 0; j < p->parameters; j++) q[j] = trial[j];
+        best = screen__try_from(p, c, best, q);
     }
     return best;
+}
+
+/* Descends from rates that change by e^2 or e^6 with the speeds or moistures of the data, the two of model 2 in opposite directions: where
+   a rate has its peak within the data, each step limits on one side of it. */
+static inline double screen__try_opposed_rates(screen__problem *p, double best, double *q) {
+    const double first = p->model == SCREEN_DONG ? 3.0 : -riddle_log(screen__last_time(p));
+    const int rates = screen__rates(p->model), tries = p->model == SCREEN_SOLDINGER || p->parameters == 5 ? 0 : 32;
+    for (int k = 0; k < tries; k++) {
+        double c[SCREEN_MAX_PARAMETERS] = {0.0};
+        const int shape = k / 8; /* by speed, by moisture, by both, by both in opposite directions */
+        for (int r = 0; r < rates; r++) {
+            const double reach = (k & 1 ? 6.0 : 2.0) * (((k & 2) != 0) == (r != 0) ? 1.0 : -1.0), *width = &p->width[2 * r];
+            c[3 * r] = first + (k & 4 ? 4.0 : 1.5);
+            c[3 * r + 1] = shape != 1 && width[0] > 1e-12 ? reach / width[0] : 1.0;
+            c[3 * r + 2] = shape != 0 && width[1] > 1e-12 ? (shape == 3 ? -reach : reach) / width[1] : 0.0;
+        }
+        best = screen__try_from(p, c, best, q);
+    }
+    return best;
+}
+
+/* Descends from random starts with each parameter at each of its bounds, where there are few curves: they have many minima. */
+static inline double screen__try_borders_anew(screen__problem *p, uint64_t seed, double best, double *q) {
+    const double last_time = screen__last_time(p);
+    int curves = 0;
+    for (int s = 0; s < p->cases; s++) curves += screen__deck_of(p, s).classes;
+    for (int j = 0; j < p->parameters && curves <= 12 && p->model != SCREEN_SOLDINGER; j++) {
+        const double low = p->low[j], high = p->high[j];
+        uint64_t state = seed;
+        for (int k = 0; k < 12 && low < high; k++) {
+            double trial[SCREEN_MAX_PARAMETERS];
+            p->low[j] = p->high[j] = k % 2 ? high : low;
+            screen__random_start(p, last_time, &state, trial);
+            best = screen__try_at(p, trial, best, q);
+        }
+        p->low[j] = low;
+        p->high[j] = high;
+    }
+    return best;
+}
+
+/* Exchanges the two steps of model 2 and descends: the curves differ where a bound holds one of them. */
+static inline double screen__try_exchanged(screen__problem *p, double best, double *q) {
+    double c[SCREEN_MAX_PARAMETERS], other[SCREEN_MAX_PARAMETERS];
+    if (p->model != SCREEN_SUBASINGHE) return best;
+    screen__to_coefficients(p->model, p->parameters, p->centre, q, c);
+    for (int j = 0; j < p->parameters; j++) other[j] = c[(j + 3) % 6];
+    return screen__try_from(p, other, best, q);
 }
 
 /* Runs all starts; the best ends in best_q. seen[starts][2]: the loss of each start after the first stage, and its sharp loss. */
@@ -2970,8 +3030,11 @@ static inline void screen__finish(screen__problem *p, const screen_def *def, con
     for (int start = 0; start < options->starts; start++) result->starts_at_best += seen[2 * start + 1] <= best + 1e-6;
     result->starts = options->starts;
     best = screen__try_plain_rates(p, best, q);
+    best = screen__try_opposed_rates(p, best, q);
+    best = screen__try_borders_anew(p, options->seed, best, q);
     for (int round = 0; round < 3; round++) { /* from one border another may be near */
         double before = best;
+        best = screen__try_exchanged(p, best, q);
         best = screen__try_borders(p, best, q);
         if (!(best < before * (1.0 - 1e-9))) break;
     }
