@@ -14,10 +14,13 @@
 #include "csv.h"
 #include "dem.h"
 
-enum { BINS = 12, NODES_X = 43, NODES_Y = 45, NODES_MAX = 1 << 20, SIZES_MAX = DEM_SIZES_MAX };
+enum { BINS = 12, NODES_X = 43, NODES_Y = 45, NODES_MAX = 1 << 20, SIZES_MAX = DEM_SIZES_MAX, MEETINGS = 8 };
+enum { BRICK, SPHERE, CLUMP, BOTH }; /* --shape */
+static const char *const shapes[] = {"brick", "sphere", "clump", "both"};
 static const double margin = 3e-4;   /* beyond the rim a particle has left [m] */
 static const double interval = 2e-6; /* of feeding and removing [s] */
 static const double steps_a_contact = 50.0;
+static const double brick_step = 0.05; /* between the sizes of bricks: of the logarithm [-] */
 
 typedef struct gap {
     int shape, drag, particles;
@@ -29,13 +32,23 @@ typedef struct gap {
     classifier_def machine;
     dem_sizes sizes;
     double simulated; /* share of the solids' mass that is larger than the smallest simulated [-] */
+    dem_clump clump;
+    int first_brick, bricks; /* shapes of the world */
 } gap;
+
+/* Another particle, or paddle (-1 - wall), that a particle touches at some points. */
+typedef struct meeting {
+    ptrdiff_t with;
+    int points;
+} meeting;
 
 /* What is known of a particle by its id. */
 typedef struct history {
     double size, entered, left;         /* [m], [s]; left: NaN inside */
     double hit_radius, hit_speed;       /* of the first hit on the paddle behind [m], against it along its normal [m/s]; NaN: none */
-    double approach;                    /* against the paddle that it touches [m/s] */
+    double along, across;               /* velocity of its centre against the paddle that it strikes, when this began [m/s] */
+    int struck, disturbed;              /* that paddle + 1, until it is clear of it; whether it touched others meanwhile */
+    meeting met[MEETINGS];
     int followed, paddle, mates, again; /* contacts with paddles, with particles; with the one in front */
     int outward;
 } history;
@@ -45,6 +58,7 @@ typedef struct record {
     history *of;
     ptrdiff_t n, room;
     double restitution_sum, restitution_square;
+    double turned_sum, turned_square; /* angle between rebound and mirrored approach [rad] */
     ptrdiff_t rebounds;
 } record;
 
@@ -63,48 +77,113 @@ static double prepare(const dem_birth *birth, double *constants) {
     return dem_prepare_linear(&b, constants);
 }
 
-/* Velocity of particle i against the face of a paddle along its normal, now [m/s]. */
-static double speed_at(const dem_world *w, const gap *g, ptrdiff_t i, int wall) {
-    const dem_vec x = w->particle[i].x, v = w->particle[i].v, a = w->wall[wall].axis[0], b = w->wall[wall].axis[1];
+/* Number of a particle's history: all parts of a clump have one. */
+static int parts(const gap *g) { return g->shape == CLUMP ? g->clump.spheres : 1; }
+static ptrdiff_t history_of(const dem_world *w, const gap *g, ptrdiff_t i) { return w->id[i] / parts(g); }
+/* Radius of the sphere about a particle of size d [m]. */
+static double reach(const gap *g, int shape, double d) {
+    if (shape == BRICK) return 0.5 * d * cbrt(RIDDLE_PI / 6.0 / 2.08) * sqrt(2.0 + 2.08 * 2.08);
+    return shape == CLUMP ? 2.0 * g->clump.radius[0] * d / dem_clump_diameter(&g->clump) : 0.5 * d;
+}
+static dem_vec minus(dem_vec a, dem_vec b) { return dem_vec3(a.x - b.x, a.y - b.y, a.z - b.z); }
+static double dot(dem_vec a, dem_vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+/* Velocity of a body's centre against a paddle, along it and across it [m/s], and its distance from the paddle's middle [m]. */
+static void seen_from(const dem_world *w, const gap *g, const dem_body *p, int wall, double *along, double *across, double *distance) {
+    const dem_vec a = w->wall[wall].axis[0], b = w->wall[wall].axis[1];
     const double turn = wall * pitch(g), c = cos(turn), s = sin(turn), spin = w->wall[wall].spin;
-    return (v.x + spin * x.y) * (c * b.x - s * a.x) + (v.y - spin * x.x) * (c * b.y - s * a.y);
+    const dem_vec line = dem_vec3(c * a.x + s * b.x, c * a.y + s * b.y, 0.0), normal = dem_vec3(-line.y, line.x, 0.0);
+    const dem_vec v = dem_vec3(p->velocity.x + spin * p->position.y, p->velocity.y - spin * p->position.x, 0.0);
+    *along = dot(v, line), *across = dot(v, normal), *distance = fabs(dot(p->position, normal));
 }
 
-/* Velocity with which two particles approach [m/s]. */
-static double closing(const dem_world *w, const gap *g, ptrdiff_t i, ptrdiff_t j) {
-    const dem_vec a = w->particle[i].x, b = w->particle[j].x, u = w->particle[i].v, v = w->particle[j].v;
-    const double x = a.x - b.x, y = a.y - b.y, turns = floor((a.z - b.z) / g->depth + 0.5), z = a.z - b.z - turns * g->depth;
-    return -((u.x - v.x) * x + (u.y - v.y) * y + (u.z - v.z) * z) / sqrt(x * x + y * y + z * z);
+/* Velocity of particle i where it touches [m/s]. */
+static dem_vec surface_velocity(const dem_world *w, const gap *g, ptrdiff_t i, dem_vec point) {
+    const dem_vec v = w->particle[i].v, s = w->particle[i].spin;
+    dem_vec arm = minus(point, w->particle[i].x);
+    arm.z -= g->depth * floor(arm.z / g->depth + 0.5);
+    return dem_vec3(v.x + s.y * arm.z - s.z * arm.y, v.y + s.z * arm.x - s.x * arm.z, v.z + s.x * arm.y - s.y * arm.x);
 }
 
+/* Velocity with which the surfaces approach at a contact [m/s]. */
+static double closing(const dem_world *w, const gap *g, const dem_contact_info *c) {
+    const dem_vec u = surface_velocity(w, g, c->i, c->point), p = c->point;
+    const double spin = c->j < 0 ? w->wall[-1 - c->j].spin : 0.0;
+    const dem_vec v = c->j < 0 ? dem_vec3(-spin * p.y, spin * p.x, 0.0) : surface_velocity(w, g, c->j, p);
+    return -dot(minus(u, v), c->normal);
+}
+
+/* Where a particle keeps what it touches at `with`, or a free place; NULL if all are taken. */
+static meeting *meeting_with(history *h, ptrdiff_t with) {
+    meeting *place = NULL;
+    for (int k = 0; k < MEETINGS; k++) {
+        if (h->met[k].points > 0 && h->met[k].with == with) return &h->met[k];
+        if (h->met[k].points == 0) place = &h->met[k];
+    }
+    return place;
+}
+static int touches(const history *h) {
+    int n = 0;
+    for (int k = 0; k < MEETINGS; k++) n += h->met[k].points;
+    return n;
+}
+
+/* Particle i begins to touch a paddle. */
+static void strikes(const dem_world *w, const gap *g, history *h, ptrdiff_t i, int wall, int counts, int alone) {
+    const dem_body body = dem_get_body(w, i);
+    double along, across, distance;
+    seen_from(w, g, &body, wall, &along, &across, &distance);
+    if (h->struck == 0) h->struck = wall + 1, h->along = along, h->across = across, h->disturbed = !alone;
+    if (!counts) return;
+    h->paddle++, h->again += wall == 1;
+    if (wall == 1 || !isnan(h->hit_radius)) return;
+    h->hit_radius = hypot(body.position.x, body.position.y);
+    h->hit_speed = fabs(across);
+}
+
+/* A point of contact begins. A contact lasts from its first point to its last; it counts if the first one begins fast. */
 static void begins(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user) {
     record *r = user;
+    const double least = r->g->least * omega(r->g) * r->g->machine.wheel.outer_radius;
     for (ptrdiff_t k = 0; k < n; k++) {
         const dem_contact_info c = dem_get_contact(w, slots[k]);
-        history *a = &r->of[w->id[c.i]];
-        const double least = r->g->least * omega(r->g) * r->g->machine.wheel.outer_radius;
-        if (c.j >= 0) {
-            const int counts = closing(w, r->g, c.i, c.j) >= least;
-            a->mates += counts, r->of[w->id[c.j]].mates += counts;
+        const ptrdiff_t with = c.j < 0 ? c.j : history_of(w, r->g, c.j);
+        history *a = &r->of[history_of(w, r->g, c.i)];
+        const int alone = touches(a) == 0;
+        meeting *met = meeting_with(a, with);
+        if (!met) continue;
+        met->with = with;
+        if (met->points++ > 0) continue;
+        const int counts = closing(w, r->g, &c) >= least;
+        if (with < 0) {
+            strikes(w, r->g, a, c.i, (int)(-1 - with), counts, alone);
             continue;
         }
-        const int wall = (int)(-1 - c.j);
-        a->approach = fabs(speed_at(w, r->g, c.i, wall));
-        if (!(a->approach >= least)) continue;
-        a->paddle++, a->again += wall == 1;
-        if (wall == 1 || !isnan(a->hit_radius)) continue;
-        a->hit_radius = hypot(w->particle[c.i].x.x, w->particle[c.i].x.y);
-        a->hit_speed = a->approach;
+        a->mates += counts, r->of[with].mates += counts;
+        a->disturbed = r->of[with].disturbed = 1;
     }
 }
 
 static void ends(dem_world *w, int32_t slot, void *user) {
     record *r = user;
     const dem_contact_info c = dem_get_contact(w, slot);
-    if (c.j >= 0 || !w->alive[c.i]) return;
-    const double before = r->of[w->id[c.i]].approach, e = fabs(speed_at(w, r->g, c.i, (int)(-1 - c.j))) / before;
-    if (!(before >= r->g->least * omega(r->g) * r->g->machine.wheel.outer_radius) || w->touching[c.i] > 1) return;
+    meeting *met = meeting_with(&r->of[history_of(w, r->g, c.i)], c.j < 0 ? c.j : history_of(w, r->g, c.j));
+    if (met && met->points > 0) met->points--;
+}
+
+/* A particle that has struck a paddle and is clear of it: a rebound, unless it touched others meanwhile. A brick may strike twice. */
+static void rebounds(const dem_world *w, record *r, history *h, const dem_body *body) {
+    const gap *g = r->g;
+    double along, across, distance;
+    if (h->struck == 0 || touches(h) > 0) return;
+    seen_from(w, g, body, h->struck - 1, &along, &across, &distance);
+    const double around = g->shape == CLUMP ? reach(g, CLUMP, h->size) : dem_radius(w, body->first);
+    if (!(distance > 0.5 * g->machine.wheel.thickness + around)) return;
+    h->struck = 0;
+    if (h->disturbed || !(fabs(h->across) >= g->least * omega(g) * g->machine.wheel.outer_radius)) return;
+    const double e = -across / h->across, turned = atan2(along, e * fabs(h->across)) - atan2(h->along, fabs(h->across));
     r->restitution_sum += e, r->restitution_square += e * e, r->rebounds++;
+    r->turned_sum += turned, r->turned_square += turned * turned;
 }
 
 static const dem_law counted = {
@@ -242,7 +321,21 @@ static int add_paddle(dem_world *w, const gap *g, double angle) {
     return dem_add_mesh(w, 1, &mesh);
 }
 
-static dem_status build(dem_world *w, const gap *g) {
+/* The paper's bricks, 1 : 1 : 2.08, of sizes that lie close together. */
+static dem_status add_bricks(dem_world *w, gap *g) {
+    g->bricks = 1 + (int)ceil(log(largest(g) / g->smallest) / brick_step);
+    for (int k = 0; k < g->bricks; k++) {
+        dem_convex brick;
+        const double a = g->smallest * exp(brick_step * k) * cbrt(RIDDLE_PI / 6.0 / 2.08);
+        const dem_status status = dem_make_brick(&brick, dem_vec3(a, a, 2.08 * a), 0.03, NULL);
+        const int number = status == DEM_OK ? dem_add_shape(w, &brick) : -(int)status;
+        if (number < 0) return (dem_status)-number;
+        if (k == 0) g->first_brick = number;
+    }
+    return DEM_OK;
+}
+
+static dem_status build(dem_world *w, gap *g) {
     dem_def def = dem_default_def();
     dem_add_material(&def, g->machine.particle_density, 1e9, 0.2);
     dem_add_material(&def, 7800.0, 2e11, 0.3);
@@ -257,6 +350,7 @@ static dem_status build(dem_world *w, const gap *g) {
     def.periodic[2] = 1;
     def.low = dem_vec3(0, 0, 0), def.high = dem_vec3(1, 1, g->depth);
     dem_status status = dem_init(w, &def, NULL);
+    if (status == DEM_OK && (g->shape == BRICK || g->shape == BOTH)) status = add_bricks(w, g);
     for (int k = 0; k < 2 && status == DEM_OK; k++) {
         const int wall = add_paddle(w, g, k * pitch(g));
         if (wall < 0) return (dem_status)-wall;
@@ -274,11 +368,11 @@ static double uniform(uint64_t *random) {
 }
 
 /* Is a place free of particles near the rim? */
-static int is_free(const dem_world *w, const double *x, double d, double depth) {
+static int is_free(const dem_world *w, const double *x, double r, double depth) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         const dem_vec p = dem_position(w, i);
-        const double sum = 0.5 * d + dem_radius(w, i);
+        const double sum = r + dem_radius(w, i);
         double z = fabs(p.z - x[2]);
         z = fmin(z, depth - z);
         if ((p.x - x[0]) * (p.x - x[0]) + (p.y - x[1]) * (p.y - x[1]) + z * z < sum * sum) return 0;
@@ -286,28 +380,50 @@ static int is_free(const dem_world *w, const double *x, double d, double depth) 
     return 1;
 }
 
-/* A new particle at the rim, as far inward as it would have come since it entered within the last interval. 0 if there is no place. */
+/* Adds a particle at x that is turned at random. The size of a brick becomes that of the nearest shape. */
+static dem_status add_particle(dem_world *w, const gap *g, int shape, const double *x, double *d, uint64_t *random) {
+    double q[4], square;
+    if (shape == SPHERE) return dem_add_spheres(w, 1, x, d, 0, 0);
+    do {
+        for (int a = 0; a < 4; a++) q[a] = 2.0 * uniform(random) - 1.0;
+        square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    } while (!(square <= 1.0 && square > 1e-3));
+    if (shape == CLUMP) return dem_add_clumps(w, 1, &g->clump, x, d, q, 0, 0);
+    const int k = (int)floor(log(*d / g->smallest) / brick_step + 0.5), number = k < 0 ? 0 : k < g->bricks ? k : g->bricks - 1;
+    *d = g->smallest * exp(brick_step * number);
+    return dem_add_convex(w, g->first_brick + number, 1, x, q, 0, 0);
+}
+
+/* Begins the history of the particle that was added last. */
+static history *new_history(record *r, double d, double time) {
+    if (r->n == r->room) {
+        history *more = realloc(r->of, sizeof *more * (size_t)(2 * r->room + 1024));
+        if (!more) return NULL;
+        r->of = more, r->room = 2 * r->room + 1024;
+    }
+    history *h = &r->of[r->n++];
+    memset(h, 0, sizeof *h);
+    h->size = d, h->entered = time, h->left = h->hit_radius = h->hit_speed = (double)NAN;
+    h->followed = time >= r->g->warm;
+    return h;
+}
+
+/* A new particle at the rim, as far inward as it would have come since it entered within the last interval; none if there is no place. */
 static dem_status enter(dem_world *w, record *r, double d, uint64_t *random) {
     const gap *g = r->g;
     const classifier_wheel *wheel = &g->machine.wheel;
-    const double face = asin((0.5 * wheel->thickness + 0.5 * d) / wheel->outer_radius), arc = pitch(g) - 2.0 * face;
+    const int shape = g->shape == BOTH ? (uniform(random) < 0.5 ? BRICK : SPHERE) : g->shape;
+    const double around = reach(g, shape, d);
+    const double face = asin((0.5 * wheel->thickness + around) / wheel->outer_radius), arc = pitch(g) - 2.0 * face;
     const double v = classifier_distribution_at(&g->machine.radial_velocity, uniform(random));
     const double against = classifier_distribution_at(&g->machine.tangential_velocity, uniform(random));
     for (int tries = 0; tries < 100; tries++) {
         const double a = angle_of(w) + face + arc * uniform(random), in = wheel->outer_radius - v * interval * uniform(random);
         const double c = cos(a), s = sin(a), x[3] = {in * c, in * s, g->depth * uniform(random)};
-        if (!is_free(w, x, d, g->depth)) continue;
-        const dem_status status = dem_add_spheres(w, 1, x, &d, 0, 0);
+        if (!is_free(w, x, around, g->depth)) continue;
+        const dem_status status = add_particle(w, g, shape, x, &d, random);
         if (status != DEM_OK) return status;
-        if (r->n == r->room) {
-            history *more = realloc(r->of, sizeof *more * (size_t)(2 * r->room + 1024));
-            if (!more) return DEM_OUT_OF_MEMORY;
-            r->of = more, r->room = 2 * r->room + 1024;
-        }
-        history *h = &r->of[r->n++];
-        memset(h, 0, sizeof *h);
-        h->size = d, h->entered = w->time, h->left = h->hit_radius = h->hit_speed = (double)NAN;
-        h->followed = w->time >= g->warm;
+        if (!new_history(r, d, w->time)) return DEM_OUT_OF_MEMORY;
         if (g->one_rate) dem_set_load(w, w->count - 1, dem_vec3(1e-30, 0, 0), dem_vec3(0, 0, 0));
         return dem_set_motion(w, w->count - 1, dem_vec3(-v * c + against * s, -v * s - against * c, 0.0), dem_vec3(0, 0, 0));
     }
@@ -319,11 +435,14 @@ static int leave(dem_world *w, record *r) {
     int n = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
-        const dem_vec p = dem_position(w, i), v = dem_velocity(w, i);
+        const dem_body body = dem_get_body(w, i);
+        const dem_vec p = body.position, v = body.velocity;
+        if (body.first != i) continue;
+        history *h = &r->of[history_of(w, r->g, i)];
         const double radius = hypot(p.x, p.y);
+        rebounds(w, r, h, &body);
         const int outward = radius > r->g->machine.wheel.outer_radius + margin && p.x * v.x + p.y * v.y > 0.0;
         if (!outward && radius > r->g->machine.wheel.inner_radius) continue;
-        history *h = &r->of[w->id[i]];
         h->left = w->time, h->outward = outward;
         n += h->followed;
         dem_remove(w, i);
@@ -352,7 +471,7 @@ static dem_status run(dem_world *w, record *r) {
             const ptrdiff_t before = r->n;
             status = enter(w, r, waiting, &random);
             if (r->n > before && r->of[r->n - 1].followed && ++followed > g->particles) r->of[r->n - 1].followed = 0;
-            due -= m, waiting = dem_draw_size(&g->sizes, &drawn);
+            due -= r->n > before ? pow(r->of[before].size / waiting, 3.0) * m : m, waiting = dem_draw_size(&g->sizes, &drawn);
         }
         if (status == DEM_OK) status = dem_run_law(w, interval, &counting);
         const int gone = leave(w, r);
@@ -424,11 +543,13 @@ static void report(const gap *g, const dem_world *w, const record *r) {
     if (n == 0) common_fail("no history is over: a longer --time-ms is needed");
     const double cor = r->restitution_sum / (double)r->rebounds,
                  cor_sd = sqrt(fmax(r->restitution_square / (double)r->rebounds - cor * cor, 0.0));
+    const double turned = r->turned_sum / (double)r->rebounds,
+                 turned_sd = sqrt(fmax(r->turned_square / (double)r->rebounds - turned * turned, 0.0)) * 180.0 / RIDDLE_PI;
     for (int k = 0; k < BINS; k++) bin[k] = k, count[k] /= n > 0 ? n : 1;
     for (int k = 0; k < CLASSIFIER_BINS; k++) mates[k] /= n > 0 ? n : 1;
     json *j = json_open(g->self->json);
     json_number(j, "rpm", g->rpm);
-    json_string(j, "shape", "sphere");
+    json_string(j, "shape", shapes[g->shape]);
     json_bool(j, "drag", g->drag == 0);
     json_number(j, "cor", g->restitution);
     json_integer(j, "particles", n);
@@ -445,6 +566,8 @@ static void report(const gap *g, const dem_world *w, const record *r) {
     json_number(j, "impact_speed_mean_m_s", speed.mean),
         json_number(j, "impact_speed_over_rim", speed.mean / (omega(g) * g->machine.wheel.outer_radius));
     json_number(j, "cor_mean", cor), json_number(j, "cor_sd", cor_sd);
+    json_number(j, "rebound_angle_sd_deg", turned_sd), json_integer(j, "rebounds", r->rebounds);
+    json_number(j, "contact_time_s", g->contact_time);
     json_number(j, "outward_share", n > 0 ? outward / n : (double)NAN);
     json_number(j, "present", (double)w->count);
     json_integer(j, "steps", w->step), json_integer(j, "particle_steps", w->particle_steps),
@@ -455,9 +578,11 @@ static void report(const gap *g, const dem_world *w, const record *r) {
     common_print("contacts of a particle %.3f +- %.3f (standard error; sd %.2f): paddles %.3f, particles %.3f\n", contacts.mean,
                  deviation(&contacts) / sqrt(contacts.n), deviation(&contacts), paddles.mean, contacts.mean - paddles.mean);
     common_print(
-        "first hit at %.3f mm (sd %.3f), speed %.3f of the rim's; stay %.3f ms (sd %.3f); restitution %.3f (sd %.3f); outward %.3f\n",
+        "first hit at %.3f mm (sd %.3f), speed %.3f of the rim's; stay %.3f ms (sd %.3f); outward %.3f\n",
         1e3 * radius.mean, 1e3 * deviation(&radius), speed.mean / (omega(g) * g->machine.wheel.outer_radius), 1e3 * stay.mean,
-        1e3 * deviation(&stay), cor, cor_sd, n > 0 ? outward / n : (double)NAN);
+        1e3 * deviation(&stay), n > 0 ? outward / n : (double)NAN);
+    common_print("restitution at a paddle %.3f (sd %.3f), angle off the mirrored one %.1f degrees (sd), %d rebounds\n", cor, cor_sd,
+                 turned_sd, (int)r->rebounds);
     if (n > 0) separate(g, j, mates, CLASSIFIER_BINS, isnan(cor) ? g->restitution : cor, isnan(cor_sd) ? 0.01 : cor_sd);
     double edge[25], share[24] = {0};
     const classifier_wheel *wheel = &g->machine.wheel;
@@ -484,9 +609,9 @@ int main(int argc, char **argv) {
     bool brief = false;
     double depth = 1.0, smallest = 30.0, longest = 5.0, median = 50.0, contact = 100.0, warm = 0.3;
     g.particles = 10000, g.rpm = 9000.0, g.loading = 40.0, g.spread = 0.7;
-    g.shape = 1, g.least = 0.05;
+    g.shape = SPHERE, g.least = 0.05;
     option options[] = {
-        option_choice("shape", &g.shape, "brick|sphere|clump|both", "of the particles; this version has spheres"),
+        option_choice("shape", &g.shape, "brick|sphere|clump|both", "bricks 1 : 1 : 2.08, spheres, pairs of spheres, or half bricks"),
         option_choice("cor", &cor, "0.29|0.65|0.75", "coefficient of restitution of contacts [-]"),
         option_choice("drag", &g.drag, "on|off", "drag of the gas that turns with the wheel (Schiller & Naumann)"),
         option_double("rpm", "RPM", &g.rpm, 100.0, 30000.0, "speed of the wheel [1/min]"),
@@ -507,9 +632,10 @@ int main(int argc, char **argv) {
     };
     program self = program_start("paddle_gap", "Particles between two paddles of a deflector wheel: contacts, hits, residence.", options,
                                  sizeof options / sizeof *options, argc, argv);
-    static const char *const shapes[] = {"brick", "sphere", "clump", "both"};
-    if (g.shape != 1) program_refuse(&self, "shape", shapes[g.shape], "sphere");
-    if ((self.quick || brief) && !options[4].given) depth = 0.5;
+    const double ends_of[6] = {0.0, 0.0, -0.5, 0.0, 0.0, 0.5}, two[2] = {1.0, 1.0};
+    dem_make_clump(2, ends_of, two, &g.clump);
+    if (g.shape != SPHERE && g.drag == 0) program_refuse(&self, "drag", "on", "off with bricks and clumps: fields move spheres only");
+    if ((self.quick || brief) && !options[4].given) depth = g.shape == SPHERE ? 0.5 : 0.65;
     if (self.quick && !options[5].given) smallest = 60.0;
     if ((self.quick || brief) && !options[8].given) warm = self.quick ? 0.0 : 0.2;
     if ((self.quick || brief) && !options[7].given) g.particles = self.quick ? 30 : 1000;
@@ -519,14 +645,17 @@ int main(int argc, char **argv) {
     g.restitution = cor == 0 ? 0.29 : cor == 1 ? 0.65 : 0.75;
     g.machine = classifier_paper_def(cor == 2 ? CLASSIFIER_BEADS : CLASSIFIER_LIMESTONE, g.rpm, NULL);
     choose_sizes(&g);
-    if (!(g.depth > 2.25 * largest(&g))) {
+    const double wide = 4.5 * reach(&g, g.shape == BOTH ? BRICK : g.shape, largest(&g));
+    if (!(g.depth > wide)) {
         char text[40], allowed[80];
-        snprintf(text, sizeof text, "%g", depth),
-            snprintf(allowed, sizeof allowed, "over %.3g, 2.25 of the largest particles", 2250.0 * largest(&g));
+        snprintf(text, sizeof text, "%g", depth);
+        snprintf(allowed, sizeof allowed, "over %.3g, 2.25 of the largest particles' length", 1e3 * wide);
         program_refuse(&self, "depth-mm", text, allowed);
     }
     dem_world w;
-    record r = {&g, NULL, 0, 0, 0.0, 0.0, 0};
+    record r;
+    memset(&r, 0, sizeof r);
+    r.g = &g;
     dem_gas gas = dem_default_gas();
     double *velocity = g.drag ? NULL : g.field_file ? field_of_file(&g, &gas) : analytic_field(&g, &gas);
     gas.velocity = velocity;
