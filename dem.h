@@ -79,7 +79,7 @@
 /* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built with. Clang fuses
    only if told to by -ffp-contract=fast. Without these options gcc leaves a loop scalar if a root in it may set errno or arithmetic may
    trap, and most loops at -O2. The loops of a step (DEM__FAST) are compiled as with -O3, all else as with -O2: that takes a quarter off the
-   time of a compiler, and nothing off the speed. */
+   time of a compiler, and nothing off the speed. With the address sanitizer the command line decides. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__NO_MATH_ERRNO__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wredundant-decls"
@@ -94,7 +94,7 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__FAST
 #pragma float_control(push)
 #pragma clang fp contract(off)
-#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
 #define DEM__FAST __attribute__((optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")))
 #pragma GCC push_options
 #pragma GCC optimize("O2", "no-math-errno", "no-trapping-math", "fp-contract=off")
@@ -5991,6 +5991,14 @@ static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, pt
 /* Lists of active particles, and arrays without the particles that are gone. Relies on store.h's tables.
    May be changed here alone: when gaps are closed: no result depends on it. */
 
+/* Lets particles fly that nothing touches or loads any more, after changes by the caller. */
+static inline void dem__release_unloaded(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t i = 0; i < w->count && bodies->loads_on; i++) {
+        if (bodies->activity[i] && w->touching[i] == 0 && !dem__is_loaded(w, i)) bodies->activity[i] = DEM__FLYING;
+    }
+}
+
 /* Lists active particles in the order of memory. */
 static inline void dem__list_active(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
@@ -6628,6 +6636,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     const int keeps = !run->needs_lists;
     if (bodies->rigid) bodies->room->note_strides(w);
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
+    if (!keeps) dem__release_unloaded(w);
     dem__list_active(w);
     double smallest, largest;
     if (!dem__list_positions(w, &smallest, &largest)) return 0;
@@ -15032,7 +15041,7 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
 #endif
 #if defined(__clang__)
 #pragma float_control(pop)
-#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
 #pragma GCC pop_options
 #endif
 #endif /* DEM_H */

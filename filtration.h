@@ -63,7 +63,7 @@
 #define FILTRATION__FAST
 #pragma float_control(push)
 #pragma clang fp contract(off)
-#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
 #define FILTRATION__FAST __attribute__((optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")))
 #pragma GCC push_options
 #pragma GCC optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")
@@ -4167,7 +4167,7 @@ FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid 
 #endif
 #if defined(__clang__)
 #pragma float_control(pop)
-#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
 #pragma GCC pop_options
 #endif
 #endif /* RIDDLE_FILTRATION_H */

@@ -1,6 +1,14 @@
 /* Lists of active particles, and arrays without the particles that are gone. Relies on store.h's tables.
    May be changed here alone: when gaps are closed: no result depends on it. */
 
+/* Lets particles fly that nothing touches or loads any more, after changes by the caller. */
+static inline void dem__release_unloaded(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t i = 0; i < w->count && bodies->loads_on; i++) {
+        if (bodies->activity[i] && w->touching[i] == 0 && !dem__is_loaded(w, i)) bodies->activity[i] = DEM__FLYING;
+    }
+}
+
 /* Lists active particles in the order of memory. */
 static inline void dem__list_active(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;

@@ -24,7 +24,7 @@
 /* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built with. Clang fuses
    only if told to by -ffp-contract=fast. Without these options gcc leaves a loop scalar if a root in it may set errno or arithmetic may
    trap, and most loops at -O2. The loops of a step (DEM__FAST) are compiled as with -O3, all else as with -O2: that takes a quarter off the
-   time of a compiler, and nothing off the speed. */
+   time of a compiler, and nothing off the speed. With the address sanitizer the command line decides. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__NO_MATH_ERRNO__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wredundant-decls"
@@ -39,7 +39,7 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__FAST
 #pragma float_control(push)
 #pragma clang fp contract(off)
-#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
 #define DEM__FAST __attribute__((optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")))
 #pragma GCC push_options
 #pragma GCC optimize("O2", "no-math-errno", "no-trapping-math", "fp-contract=off")

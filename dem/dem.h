@@ -127,7 +127,7 @@
 #endif
 #if defined(__clang__)
 #pragma float_control(pop)
-#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
 #pragma GCC pop_options
 #endif
 #endif /* DEM_H */

@@ -378,6 +378,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     const int keeps = !run->needs_lists;
     if (bodies->rigid) bodies->room->note_strides(w);
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
+    if (!keeps) dem__release_unloaded(w);
     dem__list_active(w);
     double smallest, largest;
     if (!dem__list_positions(w, &smallest, &largest)) return 0;

@@ -435,6 +435,38 @@ static void test_infinite_energy_does_not_leave(void **state) {
     dem_free(&w);
 }
 
+/* A sphere, and a clump, that were fixed or loaded and are free again fly as if they had always been: what is saved then goes on with the
+   same bits. */
+static void test_free_again_flies(void **state) {
+    (void)state;
+    const double at[3] = {0, 0, 0}, far_off[3] = {1e-2, 0, 0}, d = 2e-3, centre[6] = {0, 0, 0, 1.5e-3, 0, 0}, of[2] = {2e-3, 2e-3};
+    const dem_vec none = dem_vec3(0, 0, 0);
+    dem_clump clump;
+    assert_int_equal(dem_make_clump(2, centre, of, &clump), DEM_OK);
+    for (int way = 0; way < 2; way++) {
+        dem_def def = scene_def(3e-6);
+        dem_world w, twin;
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        assert_int_equal(dem_add_spheres(&w, 1, at, &d, 0, 0), DEM_OK);
+        assert_int_equal(dem_add_clumps(&w, 1, &clump, far_off, NULL, NULL, 0, 0), DEM_OK);
+        for (int i = 0; i < 2; i++) {
+            assert_int_equal(way ? dem_set_load(&w, i, dem_vec3(1e-4, 0, 0), none) : dem_fix(&w, i, 1), DEM_OK);
+            assert_int_equal(dem_run(&w, 1e-3, DEM_LINEAR), DEM_OK);
+            assert_int_equal(way ? dem_set_load(&w, i, none, none) : dem_fix(&w, i, 0), DEM_OK);
+        }
+        const size_t size = dem_save(&w, NULL, 0);
+        void *bytes = malloc(size);
+        assert_non_null(bytes);
+        assert_true(dem_save(&w, bytes, size) == size);
+        assert_int_equal(dem_load(&twin, bytes, size, NULL), DEM_OK);
+        free(bytes);
+        assert_int_equal(dem_run(&w, 7e-3, DEM_LINEAR), DEM_OK);
+        assert_int_equal(dem_run(&twin, 7e-3, DEM_LINEAR), DEM_OK);
+        assert_true(dem_hash(&w) == dem_hash(&twin));
+        dem_free(&w), dem_free(&twin);
+    }
+}
+
 /* ---- what a host sets afterwards, and what its law leaves out ---- */
 
 /* Numbers of threads that are none: the run is refused and changes nothing, and what is saved then can be loaded. */
@@ -546,6 +578,7 @@ int main(void) {
         cmocka_unit_test(test_link_work_after_exit),
         cmocka_unit_test(test_flight_after_an_attraction),
         cmocka_unit_test(test_refused_where_they_enter),
+        cmocka_unit_test(test_free_again_flies),
         cmocka_unit_test(test_threads_set_later),
         cmocka_unit_test(test_worlds_in_used_memory),
         cmocka_unit_test(test_terse_law),

@@ -39,6 +39,7 @@ static void try_to_change(dem_world *w, const dem_kernel *hook_law, const dem_li
                                   dem_add_clumps(w, 1, &clump, at, NULL, NULL, 0, 0),
                                   dem_add_convex(w, 0, 1, at, NULL, 0, 0),
                                   dem_set_orientation(w, 0, as_it_is),
+                                  dem_fix(w, 0, 1),
                                   dem_set_force_field(w, NULL),
                                   dem_set_solid(w, 0, 0),
                                   dem_set_wall_groups(w, 0, 1u),
@@ -154,6 +155,13 @@ enum {
     SET_FIELD,
     SET_SOLID,
     SET_WALL_GROUPS,
+    MIDDLE_CALLS, /* from here on: what is fixed, states of contacts, threads, meshes from files */
+    FIX = MIDDLE_CALLS,
+    SET_CONTACT_STATE,
+    SET_THREADS,
+    REMOVE_IN_MESH,
+    FILL_IN_MESH,
+    ADD_MESH_SHAPE,
     CALLS
 };
 
@@ -199,6 +207,7 @@ typedef struct side {
     failing_allocator memory;
     dem_feed feed;
     int threads, backwards; /* given again after loading */
+    int most_threads;       /* that it has had */
     int links;              /* have they a law? */
     double interval, near;
     int bodies; /* may the feeds have clumps? */
@@ -445,9 +454,72 @@ static dem_quaternion turn_of(const call *c) {
     return q;
 }
 
+/* ---- what is fixed, states of contacts, meshes from files ---- */
+
+static dem_status set_contact_state(dem_world *w, const call *c) {
+    const ptrdiff_t n = dem_contact_count(w);
+    if (n == 0) return DEM_OK;
+    dem_contact_info info = dem_get_contact(w, c->pick[0] % n);
+    for (int k = 0; k < DEM_STATE_MAX; k++) info.state[k] *= c->u[k];
+    dem_set_contact_state(w, c->pick[0] % n, info.state);
+    return DEM_OK;
+}
+
+/* A tetrahedron as an STL file, read: closed unless an odd pick leaves faces out. The caller frees it. */
+static dem_status read_tetrahedron(const call *c, dem_mesh *mesh) {
+    enum { HEAD = 84, FACET = 50, FACES = 4 };
+    static const int corner[FACES][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+    unsigned char bytes[HEAD + FACES * FACET];
+    float vertex[4][3];
+    dem_stl_report report;
+    memset(bytes, 0, sizeof bytes);
+    for (int k = 0; k < 4; k++) {
+        for (int a = 0; a < 3; a++) vertex[k][a] = (float)(number(c, 3 * k + a, -2e-3, 2e-3) + (k == a + 1 ? 5e-3 : 0.0));
+    }
+    bytes[80] = FACES;
+    for (int f = 0; f < FACES; f++) {
+        for (int k = 0; k < 3; k++) memcpy(bytes + HEAD + f * FACET + 12 + 12 * k, vertex[corner[f][k]], 12);
+    }
+    const size_t size = c->odd == NUMBERS + 1 ? sizeof bytes - (size_t)(c->pick[1] % 150) : sizeof bytes;
+    return dem_read_stl(bytes, size, 1.0, number(c, 12, 0.0, 1e-6), NULL, mesh, &report);
+}
+static dem_status use_tetrahedron(side *s, const call *c) {
+    dem_world *w = &s->w;
+    dem_mesh mesh;
+    dem_status status = read_tetrahedron(c, &mesh);
+    if (status != DEM_OK) return DEM_BAD_ARGUMENT; /* no file that could be read */
+    const dem_region region = dem_mesh_region(&mesh);
+    if (c->kind == REMOVE_IN_MESH) {
+        const ptrdiff_t n = dem_remove_region(w, &region);
+        status = n < 0 ? (dem_status)-n : DEM_OK;
+    } else if (c->kind == FILL_IN_MESH) {
+        dem_feed feed = s->feed;
+        feed.region = region;
+        status = dem_fill(w, &feed, c->pick[3] % 4);
+        feed.region = s->feed.region;
+        s->feed = feed;
+    } else {
+        dem_convex shape;
+        status = dem_make_convex_mesh(&shape, &mesh, number(c, 13, 0.02, 0.2), NULL);
+        const int added = status == DEM_OK && shapes_of(w) < 4 ? dem_add_shape(w, &shape) : 0;
+        if (added < 0) status = (dem_status)-added;
+    }
+    dem_free_mesh(&mesh);
+    return status;
+}
+
 static dem_status apply_new_call(side *s, const call *c) {
     dem_world *w = &s->w;
     switch (c->kind) {
+    case FIX: return dem_fix(w, sphere(s, c, 0), c->odd == NUMBERS + 1 ? c->pick[1] : c->pick[1] % 3 > 0);
+    case SET_CONTACT_STATE: return set_contact_state(w, c);
+    case SET_THREADS:
+        s->threads = w->def.threads = 1 + c->pick[0] % 3;
+        s->most_threads = s->threads > s->most_threads ? s->threads : s->most_threads;
+        return DEM_OK;
+    case REMOVE_IN_MESH:
+    case FILL_IN_MESH:
+    case ADD_MESH_SHAPE: return use_tetrahedron(s, c);
     case ADD_CLUMPS: return add_clumps(w, c);
     case ADD_SHAPE: return add_shape(w, c);
     case ADD_CONVEX: return add_convex(w, c);

@@ -11,13 +11,15 @@
 #define DEEP 0.1              /* overlap over radius, and speed [m/s], beyond which the ledger is not judged */
 #define FAST 1.0
 #define FIRST_WITH_BODIES 100000 /* seed: programs from here on have clumps, polyhedra and fields as well; those below stay what they were */
+#define FIRST_WITH_FIXED 200000  /* and fixed particles and all the rest of the public functions */
 
 /* ---- what a call may answer ---- */
 
 static int is_documented(const call *c, dem_status status, int memory_failed) {
     const int runs = c->kind == RUN || c->kind == RUN_LAW, fills = c->kind >= FILL && c->kind <= FEED_MASS;
     const int adds =
-        c->kind == ADD_SPHERES || fills || (c->kind >= ADD_PLANE && c->kind <= ADD_EXIT) || (c->kind >= ADD_CLUMPS && c->kind <= ADD_CONVEX);
+        c->kind == ADD_SPHERES || fills || (c->kind >= ADD_PLANE && c->kind <= ADD_EXIT) || (c->kind >= ADD_CLUMPS && c->kind <= ADD_CONVEX) ||
+        c->kind == FILL_IN_MESH;
     switch (status) {
     case DEM_OK: return 1;
     case DEM_BAD_ARGUMENT: return 1;
@@ -39,6 +41,7 @@ static int must_succeed(const side *s, const call *c, int extreme) {
     const int of_sphere = c->kind == SET_MOTION || c->kind == SET_LOAD || c->kind == REMOVE;
     if (c->odd >= 0 || c->kind == ADD_LINK || c->kind == SET_LINKS || c->kind == RUN || c->kind == RUN_LAW) return 0;
     if (extreme && c->kind == SET_LOAD) return 0;
+    if (s->w.engine->bodies.has_fixed && c->kind == SET_MOTION) return 0; /* a fixed body does not turn */
     if (c->kind >= OLD_CALLS && c->kind != SET_WALL_GROUPS) return 0;
     if (of_wall || c->kind == SET_WALL_GROUPS) return s->w.walls > 0;
     if (of_sphere) return spheres_present(&s->w) > 0;
@@ -60,6 +63,12 @@ static uint64_t digest(const dem_world *w) {
     fuzz_mix_bits(&hash, (uint64_t)dem_contact_count(w)), fuzz_mix_bits(&hash, (uint64_t)dem_link_count(w));
     fuzz_mix_bits(&hash, (uint64_t)spheres_present(w));
     for (ptrdiff_t k = 0; k < w->passed_count; k++) fuzz_mix_bits(&hash, w->passed[k].id), fuzz_mix_number(&hash, w->passed[k].time);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        dem_vec of[3];
+        if (!dem_is_fixed(w, i)) continue;
+        FUZZ_HOLDS(dem_get_fixed_force(w, i, &of[0], &of[1], &of[2]) == DEM_OK);
+        for (int k = 0; k < 9; k++) fuzz_mix_number(&hash, dem_axis(of[k / 3], k % 3));
+    }
     return hash;
 }
 
@@ -96,6 +105,24 @@ static unsigned char *saved(const dem_world *w, size_t *size) {
     return bytes;
 }
 
+/* Pure functions, of any numbers. */
+static void compute_all(const call *c) {
+    const double x = number(c, 0, 0.0, 1.0), y = number(c, 1, 0.1, 10.0), z = number(c, 2, 1e-6, 1.0);
+    const dem_sizes sizes = sizes_of(c);
+    uint64_t random = 1;
+    double shape[3];
+    dem_mesh mesh;
+    dem_draw_size(&sizes, &random);
+    dem_restitution_of(dem_damping_ratio(x, DEM_CLIPPED), DEM_NAIVE), dem_contact_time(y, z, x, c->pick[0] % 2 ? DEM_NAIVE : DEM_CLIPPED);
+    dem_hertz_contact_time(1e7 * y, z, x, y), dem_shape_of_drag(x, y, z, shape);
+    dem_ball_in_box(z, dem_vec3(-x, -y, -z), vector(c, 3, 1.0));
+    dem_status_text((dem_status)(c->pick[0] % 40 - 2));
+    if (read_tetrahedron(c, &mesh) != DEM_OK) return;
+    const dem_region region = dem_mesh_region(&mesh);
+    dem_region_volume(&region), dem_region_holds(&region, vector(c, 3, 1e-3));
+    dem_free_mesh(&mesh);
+}
+
 /* Every reader, with what is there and what is not. */
 static void read_all(const side *s, const call *c) {
     enum { CELLS = 8, BINS = 5 };
@@ -104,12 +131,14 @@ static void read_all(const side *s, const call *c) {
     dem_measure measure;
     dem_field field[CELLS];
     dem_cells cells = {{-HALF, -HALF, -HALF}, {HALF, HALF, HALF}, {2, 2, 2}, {1e-3, 0.0, 2e-3}};
+    dem_vec at;
     double bins[BINS], of_group[CELLS], of_all[CELLS], entered[4], stayed[4] = {0.0, 0.0, 0.0, 0.0};
     for (int k = 0; k < 4; k++) entered[k] = (double)NAN;
     for (ptrdiff_t i = -1; i <= w->count; i++) {
         dem_position(w, i), dem_velocity(w, i), dem_spin(w, i), dem_orientation(w, i), dem_radius(w, i), dem_mass(w, i), dem_get_body(w, i);
-        dem_get_shape(w, dem_shape_of(w, i)), dem_wall_acts(w, c->pick[2] % 4, i);
+        dem_get_shape(w, dem_shape_of(w, i)), dem_wall_acts(w, c->pick[2] % 4, i), dem_get_fixed_force(w, i, &at, &at, &at);
     }
+    compute_all(c), dem_check_def(&w->def, NULL);
     dem_core_overlaps(w), dem_gas_velocity(&s->gas, region.low, w->time), dem_gas_porosity(w, &s->gas, of_all);
     dem_region_volume(&region), dem_region_holds(&region, region.low), dem_hash(w), dem_build_is_deterministic();
     for (ptrdiff_t k = -1; k <= dem_contact_count(w); k++) dem_get_contact(w, k);
@@ -167,7 +196,7 @@ static void begin(side *s, const dem_def *def, int skip, int threads, int backwa
     failing_init(&s->memory);
     own.allocator.fn = failing_fn, own.allocator.user = &s->memory;
     own.skip = skip;
-    s->threads = threads, s->backwards = backwards;
+    s->threads = s->most_threads = threads, s->backwards = backwards;
     s->feed = dem_default_feed(), s->gas = dem_default_gas();
     const double of_clump[6] = {0.0, 0.0, 0.0, 2e-3, 0.0, 0.0}, sizes[2] = {3e-3, 2e-3};
     s->bodies = bodies;
@@ -239,8 +268,8 @@ static void ledger_closes(const dem_energy_ledger *before, const dem_energy_ledg
     FUZZ_HOLDS(error <= LEDGER_TOLERANCE * scale);
 }
 
-/* Bytes that so many spheres, walls and threads need at most: see Memory in the manual of dem.h. Spheres of these sizes have at most 12
-   near pairs and 8 contacts each that begin apart; where they lie on one point each has all others. */
+/* Bytes that so many spheres (80 more if some are fixed), walls and threads need at most: see Memory in the manual of dem.h. Spheres of
+   these sizes have at most 12 near pairs and 8 contacts each that begin apart; where they lie on one point each has all others. */
 typedef struct peaks {
     ptrdiff_t spheres, walls, pairs, contacts, links, passed;
 } peaks;
@@ -252,11 +281,12 @@ static void note_peaks(peaks *p, const dem_world *w) {
 }
 static void memory_is_bounded(const side *s, const peaks *p) {
     const double growth = 1.6, room = 1024.0;
-    const double spheres = (540.0 + 12.0 * (double)p->walls) * ((double)p->spheres * growth + 64.0);
+    const double each = 540.0 + (s->w.engine->bodies.has_fixed ? 80.0 : 0.0) + 12.0 * (double)p->walls;
+    const double spheres = each * ((double)p->spheres * growth + 64.0);
     const double others = 60.0 * ((double)p->pairs * growth + 6.0 * (double)p->spheres * growth + room) +
                           500.0 * ((double)p->contacts * growth + 8.0 * (double)p->spheres + 256.0) +
                           300.0 * ((double)p->links * growth + room) + 90.0 * ((double)p->passed * 3.0 + 256.0);
-    const double fixed = 200e3 + 100e3 * s->threads + 10e3 * (double)p->walls;
+    const double fixed = 200e3 + 100e3 * s->most_threads + 10e3 * (double)p->walls;
     FUZZ_HOLDS((double)s->memory.live_bytes <= spheres + others + fixed);
 }
 
@@ -329,8 +359,9 @@ static void try_call(program *p, fuzz_draws *d, const call *c) {
 
 /* How often each call is drawn. */
 static int draw_kind(fuzz_draws *d, int calls) {
-    static const int often[] = {ADD_SPHERES, ADD_SPHERES, FILL, SET_MOTION, ADD_LINK, ADD_LINK, RUN, RUN, RUN, RUN, RUN, RUN, RUN, RUN_LAW};
-    const int n = (int)(sizeof often / sizeof *often), k = fuzz_one_of(d, calls + n);
+    static const int often[] = {ADD_SPHERES, ADD_SPHERES, FILL, SET_MOTION, ADD_LINK, ADD_LINK, RUN, RUN,       RUN, RUN,
+                                RUN,         RUN,         RUN,  RUN_LAW,    FIX,      FIX,      FIX, SET_MOTION};
+    const int n = (int)(sizeof often / sizeof *often) - (calls == CALLS ? 0 : 4), k = fuzz_one_of(d, calls + n);
     return k < calls ? k : often[k - calls];
 }
 
@@ -340,14 +371,16 @@ static uint64_t run_program(fuzz_draws *d) {
     memset(&p, 0, sizeof p);
     const dem_def def = draw_def(d);
     const int bodies = fuzz_seed >= FIRST_WITH_BODIES || d->bytes;
+    const int kinds = fuzz_seed >= FIRST_WITH_FIXED || d->bytes ? CALLS : bodies ? MIDDLE_CALLS : OLD_CALLS;
     begin(&p.a, &def, DEM_SKIP_ALL, 1, 0, bodies);
     begin(&p.b, &def, fuzz_one_of(d, DEM_SKIP_ALL + 1), 1 + fuzz_one_of(d, 3), 1, bodies);
     const int lasts = fuzz_one_of(d, 1000) == 0; /* many calls, legal ones, and short runs: does memory grow? */
     for (int calls = lasts ? 10000 : 8 + fuzz_one_of(d, 24); calls > 0; calls--) {
-        const int kind = draw_kind(d, bodies ? CALLS : OLD_CALLS), hostile = fuzz_one_of(d, 10) == 0 && !lasts;
+        const int kind = draw_kind(d, kinds), hostile = fuzz_one_of(d, 10) == 0 && !lasts;
         call c = draw_call(d, kind, hostile);
         c.most_steps = lasts ? 10 : 1500;
-        const int grows = kind == ADD_SPHERES || kind == ADD_CLUMPS || kind == ADD_CONVEX || (kind >= FILL && kind <= FEED_MASS);
+        const int grows =
+            kind == ADD_SPHERES || kind == ADD_CLUMPS || kind == ADD_CONVEX || kind == FILL_IN_MESH || (kind >= FILL && kind <= FEED_MASS);
         if (grows && spheres_present(&p.a.w) > MOST_SPHERES) continue;
         try_call(&p, d, &c);
         if (fuzz_one_of(d, 6) == 0) readers_change_nothing(&p.a, &c);
@@ -361,5 +394,5 @@ static uint64_t run_program(fuzz_draws *d) {
     return hash;
 }
 
-FUZZ_PROGRAMS(150, FIRST_WITH_BODIES, 1843, 8785, 11667, 18402, 30776, 100371, 100889, 105725, 109151, 112838, 113162, 113956, 116184, 118699,
+FUZZ_PROGRAMS(100, FIRST_WITH_BODIES, 1843, 8785, 11667, 18402, 30776, 100371, 100889, 105725, 109151, 112838, 113162, 113956, 116184, 118699,
               123140, 127298, 131164, 132917, 134508, 135463, 136227, 138284)

@@ -3,10 +3,10 @@
 
        static uint64_t run_program(fuzz_draws *draws);      // a number that depends on every bit of the results
 
-   and ends with FUZZ_PROGRAMS(count, other, seeds...); other: the first seed of another kind of programs, or 0; seeds: of programs that have
-   found something, which is mended. As a plain program:
+   and ends with FUZZ_PROGRAMS(count, other, seeds...); other: the first seed of another kind of programs, and half the first of a third one,
+   or 0; seeds: of programs that have found something, which is mended. As a plain program:
 
-       fuzz_dem                 `count` seeds from 0, as many from `other`, and `seeds`: the regression test
+       fuzz_dem                 `count` seeds of each kind, and `seeds`: the regression test
        fuzz_dem FIRST COUNT     seeds FIRST .. FIRST + COUNT - 1; prints one hash of all, the same for every compiler and machine
        fuzz_dem FILE...         the programs that these bytes spell
 
@@ -96,7 +96,7 @@ static int fuzz_programs_main(int argc, char **argv, const uint64_t *seeds, size
         fuzz_mix_bits(&hash, of);
         if (tells) printf("%llu %016llx\n", (unsigned long long)k, (unsigned long long)of);
     }
-    for (uint64_t k = 0; argc < 2 && seeds[1] > 0 && k < count; k++) fuzz_run_seed(seeds[1] + k);
+    for (uint64_t k = 0; argc < 2 && seeds[1] > 0 && k < 2 * count; k++) fuzz_run_seed((1 + k / count) * seeds[1] + k % count);
     for (size_t k = 2; argc < 2 && k < n; k++) fuzz_run_seed(seeds[k]);
     printf("%llu programs from seed %llu: hash %016llx\n[  PASSED  ] 1 test(s).\n", (unsigned long long)count, (unsigned long long)first,
            (unsigned long long)hash);
