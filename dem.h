@@ -12518,9 +12518,9 @@ DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, cons
     body.frame = body.turn = dem__quaternion(1.0, none);
     body.pieces = 1, body.offset = &none, body.radius = &s->reach, body.material = material, body.group = group;
     for (ptrdiff_t k = 0; k < n; k++) {
-        const double *o = orientations + 4 * k;
+        const double *o = orientations ? orientations + 4 * k : NULL;
         body.x = dem__point(centres + 3 * k);
-        if (orientations) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &body.turn);
+        if (o) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &body.turn);
         w->engine->convex.shape_of[dem__add_body(w, &body)] = shape + 1;
     }
     return DEM_OK;
