@@ -7,11 +7,26 @@ static const dem__convex_room dem__polyhedra = {dem__list_convex_pairs, dem__fol
                                                 dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
                                                 dem__leave_convex_edges};
 
+/* Returns whether the tables of a shape agree with each other, and its numbers are such as the code relies on. */
+static inline int dem__is_sound_shape(const dem_convex *c) {
+    if (c->corners < 4 || c->corners > DEM_CORNERS_MAX || c->edges < 6 || c->edges > DEM_EDGES_MAX || c->faces < 4 ||
+        c->faces > DEM_FACES_MAX)
+        return 0;
+    int sound = dem__positive(c->radius) && dem__positive(c->reach) && dem__positive(c->volume) && c->share > 0.0 && c->share <= 1.0 &&
+                c->face_start[0] == 0 && c->face_start[c->faces] == 2 * c->edges;
+    for (int k = 0; k < 3; k++) sound &= dem__positive(c->moment[k]);
+    for (int k = 0; k < 3 * c->corners; k++) sound &= fabs(c->corner[k / 3][k % 3]) <= c->reach;
+    for (int k = 0; k < 4 * c->faces; k++) sound &= fabs(c->plane[k / 4][k % 4]) <= (k % 4 < 3 ? 1.0 + 1e-9 : c->reach);
+    for (int k = 0; k < c->faces; k++) sound &= c->face_start[k] < c->face_start[k + 1];
+    for (int k = 0; k < 2 * c->edges; k++) {
+        sound &= c->face_corner[k] < c->corners && c->edge[k / 2][k % 2] < c->corners && c->edge_face[k / 2][k % 2] < c->faces;
+    }
+    return sound;
+}
+
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !shape || shape->corners < 4 || shape->corners > DEM_CORNERS_MAX || !dem__positive(shape->reach) ||
-        !dem__positive(shape->radius) || !dem__positive(shape->volume))
-        return -(int)DEM_BAD_ARGUMENT;
+    if (!w || !w->def.allocator.fn || !shape || !dem__is_sound_shape(shape)) return -(int)DEM_BAD_ARGUMENT;
     if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;

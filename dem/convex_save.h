@@ -28,23 +28,6 @@ static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     return (int)(sizeof fields / sizeof *fields);
 }
 
-/* Returns whether the tables of a shape agree with each other, and its numbers are such as the code relies on. */
-static inline int dem__is_sound_shape(const dem_convex *c) {
-    if (c->corners < 4 || c->corners > DEM_CORNERS_MAX || c->edges < 6 || c->edges > DEM_EDGES_MAX || c->faces < 4 ||
-        c->faces > DEM_FACES_MAX)
-        return 0;
-    int sound = dem__positive(c->radius) && dem__positive(c->reach) && dem__positive(c->volume) && c->share > 0.0 && c->share <= 1.0 &&
-                c->face_start[0] == 0 && c->face_start[c->faces] == 2 * c->edges;
-    for (int k = 0; k < 3; k++) sound &= dem__positive(c->moment[k]);
-    for (int k = 0; k < 3 * c->corners; k++) sound &= fabs(c->corner[k / 3][k % 3]) <= c->reach;
-    for (int k = 0; k < 4 * c->faces; k++) sound &= fabs(c->plane[k / 4][k % 4]) <= (k % 4 < 3 ? 1.0 + 1e-9 : c->reach);
-    for (int k = 0; k < c->faces; k++) sound &= c->face_start[k] < c->face_start[k + 1];
-    for (int k = 0; k < 2 * c->edges; k++) {
-        sound &= c->face_corner[k] < c->corners && c->edge[k / 2][k % 2] < c->corners && c->edge_face[k / 2][k % 2] < c->faces;
-    }
-    return sound;
-}
-
 /* Returns whether particle i is what its shape, if it has one, needs. */
 static inline int dem__is_sound_polyhedron(const dem_world *w, ptrdiff_t i) {
     const dem__convex_state *convex = &w->engine->convex;

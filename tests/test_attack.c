@@ -435,6 +435,24 @@ static void test_infinite_energy_does_not_leave(void **state) {
     dem_free(&w);
 }
 
+/* A shape that is none is refused where it enters, not met in a run. */
+static void test_shapes_that_are_none(void **state) {
+    (void)state;
+    dem_def def = scene_def(4e-6);
+    dem_convex good, bad;
+    dem_world w;
+    assert_int_equal(dem_make_brick(&good, dem_vec3(2e-3, 3e-3, 4e-3), 0.05, NULL), DEM_OK);
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+#define REFUSED(change) (bad = good, change, assert_int_equal(dem_add_shape(&w, &bad), -(int)DEM_BAD_ARGUMENT))
+    REFUSED(bad.corners = 33), REFUSED(bad.corners = -1), REFUSED(bad.edges = INT_MAX), REFUSED(bad.faces = 1000), REFUSED(bad.faces = 0);
+    REFUSED(bad.face_corner[3] = 200), REFUSED(bad.edge[2][1] = 32), REFUSED(bad.edge_face[0][0] = 60), REFUSED(bad.face_start[1] = 0);
+    REFUSED(bad.radius = (double)NAN), REFUSED(bad.reach = (double)INFINITY), REFUSED(bad.volume = 0.0), REFUSED(bad.share = 0.0);
+    REFUSED(bad.moment[1] = -1.0), REFUSED(bad.corner[5][2] = 1e9), REFUSED(bad.plane[4][0] = (double)NAN);
+#undef REFUSED
+    assert_int_equal(dem_add_shape(&w, &good), 0);
+    dem_free(&w);
+}
+
 /* A sphere, and a clump, that were fixed or loaded and are free again fly as if they had always been: what is saved then goes on with the
    same bits. */
 static void test_free_again_flies(void **state) {
@@ -578,6 +596,7 @@ int main(void) {
         cmocka_unit_test(test_link_work_after_exit),
         cmocka_unit_test(test_flight_after_an_attraction),
         cmocka_unit_test(test_refused_where_they_enter),
+        cmocka_unit_test(test_shapes_that_are_none),
         cmocka_unit_test(test_free_again_flies),
         cmocka_unit_test(test_threads_set_later),
         cmocka_unit_test(test_worlds_in_used_memory),
