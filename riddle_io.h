@@ -1688,17 +1688,25 @@ static inline void riddle_io__draw_reference(riddle_io_file *f, const riddle_io_
     }
 }
 
+/* Finds where a text in a panel begins. One that would leave the panel at the right is moved to the left. Returns 0 if its place is not
+   visible. */
+static inline int riddle_io__text_place(const riddle_io__panel *a, const riddle_io__series *s, double *x, double *y) {
+    if (s->kind == RIDDLE_IO__TEXT_SHARE) {
+        *x = a->at.x + a->at.width * s->x[0];
+        *y = a->at.y + a->at.height * (1.0 - s->y[0]);
+    } else {
+        if (!riddle_io__visible(a, s->x[0], s->y[0])) return 0;
+        *x = riddle_io__limited(riddle_io__px(a, s->x[0]));
+        *y = riddle_io__limited(riddle_io__py(a, s->y[0]));
+    }
+    const double last = s->label ? a->at.x + a->at.width - RIDDLE_IO__PAD - riddle_io__text_width(s->label, RIDDLE_IO__TICK_SIZE) : *x;
+    if (*x > last) *x = last > a->at.x + RIDDLE_IO__PAD ? last : a->at.x + RIDDLE_IO__PAD;
+    return 1;
+}
+
 static inline void riddle_io__draw_text(riddle_io_file *f, const riddle_io__panel *a, const riddle_io__series *s) {
     double x, y;
-    if (s->kind == RIDDLE_IO__TEXT_SHARE) {
-        x = a->at.x + a->at.width * s->x[0];
-        y = a->at.y + a->at.height * (1.0 - s->y[0]);
-    } else {
-        if (!riddle_io__visible(a, s->x[0], s->y[0])) return;
-        x = riddle_io__limited(riddle_io__px(a, s->x[0]));
-        y = riddle_io__limited(riddle_io__py(a, s->y[0]));
-    }
-    riddle_io__text_at(f, x, y, "start", "note", s->label);
+    if (riddle_io__text_place(a, s, &x, &y)) riddle_io__text_at(f, x, y, "start", "note", s->label);
 }
 
 static inline void riddle_io__draw_series(riddle_io_file *f, const riddle_io__panel *a, const riddle_io__series *s) {
@@ -1855,11 +1863,9 @@ static inline void riddle_io__stain_series(riddle_io__raster r, const riddle_io_
                        start = x + width < a->at.x + a->at.width ? x : x - width;
                 for (int k = 0; k < 3; k++) riddle_io__stain_segment(r, a, start, a->at.y + 7.0 * k, start + width, a->at.y + 7.0 * k);
             }
-        } else if ((s->kind == RIDDLE_IO__TEXT && riddle_io__visible(a, s->x[i], s->y[i])) || s->kind == RIDDLE_IO__TEXT_SHARE) {
-            double x = s->kind == RIDDLE_IO__TEXT ? riddle_io__limited(riddle_io__px(a, s->x[i])) : a->at.x + a->at.width * s->x[i];
-            double y =
-                s->kind == RIDDLE_IO__TEXT ? riddle_io__limited(riddle_io__py(a, s->y[i])) : a->at.y + a->at.height * (1.0 - s->y[i]);
-            for (int k = 0; k < 3 && s->label; k++)
+        } else if (s->kind == RIDDLE_IO__TEXT || s->kind == RIDDLE_IO__TEXT_SHARE) {
+            double x, y;
+            for (int k = 0; k < 3 && s->label && riddle_io__text_place(a, s, &x, &y); k++)
                 riddle_io__stain_segment(r, a, x, y - 6.0 * k, x + riddle_io__text_width(s->label, RIDDLE_IO__TICK_SIZE), y - 6.0 * k);
         } else if (s->kind <= RIDDLE_IO__ERROR_BARS && riddle_io__visible(a, s->x[i], s->y[i])) {
             double x = riddle_io__limited(riddle_io__px(a, s->x[i])), y = riddle_io__limited(riddle_io__py(a, s->y[i]));

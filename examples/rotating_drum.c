@@ -175,7 +175,7 @@ static void draw(const curves *c, const dem_world *world, const drum *d, const c
     plot_line(figure, "unlike contacts (1: mixed)", c->time, c->unlike, c->n);
     plot_line(figure, "radial segregation", c->time, c->radial, c->n);
     plot_panel(figure, 0, 1, "time [s]", "slope of the surface [degrees]");
-    snprintf(text, sizeof text, "mean of the second half: %.1f, standard error %.1f degrees", angle, error);
+    snprintf(text, sizeof text, "mean of the second half: %.1f +- %.1f degrees", angle, error);
     plot_line(figure, NULL, c->time, c->angle, c->n);
     plot_range_y(figure, 0.0, 60.0);
     plot_horizontal(figure, NULL, angle);

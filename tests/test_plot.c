@@ -263,6 +263,35 @@ static void test_legend_keeps_off_the_data(void **state) {
     assert_true(inside >= 30);
 }
 
+static double text_x(const char *svg, const char *label) {
+    const char *end = strstr(svg, label);
+    assert_non_null(end);
+    const char *start = end;
+    while (strncmp(start, "<text", 5) != 0) start--;
+    return strtod(strstr(start, "x=\"") + 3, NULL);
+}
+
+/* A text that would leave its panel at the right is moved to the left, one that fits is not. */
+static void test_text_stays_in_its_panel(void **state) {
+    (void)state;
+    const double x[2] = {0, 1};
+    plot *p = plot_new("texts", 1, 1);
+    plot_panel(p, 0, 0, "x", "y");
+    plot_line(p, NULL, x, x, 2);
+    plot_text_share(p, 0.0, 0.5, "begin");
+    plot_text_share(p, 0.5, 0.5, "middle");
+    plot_text_share(p, 1.0, 0.4, "I");
+    plot_text_share(p, 0.9, 0.6, "a text of forty letters, which is long ..");
+    plot_text(p, 0.95, 0.2, "a text of forty letters, at a place here");
+    char *svg = drawn(p);
+    const double begin = text_x(svg, ">begin<"), middle = text_x(svg, ">middle<"), end = text_x(svg, ">I<");
+    assert_true(end > middle && 2.0 * (middle - begin) > end - begin && 2.0 * (middle - begin) < end - begin + 30.0);
+    const double one = text_x(svg, ">a text of forty letters, which"), two = text_x(svg, ">a text of forty letters, at");
+    assert_true(one > begin && one + 40.0 * 14.0 * 0.35 < end);
+    assert_true(two > begin && two + 40.0 * 14.0 * 0.35 < end);
+    free(svg);
+}
+
 /* To scale: a disc of radius 1 on an axis of 4 is a quarter of the frame wide. */
 static void test_discs_are_to_scale(void **state) {
     (void)state;
@@ -311,6 +340,7 @@ int main(void) {
         cmocka_unit_test(test_hostile_data),
         cmocka_unit_test(test_wrong_calls),
         cmocka_unit_test(test_legend_keeps_off_the_data),
+        cmocka_unit_test(test_text_stays_in_its_panel),
         cmocka_unit_test(test_discs_are_to_scale),
         cmocka_unit_test(test_same_input_same_picture),
     };
