@@ -3313,6 +3313,18 @@ DEM_INLINE dem__rigid *dem__rigid_of(const dem_world *w, ptrdiff_t i) {
     return bodies->rigid && bodies->rigid_of[i] > 0 ? &bodies->rigid[bodies->rigid_of[i] - 1] : NULL;
 }
 
+/* Particles first .. end-1 that move as one. */
+typedef struct dem__pieces {
+    ptrdiff_t first, end;
+} dem__pieces;
+/* Returns the particles of particle i's rigid body, or i alone. */
+DEM_INLINE dem__pieces dem__pieces_of(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    dem__pieces own;
+    own.first = r ? r->first : i, own.end = own.first + (r ? r->pieces : 1);
+    return own;
+}
+
 /* Returns the acceleration of particle i, or of its rigid body, per force on it [1/kg]; 0 if it is fixed. */
 DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) { return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass; }
 
@@ -3637,10 +3649,9 @@ DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
 
 /* Returns whether particle i, or any particle of its rigid body, has a load or is fixed. */
 DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    int loaded = r ? 0 : dem__has_load(w, i);
-    if (dem__is_fixed(w, i)) return 1; /* does not fall */
-    for (ptrdiff_t k = 0; r && k < r->pieces; k++) loaded |= dem__has_load(w, r->first + k);
+    const dem__pieces own = dem__pieces_of(w, i);
+    int loaded = dem__is_fixed(w, i); /* does not fall */
+    for (ptrdiff_t k = own.first; k < own.end; k++) loaded |= dem__has_load(w, k);
     return loaded;
 }
 
@@ -3653,9 +3664,8 @@ DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
 }
 /* Makes particle i, or all particles of its rigid body, take steps from now on. */
 DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) dem__wake_one(w, i);
-    for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__wake_one(w, r->first + k);
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) dem__wake_one(w, k);
 }
 
 static inline int dem__is_present(const dem_world *w, ptrdiff_t i) { return w && i >= 0 && i < w->count && w->alive[i]; }
@@ -3728,23 +3738,24 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     if (dem__is_running(w)) return DEM_BUSY;
     if (!dem__is_present(w, i) || (fixed != 0 && fixed != 1)) return DEM_BAD_ARGUMENT;
     dem__rigid *r = dem__rigid_of(w, i);
-    const ptrdiff_t first = r ? r->first : i, end = first + (r ? r->pieces : 1);
+    const dem__pieces own = dem__pieces_of(w, i);
     if (dem__is_fixed(w, i) == fixed) return DEM_OK;
     if (!dem__reserve_fixed(w)) return DEM_OUT_OF_MEMORY;
-    dem__restart(w, first);
-    dem__book_removed(w, dem__motion_energy(w, first) + dem__potential(w, first), dem__potential(w, first));
+    i = own.first;
+    dem__restart(w, i);
+    dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
     if (r && fixed) r->v = r->momentum = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t k = first; k < end; k++) {
+    for (ptrdiff_t k = own.first; k < own.end; k++) {
         memset(&w->engine->bodies.fixed[k], 0, sizeof *w->engine->bodies.fixed);
         w->engine->bodies.fixed[k].on = fixed;
         dem__set_inverse_mass(w, k);
         dem__set_mass_share(w, k);
         if (fixed) w->particle[k].v = w->particle[k].spin = dem_vec3(0.0, 0.0, 0.0);
     }
-    dem__free_acceleration(w, first);
-    dem__book_added(w, dem__potential(w, first));
-    dem__book_motion(w, dem__motion_energy(w, first));
-    dem__wake(w, first); /* it takes steps, as a particle with a load does */
+    dem__free_acceleration(w, i);
+    dem__book_added(w, dem__potential(w, i));
+    dem__book_motion(w, dem__motion_energy(w, i));
+    dem__wake(w, i); /* it takes steps, as a particle with a load does */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
@@ -3757,9 +3768,9 @@ DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_
     *force = *torque = *impulse = dem_vec3((double)NAN, (double)NAN, (double)NAN);
     if (!dem_is_fixed(w, i)) return DEM_BAD_ARGUMENT;
     const dem__rigid *r = dem__rigid_of(w, i);
-    const ptrdiff_t first = r ? r->first : i, end = first + (r ? r->pieces : 1);
+    const dem__pieces own = dem__pieces_of(w, i);
     *force = *torque = *impulse = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t k = first; k < end; k++) {
+    for (ptrdiff_t k = own.first; k < own.end; k++) {
         const dem__fixed *f = &w->engine->bodies.fixed[k];
         const dem_vec on = dem__first(f->load), turning = dem__second(f->load);
         *force = dem__add(*force, on), *impulse = dem__add(*impulse, f->impulse);
@@ -4470,7 +4481,8 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     p->id = w->id[i];
     p->group = w->group[i];
     p->exit = wall;
-    for (ptrdiff_t k = 0; k < (r ? r->pieces : 1); k++) w->alive[i + k] = -1; /* leaves at the end of the step */
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) w->alive[k] = DEM_LEAVING; /* at the end of the step */
     run->leaving = 1;
 }
 
@@ -7658,9 +7670,8 @@ DEM_INLINE void dem__mark_one(dem_world *w, ptrdiff_t i) {
 }
 /* Marks particle i, or all particles of its rigid body. */
 DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) dem__mark_one(w, i);
-    for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__mark_one(w, r->first + k);
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) dem__mark_one(w, k);
 }
 
 /* Removes particle i from all lists. Its entries in the arrays are removed by a later rebuild. */
@@ -7683,9 +7694,8 @@ static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
 
 /* Removes particle i, or all particles of its rigid body, from all lists. */
 static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) dem__detach_one(w, i);
-    for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__detach_one(w, r->first + k);
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) dem__detach_one(w, k);
 }
 
 /* ---------------------------------------------------------------------------------------- >>contacts */
@@ -7788,9 +7798,8 @@ static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__chunk *chu
 
 /* Changes the number of contacts of particle i, and of all particles of its rigid body. */
 DEM_INLINE void dem__count_contact(dem_world *w, ptrdiff_t i, int change) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) w->touching[i] += change, dem__set_mass_share(w, i);
-    for (ptrdiff_t k = r ? r->first : i, end = r ? k + r->pieces : i; k < end; k++) {
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) {
         w->touching[k] += change;
         dem__set_mass_share(w, k);
     }
@@ -9604,7 +9613,7 @@ static inline void dem__step_links(dem_world *w) {
         if (dem__is_linked(w, i)) dem__kick_linked(w, i, 0.5 * h);
     }
     for (ptrdiff_t i = 0; i < w->count; i++) { /* after all particles of a body have changed */
-        const dem__rigid *r = dem__rigid_of(w, i);
+        const dem__pieces own = dem__pieces_of(w, i);
         const dem_particle *p = &w->particle[i];
         if (!dem__is_linked(w, i)) continue;
         for (int q = 0; q < 6; q++) bodies->sum[i].load[q] = 0.0;
@@ -9612,8 +9621,7 @@ static inline void dem__step_links(dem_world *w) {
         for (int q = 0; q < 3 && ledger->on; q++)
             links->evaluated_at[i][q] = dem_axis(p->x, q), links->evaluated_at[i][3 + q] = dem_axis(p->spin, q);
         if (run->needs_lists) continue;
-        if (!r) dem__check_linked(w, i);
-        for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__check_linked(w, r->first + k);
+        for (ptrdiff_t k = own.first; k < own.end; k++) dem__check_linked(w, k);
     }
     for (int32_t k = 0; k < (int32_t)links->count;) {
         if (links->ended[k]) dem__cut_link(w, k);
@@ -9714,7 +9722,8 @@ DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
     body.first = -1;
     if (!world || i < 0 || i >= world->count) return body;
     const dem__rigid *r = dem__rigid_of(world, i);
-    body.first = r ? r->first : i, body.pieces = r ? r->pieces : 1;
+    const dem__pieces own = dem__pieces_of(world, i);
+    body.first = own.first, body.pieces = own.end - own.first;
     body.mass = world->particle[i].mass;
     body.diameter = r ? dem__equal_diameter(world, r) : 2.0 * world->particle[i].radius;
     body.position = r ? dem__body_position(world, r) : dem_position(world, i);

@@ -269,10 +269,9 @@ DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
 
 /* Returns whether particle i, or any particle of its rigid body, has a load or is fixed. */
 DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    int loaded = r ? 0 : dem__has_load(w, i);
-    if (dem__is_fixed(w, i)) return 1; /* does not fall */
-    for (ptrdiff_t k = 0; r && k < r->pieces; k++) loaded |= dem__has_load(w, r->first + k);
+    const dem__pieces own = dem__pieces_of(w, i);
+    int loaded = dem__is_fixed(w, i); /* does not fall */
+    for (ptrdiff_t k = own.first; k < own.end; k++) loaded |= dem__has_load(w, k);
     return loaded;
 }
 
@@ -285,9 +284,8 @@ DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
 }
 /* Makes particle i, or all particles of its rigid body, take steps from now on. */
 DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) dem__wake_one(w, i);
-    for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__wake_one(w, r->first + k);
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) dem__wake_one(w, k);
 }
 
 static inline int dem__is_present(const dem_world *w, ptrdiff_t i) { return w && i >= 0 && i < w->count && w->alive[i]; }

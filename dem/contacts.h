@@ -98,9 +98,8 @@ static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__chunk *chu
 
 /* Changes the number of contacts of particle i, and of all particles of its rigid body. */
 DEM_INLINE void dem__count_contact(dem_world *w, ptrdiff_t i, int change) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) w->touching[i] += change, dem__set_mass_share(w, i);
-    for (ptrdiff_t k = r ? r->first : i, end = r ? k + r->pieces : i; k < end; k++) {
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) {
         w->touching[k] += change;
         dem__set_mass_share(w, k);
     }

@@ -49,6 +49,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     p->id = w->id[i];
     p->group = w->group[i];
     p->exit = wall;
-    for (ptrdiff_t k = 0; k < (r ? r->pieces : 1); k++) w->alive[i + k] = -1; /* leaves at the end of the step */
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) w->alive[k] = DEM_LEAVING; /* at the end of the step */
     run->leaving = 1;
 }

@@ -19,23 +19,24 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     if (dem__is_running(w)) return DEM_BUSY;
     if (!dem__is_present(w, i) || (fixed != 0 && fixed != 1)) return DEM_BAD_ARGUMENT;
     dem__rigid *r = dem__rigid_of(w, i);
-    const ptrdiff_t first = r ? r->first : i, end = first + (r ? r->pieces : 1);
+    const dem__pieces own = dem__pieces_of(w, i);
     if (dem__is_fixed(w, i) == fixed) return DEM_OK;
     if (!dem__reserve_fixed(w)) return DEM_OUT_OF_MEMORY;
-    dem__restart(w, first);
-    dem__book_removed(w, dem__motion_energy(w, first) + dem__potential(w, first), dem__potential(w, first));
+    i = own.first;
+    dem__restart(w, i);
+    dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
     if (r && fixed) r->v = r->momentum = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t k = first; k < end; k++) {
+    for (ptrdiff_t k = own.first; k < own.end; k++) {
         memset(&w->engine->bodies.fixed[k], 0, sizeof *w->engine->bodies.fixed);
         w->engine->bodies.fixed[k].on = fixed;
         dem__set_inverse_mass(w, k);
         dem__set_mass_share(w, k);
         if (fixed) w->particle[k].v = w->particle[k].spin = dem_vec3(0.0, 0.0, 0.0);
     }
-    dem__free_acceleration(w, first);
-    dem__book_added(w, dem__potential(w, first));
-    dem__book_motion(w, dem__motion_energy(w, first));
-    dem__wake(w, first); /* it takes steps, as a particle with a load does */
+    dem__free_acceleration(w, i);
+    dem__book_added(w, dem__potential(w, i));
+    dem__book_motion(w, dem__motion_energy(w, i));
+    dem__wake(w, i); /* it takes steps, as a particle with a load does */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
@@ -48,9 +49,9 @@ DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_
     *force = *torque = *impulse = dem_vec3((double)NAN, (double)NAN, (double)NAN);
     if (!dem_is_fixed(w, i)) return DEM_BAD_ARGUMENT;
     const dem__rigid *r = dem__rigid_of(w, i);
-    const ptrdiff_t first = r ? r->first : i, end = first + (r ? r->pieces : 1);
+    const dem__pieces own = dem__pieces_of(w, i);
     *force = *torque = *impulse = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t k = first; k < end; k++) {
+    for (ptrdiff_t k = own.first; k < own.end; k++) {
         const dem__fixed *f = &w->engine->bodies.fixed[k];
         const dem_vec on = dem__first(f->load), turning = dem__second(f->load);
         *force = dem__add(*force, on), *impulse = dem__add(*impulse, f->impulse);

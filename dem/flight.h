@@ -31,6 +31,18 @@ DEM_INLINE dem__rigid *dem__rigid_of(const dem_world *w, ptrdiff_t i) {
     return bodies->rigid && bodies->rigid_of[i] > 0 ? &bodies->rigid[bodies->rigid_of[i] - 1] : NULL;
 }
 
+/* Particles first .. end-1 that move as one. */
+typedef struct dem__pieces {
+    ptrdiff_t first, end;
+} dem__pieces;
+/* Returns the particles of particle i's rigid body, or i alone. */
+DEM_INLINE dem__pieces dem__pieces_of(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    dem__pieces own;
+    own.first = r ? r->first : i, own.end = own.first + (r ? r->pieces : 1);
+    return own;
+}
+
 /* Returns the acceleration of particle i, or of its rigid body, per force on it [1/kg]; 0 if it is fixed. */
 DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) { return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass; }
 

@@ -77,7 +77,7 @@ static inline void dem__step_links(dem_world *w) {
         if (dem__is_linked(w, i)) dem__kick_linked(w, i, 0.5 * h);
     }
     for (ptrdiff_t i = 0; i < w->count; i++) { /* after all particles of a body have changed */
-        const dem__rigid *r = dem__rigid_of(w, i);
+        const dem__pieces own = dem__pieces_of(w, i);
         const dem_particle *p = &w->particle[i];
         if (!dem__is_linked(w, i)) continue;
         for (int q = 0; q < 6; q++) bodies->sum[i].load[q] = 0.0;
@@ -85,8 +85,7 @@ static inline void dem__step_links(dem_world *w) {
         for (int q = 0; q < 3 && ledger->on; q++)
             links->evaluated_at[i][q] = dem_axis(p->x, q), links->evaluated_at[i][3 + q] = dem_axis(p->spin, q);
         if (run->needs_lists) continue;
-        if (!r) dem__check_linked(w, i);
-        for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__check_linked(w, r->first + k);
+        for (ptrdiff_t k = own.first; k < own.end; k++) dem__check_linked(w, k);
     }
     for (int32_t k = 0; k < (int32_t)links->count;) {
         if (links->ended[k]) dem__cut_link(w, k);

@@ -43,7 +43,8 @@ DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
     body.first = -1;
     if (!world || i < 0 || i >= world->count) return body;
     const dem__rigid *r = dem__rigid_of(world, i);
-    body.first = r ? r->first : i, body.pieces = r ? r->pieces : 1;
+    const dem__pieces own = dem__pieces_of(world, i);
+    body.first = own.first, body.pieces = own.end - own.first;
     body.mass = world->particle[i].mass;
     body.diameter = r ? dem__equal_diameter(world, r) : 2.0 * world->particle[i].radius;
     body.position = r ? dem__body_position(world, r) : dem_position(world, i);

@@ -49,9 +49,8 @@ DEM_INLINE void dem__mark_one(dem_world *w, ptrdiff_t i) {
 }
 /* Marks particle i, or all particles of its rigid body. */
 DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) dem__mark_one(w, i);
-    for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__mark_one(w, r->first + k);
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) dem__mark_one(w, k);
 }
 
 /* Removes particle i from all lists. Its entries in the arrays are removed by a later rebuild. */
@@ -74,7 +73,6 @@ static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
 
 /* Removes particle i, or all particles of its rigid body, from all lists. */
 static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) dem__detach_one(w, i);
-    for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__detach_one(w, r->first + k);
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) dem__detach_one(w, k);
 }
