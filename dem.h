@@ -239,6 +239,7 @@ typedef enum dem_restitution {
     DEM_NAIVE    /* the dashpot may pull at the end: a contact ends when the overlap is zero */
 } dem_restitution;
 
+struct dem_world;
 #define DEM_CLUMP_MAX 64 /* spheres of a clump, at most */
 
 /* A shape of spheres that are fixed to each other, overlapping or not. Made by dem_make_clump(). Volume, moments and axes may be replaced
@@ -251,6 +252,9 @@ typedef struct dem_clump {
     double volume;                 /* of the union [m3] */
     dem_vec moments;               /* principal moments of inertia over the density [m5]; the two that differ least first */
     dem_quaternion axes;           /* from the principal axes to the frame in which the shape was given */
+    /* private: dem_add_clumps, which feeds call through it, so that a program without clumps does not compile rigid bodies */
+    dem_status (*add__)(struct dem_world *world, ptrdiff_t n, const struct dem_clump *clump, const double *centres, const double *diameters,
+                        const double *orientations, int material, int group);
 } dem_clump;
 
 typedef struct dem_material {
@@ -483,7 +487,6 @@ typedef struct dem_birth {
     void *user;                /* world->user */
 } dem_birth;
 
-struct dem_world;
 
 /* A law. It is a constant, so that the loop that DEM_KERNEL makes of it has no indirect call. */
 typedef struct dem_law {
@@ -10537,6 +10540,7 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
     c.moments = dem__scale(size * size * size * size * size, c.moments);
     if (!dem__positive(c.volume) || !dem__positive(c.moments.x) || !dem__positive(c.moments.y) || !dem__positive(c.moments.z))
         return DEM_BAD_ARGUMENT;
+    c.add__ = dem_add_clumps;
     *clump = c;
     return DEM_OK;
 }
@@ -13288,7 +13292,8 @@ static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptr
     dem_status status;
     if (feed->polyhedron)
         status = w->engine->convex.room->add(w, feed->polyhedron - 1, n, b->centre, b->orientation, feed->material, feed->group);
-    else if (feed->clump) status = dem_add_clumps(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group);
+    else if (feed->clump)
+        status = feed->clump->add__(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group);
     else status = dem_add_spheres(w, n, b->centre, b->diameter, feed->material, feed->group);
     for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
         const dem_vec v = dem_vec3(b->velocity[3 * k], b->velocity[3 * k + 1], b->velocity[3 * k + 2]);
@@ -13342,7 +13347,7 @@ static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
         return 0;
     if (!dem__is_region(&f->region) || !dem__are_sizes(&f->sizes, &smallest, &largest)) return 0;
     if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
-    if (f->clump && !dem__is_clump(f->clump)) return 0;
+    if (f->clump && !(dem__is_clump(f->clump) && f->clump->add__)) return 0;
     if (f->polyhedron < 0 || f->polyhedron > w->engine->convex.shapes || (f->polyhedron && f->clump)) return 0;
     if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
     if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) || !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) ||

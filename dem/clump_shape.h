@@ -220,6 +220,7 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
     c.moments = dem__scale(size * size * size * size * size, c.moments);
     if (!dem__positive(c.volume) || !dem__positive(c.moments.x) || !dem__positive(c.moments.y) || !dem__positive(c.moments.z))
         return DEM_BAD_ARGUMENT;
+    c.add__ = dem_add_clumps;
     *clump = c;
     return DEM_OK;
 }

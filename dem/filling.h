@@ -359,7 +359,8 @@ static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptr
     dem_status status;
     if (feed->polyhedron)
         status = w->engine->convex.room->add(w, feed->polyhedron - 1, n, b->centre, b->orientation, feed->material, feed->group);
-    else if (feed->clump) status = dem_add_clumps(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group);
+    else if (feed->clump)
+        status = feed->clump->add__(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group);
     else status = dem_add_spheres(w, n, b->centre, b->diameter, feed->material, feed->group);
     for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
         const dem_vec v = dem_vec3(b->velocity[3 * k], b->velocity[3 * k + 1], b->velocity[3 * k + 2]);
@@ -413,7 +414,7 @@ static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
         return 0;
     if (!dem__is_region(&f->region) || !dem__are_sizes(&f->sizes, &smallest, &largest)) return 0;
     if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
-    if (f->clump && !dem__is_clump(f->clump)) return 0;
+    if (f->clump && !(dem__is_clump(f->clump) && f->clump->add__)) return 0;
     if (f->polyhedron < 0 || f->polyhedron > w->engine->convex.shapes || (f->polyhedron && f->clump)) return 0;
     if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
     if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) || !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) ||

@@ -75,6 +75,7 @@ typedef enum dem_restitution {
     DEM_NAIVE    /* the dashpot may pull at the end: a contact ends when the overlap is zero */
 } dem_restitution;
 
+struct dem_world;
 #define DEM_CLUMP_MAX 64 /* spheres of a clump, at most */
 
 /* A shape of spheres that are fixed to each other, overlapping or not. Made by dem_make_clump(). Volume, moments and axes may be replaced
@@ -87,6 +88,9 @@ typedef struct dem_clump {
     double volume;                 /* of the union [m3] */
     dem_vec moments;               /* principal moments of inertia over the density [m5]; the two that differ least first */
     dem_quaternion axes;           /* from the principal axes to the frame in which the shape was given */
+    /* private: dem_add_clumps, which feeds call through it, so that a program without clumps does not compile rigid bodies */
+    dem_status (*add__)(struct dem_world *world, ptrdiff_t n, const struct dem_clump *clump, const double *centres, const double *diameters,
+                        const double *orientations, int material, int group);
 } dem_clump;
 
 typedef struct dem_material {
@@ -319,7 +323,6 @@ typedef struct dem_birth {
     void *user;                /* world->user */
 } dem_birth;
 
-struct dem_world;
 
 /* A law. It is a constant, so that the loop that DEM_KERNEL makes of it has no indirect call. */
 typedef struct dem_law {
