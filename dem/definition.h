@@ -216,7 +216,7 @@ DEM_API void dem_free(dem_world *world) {
     }
     dem__release(&a, world->wall, (size_t)e->walls.capacity * sizeof *world->wall);
     dem__release(&a, e->contacts.wall_force, DEM__CHUNKS * (size_t)e->walls.capacity * sizeof *e->contacts.wall_force);
-    dem__release(&a, e->scratch.work, e->scratch.work_bytes);
+    dem__release(&a, e->scratch.work_block, e->scratch.work_bytes);
     dem__release(&a, e, sizeof *e);
     memset(world, 0, sizeof *world);
 }

@@ -38,19 +38,19 @@ DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdif
 }
 
 static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
-    dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step, 0);
+    dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 0);
 }
 
 /* Tests the due pairs. The number of threads follows from the number of due pairs in the step before. */
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
-    dem__work *work = w->engine->scratch.work;
     dem__in_parts(w, parts, pairs->timers.pages, w->engine->bodies.rigid ? w->engine->bodies.room->test_due : dem__test_due_range, &step);
     pairs->due_count = 0;
     for (int q = 0; q < parts; q++) {
-        pairs->due_count += (ptrdiff_t)work[q].batch.looks;
-        dem__new_pair_contacts(w, &work[q].batch);
+        dem__timer_batch *batch = &dem__work_of(w, q)->batch;
+        pairs->due_count += (ptrdiff_t)batch->looks;
+        dem__new_pair_contacts(w, batch);
     }
 }
 

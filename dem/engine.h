@@ -282,8 +282,9 @@ typedef struct dem__ledger {
 /* Scratch memory. */
 typedef struct dem__work dem__work;
 typedef struct dem__scratch {
-    dem__work *work; /* of each thread, in a run */
+    char *work; /* of each thread, in a run: see dem__work_of */
     int works;
+    void *work_block;
     size_t work_bytes;
     int32_t *index; /* one for each particle */
 } dem__scratch;

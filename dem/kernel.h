@@ -13,18 +13,26 @@ struct dem__work {
     dem__timer_batch batch; /* for tests of pairs */
 };
 
+/* Returns the working memory of a thread. It begins with a cache line: otherwise every second vector of a row would lie in two, which costs
+   4 % of the time of a bed. */
+enum { DEM__WORK_BYTES = (int)((sizeof(dem__work) + 63) / 64 * 64) };
+DEM_INLINE dem__work *dem__work_of(const dem_world *w, int part) {
+    return (dem__work *)(void *)(w->engine->scratch.work + (size_t)part * DEM__WORK_BYTES);
+}
+
 /* Allocates the working memory of `threads` threads. Returns 0 when out of memory. */
 static inline int dem__make_work(dem_world *w, int threads) {
     dem__scratch *scratch = &w->engine->scratch;
     const dem_allocator *a = &w->def.allocator;
     const int wanted = threads < DEM__CHUNKS ? threads : DEM__CHUNKS;
+    const size_t bytes = (size_t)wanted * DEM__WORK_BYTES + 64;
     if (wanted <= scratch->works) return 1;
-    dem__work *work = (dem__work *)a->fn(a->user, NULL, 0, (size_t)wanted * sizeof *work);
-    if (!work) return 0;
-    dem__release(a, scratch->work, scratch->work_bytes);
-    scratch->work = work;
+    char *block = (char *)a->fn(a->user, NULL, 0, bytes);
+    if (!block) return 0;
+    dem__release(a, scratch->work_block, scratch->work_bytes);
+    scratch->work_block = block, scratch->work_bytes = bytes;
+    scratch->work = block + 64 - (size_t)((uintptr_t)block & 63);
     scratch->works = wanted;
-    scratch->work_bytes = (size_t)wanted * sizeof *work;
     return 1;
 }
 
@@ -278,7 +286,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
 DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law, dem__edge_fn *correct,
                             int features) {
     dem__contacts *contacts = &w->engine->contacts;
-    dem__work *work = &w->engine->scratch.work[part];
+    dem__work *work = dem__work_of(w, part);
     for (int k = 0; k < DEM__BLOCK; k++) work->types.kind[k] = -2;
     for (ptrdiff_t q = first; q < end; q++) {
         contacts->chunk[q].marked = contacts->chunk[q].postponed = 0;
@@ -333,7 +341,7 @@ DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t ba
    cache. */
 DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law) {
     dem__links *links = &w->engine->links;
-    dem__work *x = &w->engine->scratch.work[part];
+    dem__work *x = dem__work_of(w, part);
     const double h = w->engine->run.kernel_dt;
     for (ptrdiff_t base = first; base < end; base += DEM__BLOCK) {
         const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;

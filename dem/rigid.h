@@ -234,7 +234,7 @@ static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdi
 
 /* Tests the due pairs in pages first .. end-1. */
 static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
-    dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step, 1);
+    dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 1);
 }
 
 /* Applies an impulse, an angular impulse and a shift along n to particle i or to its rigid body. */
