@@ -2028,6 +2028,11 @@ static inline dem_vec dem__normal_rate_of_cone(const dem_wall *w, dem_vec d, dou
     return dem__plus(rate, 1.0 / (radius + touch.gap), up);
 }
 
+/* Returns whether the normal of a wall at rest is the same at all of its places. */
+DEM_INLINE int dem__is_flat(const dem_wall *w) {
+    return w->kind != DEM_SPHERE && w->kind != DEM_CYLINDER && w->kind != DEM_CONE && w->kind != DEM_SCREEN && w->kind != DEM_MESH;
+}
+
 /* Returns the rate of change of the normal n at a place of a wall [1/s] for a sphere that moves at u in the wall's own frame. inverse: 1 /
    distance from the axis of a round wall, with the sign of the side. */
 static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n, double inverse,
@@ -7002,7 +7007,11 @@ DEM_INLINE void dem__find_turns(const dem_world *w, dem__rows *b, int n, double 
         const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
         b->tx[k] = by * (b->vx[k] - along * nx), b->ty[k] = by * (b->vy[k] - along * ny), b->tz[k] = by * (b->vz[k] - along * nz);
     }
-    for (int q = 0; q < walls; q++) dem__turn_at_wall(w, b, half, turn, &wall[q]);
+    for (int q = 0; q < walls; q++) {
+        const int k = wall[q].row;
+        if (dem__is_flat(wall[q].wall) && wall[q].wall->spin == 0.0) b->tx[k] = b->ty[k] = b->tz[k] = 0.0;
+        else dem__turn_at_wall(w, b, half, turn, &wall[q]);
+    }
 }
 
 /* Computes nearest images, normals and gaps of a block; `walls` of its rows are at walls. */

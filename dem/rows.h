@@ -299,7 +299,11 @@ DEM_INLINE void dem__find_turns(const dem_world *w, dem__rows *b, int n, double 
         const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
         b->tx[k] = by * (b->vx[k] - along * nx), b->ty[k] = by * (b->vy[k] - along * ny), b->tz[k] = by * (b->vz[k] - along * nz);
     }
-    for (int q = 0; q < walls; q++) dem__turn_at_wall(w, b, half, turn, &wall[q]);
+    for (int q = 0; q < walls; q++) {
+        const int k = wall[q].row;
+        if (dem__is_flat(wall[q].wall) && wall[q].wall->spin == 0.0) b->tx[k] = b->ty[k] = b->tz[k] = 0.0;
+        else dem__turn_at_wall(w, b, half, turn, &wall[q]);
+    }
 }
 
 /* Computes nearest images, normals and gaps of a block; `walls` of its rows are at walls. */

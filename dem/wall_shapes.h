@@ -112,6 +112,11 @@ static inline dem_vec dem__normal_rate_of_cone(const dem_wall *w, dem_vec d, dou
     return dem__plus(rate, 1.0 / (radius + touch.gap), up);
 }
 
+/* Returns whether the normal of a wall at rest is the same at all of its places. */
+DEM_INLINE int dem__is_flat(const dem_wall *w) {
+    return w->kind != DEM_SPHERE && w->kind != DEM_CYLINDER && w->kind != DEM_CONE && w->kind != DEM_SCREEN && w->kind != DEM_MESH;
+}
+
 /* Returns the rate of change of the normal n at a place of a wall [1/s] for a sphere that moves at u in the wall's own frame. inverse: 1 /
    distance from the axis of a round wall, with the sign of the side. */
 static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n, double inverse,
