@@ -8335,7 +8335,7 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         }
         if (loads && dem__is_fixed(w, i)) {
             dem__note_fixed_force(w, i, force, torque, half);
-            pull = dem__scale(-1.0, gravity);
+            pull = dem__scale(-1.0, gravity), torque = dem_vec3(0.0, 0.0, 0.0);
         } else pull = dem__scale(sum->per_mass, force);
         p->a = dem__add(gravity, pull);
         const dem_vec turn = dem__scale(sum->per_inertia, torque);

@@ -72,6 +72,24 @@ static uint64_t digest(const dem_world *w) {
     return hash;
 }
 
+/* In a trace: what of two particles differs that their motion does not show. */
+static void tell_hidden_difference(const dem_world *a, ptrdiff_t i, const dem_world *b, ptrdiff_t j) {
+    const dem_particle *p = &a->particle[i], *q = &b->particle[j];
+    const double *load = a->engine->bodies.load[i], *other = b->engine->bodies.load[j];
+    if (p->origin != q->origin || dem_is_fixed(a, i) != dem_is_fixed(b, j))
+        fprintf(stderr, "particle %ld: origin %lld %lld, fixed %d %d, activity %d %d\n", (long)i, (long long)p->origin, (long long)q->origin,
+                dem_is_fixed(a, i), dem_is_fixed(b, j), a->engine->bodies.activity[i], b->engine->bodies.activity[j]);
+    for (int k = 0; k < 3; k++) {
+        const double v[] = {dem_axis(p->a, k), dem_axis(a->spin_rate[i], k), load[k], load[3 + k]};
+        const double u[] = {dem_axis(q->a, k), dem_axis(b->spin_rate[j], k), other[k], other[3 + k]};
+        for (int m = 0; m < 4; m++)
+            if (memcmp(&v[m], &u[m], sizeof v[m]) != 0)
+                fprintf(stderr, "particle %ld, number %d of axis %d: %.17g %.17g\n", (long)i, m, k, v[m], u[m]);
+    }
+    if (!dem_is_fixed(a, i) || !dem_is_fixed(b, j)) return;
+    for (int k = 0; k < 6; k++) fprintf(stderr, "force %.17g %.17g\n", a->engine->bodies.fixed[i].load[k], b->engine->bodies.fixed[j].load[k]);
+}
+
 /* In a trace: in what two worlds differ. */
 static void tell_difference(const dem_world *a, const dem_world *b) {
     const dem_energy_ledger ledger[2] = {dem_energy(a), dem_energy(b)};
@@ -87,6 +105,7 @@ static void tell_difference(const dem_world *a, const dem_world *b) {
         while (j < b->count && b->alive[j] != DEM_PRESENT) j++;
         if (i == a->count || j == b->count) break;
         const dem_body p = dem_get_body(a, i), q = dem_get_body(b, j);
+        tell_hidden_difference(a, i, b, j);
         if (memcmp(&p.mass, &q.mass, sizeof p - offsetof(dem_body, mass)) == 0) continue;
         fprintf(stderr, "%s %ld: x %.17g %.17g %.17g, v %.17g %.17g %.17g, spin %.17g %.17g %.17g\n", "particle", (long)i, p.position.x,
                 p.position.y, p.position.z, p.velocity.x, p.velocity.y, p.velocity.z, p.spin.x, p.spin.y, p.spin.z);
@@ -395,4 +414,5 @@ static uint64_t run_program(fuzz_draws *d) {
 }
 
 FUZZ_PROGRAMS(100, FIRST_WITH_BODIES, 1843, 8785, 11667, 18402, 30776, 100371, 100889, 105725, 109151, 112838, 113162, 113956, 116184, 118699,
-              123140, 127298, 131164, 132917, 134508, 135463, 136227, 138284)
+              123140, 127298, 131164, 132917, 134508, 135463, 136227, 138284,
+              200082, 206089)
