@@ -88,7 +88,7 @@ static void run_long(int64_t steps) {
     expect(fabs(w.time - (double)steps * w.def.dt) <= 1e-15 * w.time, "time is that of the steps");
     expect(aside == 0.0, "what moves up and down moves nowhere else");
     expect(fabs(first - second) < 0.02 * (first - 1.5e-3), "heights of both halves");
-    expect(moved > 0.0 && fabs(error) < 1e-4, "ledger");
+    expect(moved > 0.0 && fabs(error) < 1e-3, "ledger"); /* 30 to 80 steps a contact, second order */
     expect(memory.live == early && memory.peak < 1000000, "memory does not grow");
     dem_free(&w);
     expect(memory.live == 0, "all is freed");
