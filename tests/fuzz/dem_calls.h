@@ -441,6 +441,7 @@ static dem_status set_field(side *s, const call *c) {
     }
     s->field = c->pick[0] % 3 == 1 ? dem_default_force_field(bowl, NULL) : dem_gas_field(c->pick[3] % 2 ? air : thick_air, &s->gas);
     s->field.accuracy = decade(c, 11, 1e-8, 1e-4);
+    if (s->field.kernel == bowl) s->field.length = 1e-3; /* it begins at x = 0, which a longer step could miss */
     if (c->odd == 12) s->field.length = c->value;
     if (c->odd == 13) s->field.interval = c->value;
     const dem_status status = dem_check_gas(&s->gas, NULL) == DEM_OK ? dem_set_force_field(&s->w, &s->field) : DEM_BAD_ARGUMENT;
