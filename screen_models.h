@@ -2914,6 +2914,35 @@ static inline double screen__try_borders(screen__problem *p, double best, double
     return best;
 }
 
+/* Returns whether there are so few curves that the loss may have many minima, and a model that is cheap enough to look for all. */
+static inline int screen__is_small(const screen__problem *p) {
+    int curves = 0;
+    for (int s = 0; s < p->cases; s++) curves += screen__deck_of(p, s).classes;
+    return curves <= 12 && p->model != SCREEN_SOLDINGER;
+}
+
+/* Tries pairs of bounds: the first may lead uphill. In small problems. */
+static inline double screen__try_border_pairs(screen__problem *p, double best, double *q) {
+    for (int k = 0; k < 2 * p->parameters && screen__is_small(p); k++) {
+        const int j = k / 2;
+        const double low = p->low[j], high = p->high[j];
+        double trial[SCREEN_MAX_PARAMETERS];
+        int left = 120;
+        if (!(low < high)) continue;
+        for (int i = 0; i < p->parameters; i++) trial[i] = q[i];
+        trial[j] = p->low[j] = p->high[j] = k % 2 ? high : low;
+        screen__keep_mean_rate(p, q, j, trial);
+        screen__descend(p, trial, screen__rounding(SCREEN__STAGES - 1), 120, &left);
+        const double loss = screen__try_borders(p, screen__sharp_loss(p, trial), trial);
+        p->low[j] = low;
+        p->high[j] = high;
+        if (!(loss < best)) continue;
+        best = loss;
+        for (int i = 0; i < p->parameters; i++) q[i] = trial[i];
+    }
+    return best;
+}
+
 static inline double screen__last_time(const screen__problem *p) {
     double last = 0.0;
     for (int s = 0; s < p->cases; s++) {
@@ -2975,18 +3004,21 @@ static inline double screen__try_opposed_rates(screen__problem *p, double best, 
     return best;
 }
 
-/* Descends from random starts with each parameter at each of its bounds, where there are few curves: they have many minima. */
+/* Descends from random starts with each parameter at each of its bounds, in small problems. */
 static inline double screen__try_borders_anew(screen__problem *p, uint64_t seed, double best, double *q) {
     const double last_time = screen__last_time(p);
-    int curves = 0;
-    for (int s = 0; s < p->cases; s++) curves += screen__deck_of(p, s).classes;
-    for (int j = 0; j < p->parameters && curves <= 12 && p->model != SCREEN_SOLDINGER; j++) {
+    for (int j = 0; j < p->parameters && screen__is_small(p); j++) {
         const double low = p->low[j], high = p->high[j];
         uint64_t state = seed;
         for (int k = 0; k < 12 && low < high; k++) {
             double trial[SCREEN_MAX_PARAMETERS];
             p->low[j] = p->high[j] = k % 2 ? high : low;
             screen__random_start(p, last_time, &state, trial);
+            if (screen__rates(p->model) == 2) {
+                int left = 300;
+                const double loss = screen__descend(p, trial, screen__rounding(0), 150, &left);
+                screen__second_try(p, trial, loss, screen__rounding(0), &left);
+            }
             best = screen__try_at(p, trial, best, q);
         }
         p->low[j] = low;
@@ -3036,6 +3068,7 @@ static inline void screen__finish(screen__problem *p, const screen_def *def, con
         double before = best;
         best = screen__try_exchanged(p, best, q);
         best = screen__try_borders(p, best, q);
+        best = screen__try_border_pairs(p, best, q);
         if (!(best < before * (1.0 - 1e-9))) break;
     }
     p->def.tolerance = def->tolerance;
