@@ -2914,16 +2914,22 @@ static inline double screen__try_borders(screen__problem *p, double best, double
     return best;
 }
 
-/* Returns whether there are so few curves that the loss may have many minima, and a model that is cheap enough to look for all. */
-static inline int screen__is_small(const screen__problem *p) {
+/* Returns whether a loss is next to nothing: what would be better then is better by rounding only. */
+static inline int screen__is_exact(const screen__problem *p, double loss) {
+    return loss <= (p->loss == SCREEN_LOSS_SQUARES ? 1e-18 : 1e-9);
+}
+
+/* Returns whether it is worth while to look for more minima everywhere: few curves have many of them, the model is cheap, and the best so
+   far is not exact. */
+static inline int screen__is_small(const screen__problem *p, double best) {
     int curves = 0;
     for (int s = 0; s < p->cases; s++) curves += screen__deck_of(p, s).classes;
-    return curves <= 12 && p->model != SCREEN_SOLDINGER;
+    return curves <= 12 && p->model != SCREEN_SOLDINGER && !screen__is_exact(p, best);
 }
 
 /* Tries pairs of bounds: the first may lead uphill. In small problems. */
 static inline double screen__try_border_pairs(screen__problem *p, double best, double *q) {
-    for (int k = 0; k < 2 * p->parameters && screen__is_small(p); k++) {
+    for (int k = 0; k < 2 * p->parameters && screen__is_small(p, best); k++) {
         const int j = k / 2;
         const double low = p->low[j], high = p->high[j];
         double trial[SCREEN_MAX_PARAMETERS];
@@ -2990,7 +2996,7 @@ static inline double screen__try_plain_rates(screen__problem *p, double best, do
 static inline double screen__try_opposed_rates(screen__problem *p, double best, double *q) {
     const double first = p->model == SCREEN_DONG ? 3.0 : -riddle_log(screen__last_time(p));
     const int rates = screen__rates(p->model), tries = p->model == SCREEN_SOLDINGER || p->parameters == 5 ? 0 : 32;
-    for (int k = 0; k < tries; k++) {
+    for (int k = 0; k < tries && !screen__is_exact(p, best); k++) {
         double c[SCREEN_MAX_PARAMETERS] = {0.0};
         const int shape = k / 8; /* by speed, by moisture, by both, by both in opposite directions */
         for (int r = 0; r < rates; r++) {
@@ -3007,7 +3013,7 @@ static inline double screen__try_opposed_rates(screen__problem *p, double best, 
 /* Descends from random starts with each parameter at each of its bounds, in small problems. */
 static inline double screen__try_borders_anew(screen__problem *p, uint64_t seed, double best, double *q) {
     const double last_time = screen__last_time(p);
-    for (int j = 0; j < p->parameters && screen__is_small(p); j++) {
+    for (int j = 0; j < p->parameters && screen__is_small(p, best); j++) {
         const double low = p->low[j], high = p->high[j];
         uint64_t state = seed;
         for (int k = 0; k < 12 && low < high; k++) {
@@ -3030,7 +3036,7 @@ static inline double screen__try_borders_anew(screen__problem *p, uint64_t seed,
 /* Exchanges the two steps of model 2 and descends: the curves differ where a bound holds one of them. */
 static inline double screen__try_exchanged(screen__problem *p, double best, double *q) {
     double c[SCREEN_MAX_PARAMETERS], other[SCREEN_MAX_PARAMETERS];
-    if (p->model != SCREEN_SUBASINGHE) return best;
+    if (p->model != SCREEN_SUBASINGHE || screen__is_exact(p, best)) return best;
     screen__to_coefficients(p->model, p->parameters, p->centre, q, c);
     for (int j = 0; j < p->parameters; j++) other[j] = c[(j + 3) % 6];
     return screen__try_from(p, other, best, q);
