@@ -880,7 +880,7 @@ DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; saf
 /* ---- running ---- */
 
 /* Advances by duration [s] (to the nearest step; the remainder carries over to the next call). features: DEM_LINEAR | DEM_FRICTION | ...
-   Statuses: DEM_BAD_ARGUMENT (features that no shipped law has, more than 9e15 steps, a force field with rigid bodies), DEM_BAD_DEFINITION
+   Statuses: DEM_BAD_ARGUMENT (features that no shipped law has, more than 9e15 steps), DEM_BAD_DEFINITION
    (def.threads; a sphere wider than 1/2.2 of a periodic box), DEM_LAW_MISMATCH, DEM_NO_MOTION, DEM_NO_FIELD, DEM_POLYHEDRON, DEM_BUSY,
    DEM_OUT_OF_MEMORY, DEM_TOO_MANY, DEM_PAIR_NOT_SET (world->failed_pair), and DEM_NOT_FINITE and DEM_TOO_FAST (world->failed_id names the
    particle, world->step the step at which it was noticed; the world can be read, saved and freed). */
@@ -926,8 +926,8 @@ DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void 
    & Karp 1990). Between the ends of a step it is on a parabola that has the right places at both ends and errs by at most `accuracy`;
    velocities read in between err as little. A particle in contact gets the force of the law in each step. Where the law gives exactly 0, a
    flight is the same to the bit as without a field. Call this again after dem_load (until then running gives DEM_NO_FIELD), and when what
-   the law reads has changed. The time step must be below the shortest relaxation time. DEM_BAD_ARGUMENT, also for a world with links or
-   rigid bodies (but a loaded one takes back the field that it had); DEM_OUT_OF_MEMORY. */
+   the law reads has changed. The time step must be below the shortest relaxation time. A rigid body feels the field at its centre, as a
+   sphere of its volume; the field exerts no torque. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
 
 /* Computes the constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, of a body of volume pi x^3/6
@@ -3372,15 +3372,30 @@ DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau)
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__piece_velocity_at(w, r, i, tau) : dem__sphere_velocity_at(w, i, tau);
 }
-/* Returns the velocity as accurately as it is known. In a force field, the parabola of a flight has the right places at both ends, but not
+/* Return the position and the velocity of the centre of particle i, or of its rigid body, on its parabola. */
+DEM_INLINE dem_vec dem__centre_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)) : dem__sphere_at(w, i, tau);
+}
+DEM_INLINE dem_vec dem__drift_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__plus(r->v, tau, r->a) : dem__sphere_velocity_at(w, i, tau);
+}
+/* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at both ends, but not
    the right velocities; the error at its end shows how the acceleration changes. */
-static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
+static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__field *field = &w->engine->field;
-    const dem_vec v = dem__velocity_at(w, i, tau);
-    if (!field->on || w->engine->bodies.activity[i] || field->until[i] == DEM__NO_FLIGHT) return v;
-    const double whole = (double)(field->until[i] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
-    if (!(share >= 0.0 && share <= 1.0)) return v;
-    return dem__plus(v, share * (3.0 * share - 2.0), dem__sub(field->end_velocity[i], dem__velocity_at(w, i, whole)));
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const ptrdiff_t first = r ? r->first : i; /* has the flight */
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    if (!field->on || w->engine->bodies.activity[i] || field->until[first] == DEM__NO_FLIGHT) return none;
+    const double whole = (double)(field->until[first] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
+    if (!(share >= 0.0 && share <= 1.0)) return none;
+    return dem__scale(share * (3.0 * share - 2.0), dem__sub(field->end_velocity[first], dem__drift_at(w, i, whole)));
+}
+/* Returns the velocity as accurately as it is known. */
+static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
+    return dem__add(dem__velocity_at(w, i, tau), dem__velocity_error(w, i, tau));
 }
 DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
@@ -3407,9 +3422,16 @@ static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
 
 /* Does the same where a caller changes particle i between runs. In a force field it takes the most accurate velocity that is known. */
 static inline void dem__restart(dem_world *w, ptrdiff_t i) {
-    const dem_vec v = dem__true_velocity_at(w, i, dem__now(w, i));
+    const dem_vec error = dem__velocity_error(w, i, dem__now(w, i));
+    dem__rigid *r = dem__rigid_of(w, i);
     dem__set_origin(w, i);
-    if (w->engine->field.on) w->particle[i].v = v;
+    if (!w->engine->field.on) return;
+    if (!r) {
+        w->particle[i].v = dem__add(w->particle[i].v, error);
+        return;
+    }
+    r->v = dem__add(r->v, error);
+    w->engine->bodies.room->place(w, r);
 }
 
 /* Puts a stored position back into the periodic box. Where gravity has a component along the box, the particle gains potential energy,
@@ -3569,7 +3591,7 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
     if (bodies->rigid) bodies->rigid_of[i] = 0;
     if (w->engine->convex.shapes > 0) w->engine->convex.shape_of[i] = 0; /* a polyhedron that has gone may have had this entry */
-    if (w->engine->field.on) w->engine->field.until[i] = DEM__NO_FLIGHT;
+    if (w->engine->field.on) w->engine->field.until[i] = DEM__NO_FLIGHT, w->engine->field.force[i] = dem_vec3(0.0, 0.0, 0.0);
     return i;
 }
 
@@ -8742,13 +8764,45 @@ DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
     return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
 }
 
+/* A rigid body feels the field at its centre and flies as its first particle: only that one has a flight. Returns whether i is a sphere or
+   such a particle. */
+DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return !r || r->first == i;
+}
+DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? r->a : w->particle[i].a;
+}
+
+/* Returns the radius of particle i, or of the sphere with its body's volume [m]. */
+DEM_INLINE double dem__size_in_field(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? 0.5 * dem__equal_diameter(w, r) : w->particle[i].radius;
+}
+
+/* Gives particle i, or its body, a new parabola from here on. */
+static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem_vec a) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem_particle *p = &w->particle[i];
+    if (r) {
+        w->engine->bodies.room->set_origin(w, r);
+        r->x = x, r->v = v, r->a = a;
+        w->engine->bodies.room->place(w, r);
+        return;
+    }
+    p->spin = dem__spin_at(w, i, dem__now(w, i));
+    p->x = x, p->v = v, p->a = a;
+    p->origin = w->step;
+}
+
 /* Returns the acceleration of particle i at x with v by the law [m/s2]. */
 DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
                                    dem_vec (*law)(const dem_force_point *)) {
     dem_force_point at;
     at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
     at.velocity = v;
-    at.radius = w->particle[i].radius, at.mass = w->particle[i].mass;
+    at.radius = dem__size_in_field(w, i), at.mass = w->particle[i].mass;
     at.time = time;
     at.gravity = dem__free_fall(w);
     at.user = w->engine->field.def.user;
@@ -8814,7 +8868,7 @@ DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
 DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem__flown *q,
                                   dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;
-    const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * w->particle[i].radius, probe = 16.0 * dt;
+    const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i), probe = 16.0 * dt;
     const dem_vec first = dem__field_pull(w, i, x, v, time, law), a = dem__add(dem__free_fall(w), first);
     const dem_vec there = dem__plus(x, probe, dem__plus(v, 0.5 * probe, a));
     const dem_vec soon = dem__field_pull(w, i, there, dem__plus(v, probe, a), time + probe, law);
@@ -8841,41 +8895,38 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
 /* Begins a flight now. Where the law gives 0 and gave 0 before, the present parabola stays. */
 DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
-    dem_particle *p = &w->particle[i];
     const double tau = dem__now(w, i), dt = w->engine->run.dt;
-    const dem_vec x = dem__at(w, i, tau), v = field->until[i] == w->step ? field->end_velocity[i] : dem__velocity_at(w, i, tau);
+    const dem_vec x = dem__centre_at(w, i, tau), v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
     const dem_vec g = dem__free_fall(w);
     dem__flown q;
     const int n = dem__choose_flight(w, i, x, v, &q, law);
     const double h = (double)n * dt;
     field->until[i] = w->step + n;
     field->work[i] = q.work, field->booked[i] = 0.0;
-    if (!(q.zero && p->a.x == g.x && p->a.y == g.y && p->a.z == g.z)) {
-        p->spin = dem__spin_at(w, i, tau);
-        p->x = x, p->v = v;
-        p->a = q.zero ? g : dem__scale(2.0 / h, q.way);
-        p->origin = w->step;
+    if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
+    if (!(q.zero && dem__is_zero(dem__sub(dem__centre_pull(w, i), g)))) {
+        dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
     }
-    field->end_velocity[i] = q.zero ? dem__velocity_at(w, i, (double)(w->step + n - p->origin) * dt) : dem__add(v, q.gain);
+    field->end_velocity[i] =
+        q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
 }
 
 /* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0 to the end. Then
    computes the velocity at its end and the work. */
 DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
-    const dem_particle *p = &w->particle[i];
-    const int64_t end = field->until[i], last = w->step + DEM__STEPS_MAX;
-    const dem_vec g = dem__free_fall(w);
+    const int64_t end = field->until[i], last = w->step + DEM__STEPS_MAX, origin = w->particle[i].origin;
+    const dem_vec g = dem__free_fall(w), pull = dem__centre_pull(w, i);
     const double dt = w->engine->run.dt, tau = dem__now(w, i);
-    if (!(end > w->step && end < last && p->origin <= w->step && end - p->origin < 2 * (int64_t)last)) return 0;
-    const int zero = p->a.x == g.x && p->a.y == g.y && p->a.z == g.z;
-    const double h = (double)(end - (zero ? w->step : p->origin)) * dt;
-    const dem_vec v = zero ? dem__velocity_at(w, i, tau) : p->v;
-    const dem__flown q = dem__fly(w, i, zero ? dem__at(w, i, tau) : p->x, v, zero ? w->time : dem__time_of(w, p->origin), h, law);
+    if (!(end > w->step && end < last && origin <= w->step && end - origin < 2 * (int64_t)last)) return 0;
+    const int zero = pull.x == g.x && pull.y == g.y && pull.z == g.z;
+    const double h = (double)(end - (zero ? w->step : origin)) * dt, from = zero ? tau : 0.0;
+    const dem_vec v = dem__drift_at(w, i, from);
+    const dem__flown q = dem__fly(w, i, dem__centre_at(w, i, from), v, zero ? w->time : dem__time_of(w, origin), h, law);
     const dem_vec a = dem__scale(2.0 / h, q.way);
     if (zero != q.zero || (zero && h * dem__length(v) > 2.0 * field->def.length)) return 0;
-    if (!zero && !(a.x == p->a.x && a.y == p->a.y && a.z == p->a.z)) return 0;
-    field->end_velocity[i] = zero ? dem__velocity_at(w, i, (double)(end - p->origin) * dt) : dem__add(v, q.gain);
+    if (!zero && !(a.x == pull.x && a.y == pull.y && a.z == pull.z)) return 0;
+    field->end_velocity[i] = zero ? dem__drift_at(w, i, (double)(end - origin) * dt) : dem__add(v, q.gain);
     field->work[i] = q.work;
     return 1;
 }
@@ -8883,35 +8934,43 @@ DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const de
 /* Ends the flight of particle i now. Its position is that on the parabola; its velocity is computed anew. */
 DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
-    dem_particle *p = &w->particle[i];
-    const dem_vec g = dem__free_fall(w);
+    dem__rigid *r = dem__rigid_of(w, i);
+    const dem_vec g = dem__free_fall(w), a = dem__centre_pull(w, i);
     const double tau = dem__now(w, i);
-    const dem_vec x = dem__at(w, i, tau);
-    dem_vec v = dem__velocity_at(w, i, tau);
-    const int falls = p->a.x == g.x && p->a.y == g.y && p->a.z == g.z;
+    const dem_vec x = dem__centre_at(w, i, tau);
+    dem_vec v = dem__drift_at(w, i, tau);
+    const int falls = a.x == g.x && a.y == g.y && a.z == g.z;
     field->work[i] = 0.0;
     if (tau > 0.0 && !falls) {
-        const dem__flown q = dem__fly(w, i, p->x, p->v, dem__time_of(w, p->origin), tau, law);
-        v = dem__add(p->v, q.gain);
+        const dem_vec begun = dem__drift_at(w, i, 0.0);
+        const dem__flown q = dem__fly(w, i, dem__centre_at(w, i, 0.0), begun, dem__time_of(w, w->particle[i].origin), tau, law);
+        v = dem__add(begun, q.gain);
         field->work[i] = q.work;
     }
     const dem_vec pull = dem__field_pull(w, i, x, v, w->time, law);
-    field->force[i] = dem__scale(p->mass, pull);
+    field->force[i] = dem__scale(w->particle[i].mass, pull);
     field->until[i] = DEM__NO_FLIGHT;
     if (falls && dem__is_zero(pull)) return; /* the same bits as without a field */
-    p->x = x, p->v = v, p->spin = dem__spin_at(w, i, tau);
-    p->origin = w->step;
+    dem__begin_parabola(w, i, x, v, a);
     dem__free_acceleration(w, i);
-    p->a = dem__add(p->a, pull);
+    if (!r) w->particle[i].a = dem__add(w->particle[i].a, pull);
 }
 
-/* Adds the law's force on particle i, which takes steps, at its position after a step of h and at the velocity predicted for it. */
+/* Adds the law's force on particle i, which takes steps, at its position after a step of h and at the velocity predicted for it. That on a
+   body is added where its forces are summed up. */
 DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *)) {
+    const dem__rigid *r = dem__rigid_of(w, i);
     const dem_particle *p = &w->particle[i];
-    const dem_vec pull = dem__field_pull(w, i, p->x, dem__plus(p->v, 0.5 * h, p->a), dem__time_of(w, w->step + (h > 0.0)), law);
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), v = r ? r->v : p->v;
+    if (!dem__leads(w, i)) {
+        w->engine->field.force[i] = none;
+        return;
+    }
+    const dem_vec pull =
+        dem__field_pull(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)), dem__time_of(w, w->step + (h > 0.0)), law);
     const dem_vec force = dem__scale(p->mass, pull);
     double *load = w->engine->bodies.sum[i].load;
-    load[0] += force.x, load[1] += force.y, load[2] += force.z;
+    if (!r) load[0] += force.x, load[1] += force.y, load[2] += force.z;
     w->engine->field.force[i] = force;
 }
 
@@ -8923,6 +8982,11 @@ DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_ve
         else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law);
     }
 }
+
+/* ----------------------------------------------------------------------------------------- >>flights */
+/* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. Relies on field.h,
+   which computes them.
+   May be changed here alone: how long a bound lasts. */
 
 /* Runs a task of the kernel for a part of a list of particles. */
 static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -8941,14 +9005,17 @@ static inline void dem__run_field(dem_world *w, const int32_t *particle, ptrdiff
 
 /* Returns the work of the field along a flight until now [J]: the energy that the particle has gained since its origin. */
 static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
-    const dem_particle *p = &w->particle[i];
     const double tau = dem__now(w, i);
-    const dem_vec v = dem__velocity_at(w, i, tau), way = dem__sub(dem__at(w, i, tau), p->x), g = dem__free_fall(w);
-    const double gain = 0.5 * (dem__dot(v, v) - dem__dot(p->v, p->v)) - dem__dot(g, way);
-    return p->a.x == g.x && p->a.y == g.y && p->a.z == g.z ? 0.0 : p->mass * gain;
+    const dem_vec u = dem__drift_at(w, i, 0.0), v = dem__drift_at(w, i, tau), g = dem__free_fall(w);
+    const dem_vec way = dem__sub(dem__centre_at(w, i, tau), dem__centre_at(w, i, 0.0));
+    const double gain = 0.5 * (dem__dot(v, v) - dem__dot(u, u)) - dem__dot(g, way);
+    return dem__is_zero(dem__sub(dem__centre_pull(w, i), g)) ? 0.0 : w->particle[i].mass * gain;
 }
 
-DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) { return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING; }
+/* Returns whether particle i, or the body that it leads, is in flight. */
+DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) {
+    return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING && dem__leads(w, i);
+}
 
 /* Takes the work of the field on all flights until now as booked: the ledger begins, or flights are known anew. */
 static inline void dem__begin_books(dem_world *w) {
@@ -8968,61 +9035,71 @@ static inline void dem__book_flights(dem_world *w, int leaving) {
     }
 }
 
-/* Returns how far the velocity of particle i in flight can be from that of its bound until the end of the flight [m/s]. */
-DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i) {
+/* Returns how far the velocity of particle k, which flies with i, can be from that of its bound until the end of the flight [m/s]. */
+DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff_t k) {
     const dem__field *field = &w->engine->field;
-    const dem__bound *c = &w->engine->bodies.bound[i];
+    const dem__bound *c = &w->engine->bodies.bound[k];
+    const dem__rigid *r = dem__rigid_of(w, i);
     const double t = dem__since_listed(w, w->step), left = (double)(field->until[i] - w->step) * w->engine->run.dt;
     const dem_vec g = dem__free_fall(w), u = dem_vec3(c->ux, c->uy, c->uz);
-    const dem_vec now = dem__sub(dem__plus(dem__velocity_at(w, i, dem__now(w, i)), -t, g), u);
-    const double here = dem__length(now), there = dem__length(dem__plus(now, left, dem__sub(w->particle[i].a, g))),
+    const dem_vec now = dem__sub(dem__plus(dem__drift_at(w, i, dem__now(w, i)), -t, g), u);
+    const double here = dem__length(now), there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
                  end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
-    const double most = here > there ? here : there;
-    return most > end ? most : end;
+    const double most = here > there ? here : there, swing = r ? w->engine->bodies.room->swing(w, r, k) : 0.0;
+    return (most > end ? most : end) + swing;
 }
 
-/* Sets a bound for particle i in flight, which holds for about DEM__FLIGHTS flights like this one. */
-static inline void dem__bound_flight(dem_world *w, ptrdiff_t i) {
+/* Sets a bound for particle k, which flies with i, that holds for about DEM__FLIGHTS flights like this one. */
+static inline void dem__bound_flight(dem_world *w, ptrdiff_t i, ptrdiff_t k) {
     const dem__field *field = &w->engine->field;
     const dem__pairs *pairs = &w->engine->pairs;
     const double t = dem__since_listed(w, w->step), tau = dem__now(w, i), dt = w->engine->run.dt;
     const double left = (double)(field->until[i] - w->step) * dt;
-    const dem_vec g = dem__free_fall(w), x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
-    const dem_vec turn = dem__scale(0.5 * DEM__FLIGHTS * left, dem__sub(w->particle[i].a, g)), u = dem__add(v, turn);
-    dem__bound *c = &w->engine->bodies.bound[i];
+    const dem_vec g = dem__free_fall(w), x = dem__at(w, k, tau), v = dem__drift_at(w, i, tau);
+    const dem_vec turn = dem__scale(0.5 * DEM__FLIGHTS * left, dem__sub(dem__centre_pull(w, i), g)), u = dem__add(v, turn);
+    dem__bound *c = &w->engine->bodies.bound[k];
     c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
     c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y), c->z = x.z - t * (u.z - 0.5 * t * g.z);
-    const double turned = 1.1 * dem__length(turn), most = 1.1 * dem__flight_deviation(w, i);
+    const double turned = 1.1 * dem__length(turn), most = 1.1 * dem__flight_deviation(w, i, k);
     c->tolerance = 0.001 * pairs->least_tolerance + (turned > most ? turned : most);
-    c->reach = w->particle[i].radius + pairs->position_tolerance - t * c->tolerance;
-    w->engine->bodies.shifted[i] = 0.0;
+    c->reach = w->particle[k].radius + pairs->position_tolerance - t * c->tolerance;
+    w->engine->bodies.shifted[k] = 0.0;
 }
 
-/* Sets the timers of n flights that have just been computed, and new bounds for those that leave theirs. Returns 0 if one is too fast. */
+/* Sets the timers of n flights that have just been computed, and new bounds for particles that leave theirs. Returns 0 if one is too
+   fast. */
 static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff_t n) {
     dem__field *field = &w->engine->field;
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
     dem__outcome news = dem__no_outcome(w);
     ptrdiff_t reset = 0;
-    for (ptrdiff_t k = 0; k < n; k++) {
-        const int32_t i = list[k];
-        if (w->engine->run.has_periodic && w->particle[i].origin == w->step) dem__wrap(w, i);
+    for (ptrdiff_t q = 0; q < n; q++) {
+        const int32_t i = list[q];
+        dem__rigid *r = dem__rigid_of(w, i);
+        const double tau = dem__now(w, i);
+        if (w->engine->run.has_periodic && w->particle[i].origin == w->step) {
+            if (r) bodies->room->wrap(w, r);
+            else dem__wrap(w, i);
+        }
         dem__set_timer(&field->timers, i, field->until[i]);
-        if (dem__flight_deviation(w, i) < bodies->bound[i].tolerance) continue; /* false for NaN */
-        const double shifted = bodies->shifted[i], tau = dem__now(w, i);
-        dem__bound_flight(w, i);
-        w->engine->scratch.index[reset++] = i;
-        if (dem__apply_bound(w, i, w->step, &frame, dem__at(w, i, tau), dem__velocity_at(w, i, tau), shifted, &news))
-            dem__advance_wall_timers(w, i, w->step);
+        for (int32_t k = i; k < i + (r ? r->pieces : 1); k++) {
+            if (dem__flight_deviation(w, i, k) < bodies->bound[k].tolerance) continue; /* false for NaN */
+            const double shifted = bodies->shifted[k];
+            dem__bound_flight(w, i, k);
+            w->engine->scratch.index[reset++] = k;
+            if (dem__apply_bound(w, k, w->step, &frame, dem__at(w, k, tau), dem__velocity_at(w, k, tau), shifted, &news))
+                dem__advance_wall_timers(w, k, w->step);
+        }
     }
     dem__apply_outcome(w, &news);
     dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
     return w->status == DEM_OK;
 }
 
-/* Returns whether particle i, which takes steps, has the acceleration without contacts and without the field. */
+/* Returns whether particle i, which takes steps, has the acceleration without contacts and without the field. A body never has. */
 static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
+    if (dem__rigid_of(w, i)) return 0;
     const dem_vec a = dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
     return dem__is_zero(dem__sub(w->particle[i].a, a));
 }
@@ -9056,7 +9133,8 @@ static inline int dem__prepare_flights(dem_world *w) {
     for (int32_t i = 0; i < (int32_t)w->count; i++) {
         field->timers.list[n] = field->stepping[ended] = i;
         n += dem__is_flying(w, i);
-        ended += w->alive[i] > 0 && !dem__is_flying(w, i) && (field->until[i] != DEM__NO_FLIGHT || dem__feels_no_field(w, i));
+        ended += w->alive[i] > 0 && dem__leads(w, i) && !dem__is_flying(w, i) &&
+                 (field->until[i] != DEM__NO_FLIGHT || dem__feels_no_field(w, i));
         if (w->alive[i] <= 0 || field->until[i] <= w->step) field->until[i] = DEM__NO_FLIGHT;
     }
     dem__run_field(w, field->stepping, ended, DEM__END_FLIGHTS, 0.0);
@@ -9090,13 +9168,24 @@ static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
     const dem__contacts *contacts = &w->engine->contacts;
     const double t = dem__since_listed(w, w->step);
     for (ptrdiff_t k = 0; k < 2 * begun; k++) {
-        const int32_t c = contacts->slots[k / 2], i = k % 2 ? contacts->j[c] : contacts->i[c];
+        const int32_t c = contacts->slots[k / 2], touched = k % 2 ? contacts->j[c] : contacts->i[c];
+        const dem__rigid *r = touched < 0 ? NULL : dem__rigid_of(w, touched);
+        const int32_t i = r ? r->first : touched;
         if (i < 0 || field->until[i] == DEM__NO_FLIGHT) continue;
         const double booked = field->booked[i];
         dem__run_field(w, &i, 1, DEM__END_FLIGHTS, 0.0);
         dem__book_field_work(w, field->work[i] - booked);
-        dem__set_tolerance_left(w, i, dem__length(dem__deviation(w, i, t)));
+        for (int32_t q = i; q < i + (r ? r->pieces : 1); q++) dem__set_tolerance_left(w, q, dem__length(dem__deviation(w, q, t)));
         dem__stop_timer(&field->timers, i);
+    }
+}
+
+/* Books half of the work of the present forces on the particles that take steps. */
+static inline void dem__book_stepping(dem_world *w, double h) {
+    for (ptrdiff_t k = 0; k < w->engine->bodies.active_count && w->engine->ledger.on && h > 0.0; k++) {
+        const ptrdiff_t i = w->engine->bodies.active[k];
+        const dem__rigid *r = dem__rigid_of(w, i);
+        dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.force[i], r ? r->v : w->particle[i].v));
     }
 }
 
@@ -9108,15 +9197,9 @@ static inline void dem__add_field_forces(dem_world *w, double h) {
     const ptrdiff_t n = bodies->active_count;
     if (n > 0) memcpy(field->stepping, bodies->active, (size_t)n * sizeof *bodies->active);
     field->steppers = n;
-    for (ptrdiff_t k = 0; k < n && w->engine->ledger.on && h > 0.0; k++) {
-        const ptrdiff_t i = bodies->active[k];
-        dem__book_field_work(w, 0.5 * h * dem__dot(field->force[i], w->particle[i].v));
-    }
+    dem__book_stepping(w, h);
     dem__run_field(w, bodies->active, n, DEM__ADD_FIELD_FORCE, h);
-    for (ptrdiff_t k = 0; k < n && w->engine->ledger.on && h > 0.0; k++) {
-        const ptrdiff_t i = bodies->active[k];
-        dem__book_field_work(w, 0.5 * h * dem__dot(field->force[i], w->particle[i].v));
-    }
+    dem__book_stepping(w, h);
 }
 
 /* Begins flights of particles whose last contact is over, after a step. Returns 0 after a failure. */
@@ -9169,7 +9252,7 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
     }
     const int was_loaded = w->engine->field.on && !w->engine->field.def.kernel;
     if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) || !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) ||
-        w->engine->links.on || (dem__bodies_present(w) > 0 && !was_loaded))
+        w->engine->links.on)
         return DEM_BAD_ARGUMENT;
     if (!w->engine->field.on) {
         w->engine->field.on = 1;
@@ -9441,7 +9524,6 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
     }
-    if (w->engine->field.on && dem__bodies_present(w) > 0) return DEM_BAD_ARGUMENT;
     if (w->engine->field.on && !w->engine->field.def.kernel) return DEM_NO_FIELD;
     const double narrowest = dem__narrowest(w);
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
@@ -9744,15 +9826,17 @@ DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count) return body;
     const dem__rigid *r = dem__rigid_of(world, i);
     const dem__pieces own = dem__pieces_of(world, i);
+    const double tau = dem__now(world, i);
     body.first = own.first, body.pieces = own.end - own.first;
     body.mass = world->particle[i].mass;
     body.diameter = r ? dem__equal_diameter(world, r) : 2.0 * world->particle[i].radius;
     body.position = r ? dem__body_position(world, r) : dem_position(world, i);
-    body.velocity = r ? dem__plus(r->v, dem__now(world, i), r->a) : dem_velocity(world, i);
+    body.velocity = dem__drift_at(world, i, tau);
+    body.velocity = dem__add(body.velocity, dem__velocity_error(world, i, tau));
     body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
     const double inertia = dem__inertia(world, i);
     body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
-    body.axes = r ? dem__posture_at(world, r, dem__now(world, i)).turn : body.orientation;
+    body.axes = r ? dem__posture_at(world, r, tau).turn : body.orientation;
     return body;
 }
 
@@ -10067,6 +10151,7 @@ DEM_INLINE void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     if (dem__is_fixed(w, r->first)) return; /* dem__kick_all records the forces on its particles */
     r->strides = 0.0;
     dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
+    if (w->engine->field.on) force = dem__add(force, w->engine->field.force[r->first]);
     const dem_vec pulled = dem__scale(1.0 / r->mass, force);
     r->a = dem__add(dem__free_fall(w), pulled);
     r->v = dem__flushed_vec(dem__plus(r->v, half, r->a));
@@ -10087,6 +10172,7 @@ DEM_INLINE void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
 static inline void dem__free_body(dem_world *w, dem__rigid *r) {
     dem_vec force;
     dem__sum_on_body(w, r, 0, 1, &force, &r->torque);
+    if (w->engine->field.on) force = dem__add(force, w->engine->field.force[r->first]); /* 0 in flight */
     r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
     if (dem__is_fixed(w, r->first)) r->a = r->torque = dem_vec3(0.0, 0.0, 0.0);
     dem__place_pieces(w, r);
@@ -12684,9 +12770,9 @@ DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, 
     for (ptrdiff_t k = 0; k < all; k++) porosity[k] = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__gas_cell cell;
-        const double d = 2.0 * w->particle[i].radius;
-        const dem_vec place = dem__turned(gas, &f, dem__sub(dem_position(w, i), f.centre), -1.0);
-        if (w->alive[i] <= 0 || !dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell)) continue;
+        const double d = 2.0 * dem__size_in_field(w, i);
+        const dem_vec place = dem__turned(gas, &f, dem__sub(dem_get_body(w, i).position, f.centre), -1.0);
+        if (w->alive[i] <= 0 || !dem__leads(w, i) || !dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell)) continue;
         for (int corner = 0; corner < 8; corner++) {
             ptrdiff_t node = cell.first;
             double share = RIDDLE_PI / 6.0 * d * d * d;

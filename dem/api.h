@@ -225,7 +225,7 @@ DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; saf
 /* ---- running ---- */
 
 /* Advances by duration [s] (to the nearest step; the remainder carries over to the next call). features: DEM_LINEAR | DEM_FRICTION | ...
-   Statuses: DEM_BAD_ARGUMENT (features that no shipped law has, more than 9e15 steps, a force field with rigid bodies), DEM_BAD_DEFINITION
+   Statuses: DEM_BAD_ARGUMENT (features that no shipped law has, more than 9e15 steps), DEM_BAD_DEFINITION
    (def.threads; a sphere wider than 1/2.2 of a periodic box), DEM_LAW_MISMATCH, DEM_NO_MOTION, DEM_NO_FIELD, DEM_POLYHEDRON, DEM_BUSY,
    DEM_OUT_OF_MEMORY, DEM_TOO_MANY, DEM_PAIR_NOT_SET (world->failed_pair), and DEM_NOT_FINITE and DEM_TOO_FAST (world->failed_id names the
    particle, world->step the step at which it was noticed; the world can be read, saved and freed). */
@@ -271,8 +271,8 @@ DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void 
    & Karp 1990). Between the ends of a step it is on a parabola that has the right places at both ends and errs by at most `accuracy`;
    velocities read in between err as little. A particle in contact gets the force of the law in each step. Where the law gives exactly 0, a
    flight is the same to the bit as without a field. Call this again after dem_load (until then running gives DEM_NO_FIELD), and when what
-   the law reads has changed. The time step must be below the shortest relaxation time. DEM_BAD_ARGUMENT, also for a world with links or
-   rigid bodies (but a loaded one takes back the field that it had); DEM_OUT_OF_MEMORY. */
+   the law reads has changed. The time step must be below the shortest relaxation time. A rigid body feels the field at its centre, as a
+   sphere of its volume; the field exerts no torque. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
 
 /* Computes the constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, of a body of volume pi x^3/6

@@ -18,9 +18,16 @@ static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
 
 /* Does the same where a caller changes particle i between runs. In a force field it takes the most accurate velocity that is known. */
 static inline void dem__restart(dem_world *w, ptrdiff_t i) {
-    const dem_vec v = dem__true_velocity_at(w, i, dem__now(w, i));
+    const dem_vec error = dem__velocity_error(w, i, dem__now(w, i));
+    dem__rigid *r = dem__rigid_of(w, i);
     dem__set_origin(w, i);
-    if (w->engine->field.on) w->particle[i].v = v;
+    if (!w->engine->field.on) return;
+    if (!r) {
+        w->particle[i].v = dem__add(w->particle[i].v, error);
+        return;
+    }
+    r->v = dem__add(r->v, error);
+    w->engine->bodies.room->place(w, r);
 }
 
 /* Puts a stored position back into the periodic box. Where gravity has a component along the box, the particle gains potential energy,
@@ -180,7 +187,7 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
     if (bodies->rigid) bodies->rigid_of[i] = 0;
     if (w->engine->convex.shapes > 0) w->engine->convex.shape_of[i] = 0; /* a polyhedron that has gone may have had this entry */
-    if (w->engine->field.on) w->engine->field.until[i] = DEM__NO_FLIGHT;
+    if (w->engine->field.on) w->engine->field.until[i] = DEM__NO_FLIGHT, w->engine->field.force[i] = dem_vec3(0.0, 0.0, 0.0);
     return i;
 }
 

@@ -96,6 +96,7 @@
 #include "advance.h"
 #include "due.h"
 #include "field.h"
+#include "flights.h"
 #include "step.h"
 #include "links.h"
 #include "read.h"

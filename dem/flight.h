@@ -81,15 +81,30 @@ DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau)
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__piece_velocity_at(w, r, i, tau) : dem__sphere_velocity_at(w, i, tau);
 }
-/* Returns the velocity as accurately as it is known. In a force field, the parabola of a flight has the right places at both ends, but not
+/* Return the position and the velocity of the centre of particle i, or of its rigid body, on its parabola. */
+DEM_INLINE dem_vec dem__centre_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)) : dem__sphere_at(w, i, tau);
+}
+DEM_INLINE dem_vec dem__drift_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__plus(r->v, tau, r->a) : dem__sphere_velocity_at(w, i, tau);
+}
+/* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at both ends, but not
    the right velocities; the error at its end shows how the acceleration changes. */
-static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
+static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__field *field = &w->engine->field;
-    const dem_vec v = dem__velocity_at(w, i, tau);
-    if (!field->on || w->engine->bodies.activity[i] || field->until[i] == DEM__NO_FLIGHT) return v;
-    const double whole = (double)(field->until[i] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
-    if (!(share >= 0.0 && share <= 1.0)) return v;
-    return dem__plus(v, share * (3.0 * share - 2.0), dem__sub(field->end_velocity[i], dem__velocity_at(w, i, whole)));
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const ptrdiff_t first = r ? r->first : i; /* has the flight */
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    if (!field->on || w->engine->bodies.activity[i] || field->until[first] == DEM__NO_FLIGHT) return none;
+    const double whole = (double)(field->until[first] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
+    if (!(share >= 0.0 && share <= 1.0)) return none;
+    return dem__scale(share * (3.0 * share - 2.0), dem__sub(field->end_velocity[first], dem__drift_at(w, i, whole)));
+}
+/* Returns the velocity as accurately as it is known. */
+static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
+    return dem__add(dem__velocity_at(w, i, tau), dem__velocity_error(w, i, tau));
 }
 DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);

@@ -44,15 +44,17 @@ DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count) return body;
     const dem__rigid *r = dem__rigid_of(world, i);
     const dem__pieces own = dem__pieces_of(world, i);
+    const double tau = dem__now(world, i);
     body.first = own.first, body.pieces = own.end - own.first;
     body.mass = world->particle[i].mass;
     body.diameter = r ? dem__equal_diameter(world, r) : 2.0 * world->particle[i].radius;
     body.position = r ? dem__body_position(world, r) : dem_position(world, i);
-    body.velocity = r ? dem__plus(r->v, dem__now(world, i), r->a) : dem_velocity(world, i);
+    body.velocity = dem__drift_at(world, i, tau);
+    body.velocity = dem__add(body.velocity, dem__velocity_error(world, i, tau));
     body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
     const double inertia = dem__inertia(world, i);
     body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
-    body.axes = r ? dem__posture_at(world, r, dem__now(world, i)).turn : body.orientation;
+    body.axes = r ? dem__posture_at(world, r, tau).turn : body.orientation;
     return body;
 }
 

@@ -150,6 +150,7 @@ DEM_INLINE void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     if (dem__is_fixed(w, r->first)) return; /* dem__kick_all records the forces on its particles */
     r->strides = 0.0;
     dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
+    if (w->engine->field.on) force = dem__add(force, w->engine->field.force[r->first]);
     const dem_vec pulled = dem__scale(1.0 / r->mass, force);
     r->a = dem__add(dem__free_fall(w), pulled);
     r->v = dem__flushed_vec(dem__plus(r->v, half, r->a));
@@ -170,6 +171,7 @@ DEM_INLINE void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
 static inline void dem__free_body(dem_world *w, dem__rigid *r) {
     dem_vec force;
     dem__sum_on_body(w, r, 0, 1, &force, &r->torque);
+    if (w->engine->field.on) force = dem__add(force, w->engine->field.force[r->first]); /* 0 in flight */
     r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
     if (dem__is_fixed(w, r->first)) r->a = r->torque = dem_vec3(0.0, 0.0, 0.0);
     dem__place_pieces(w, r);

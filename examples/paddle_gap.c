@@ -634,9 +634,8 @@ int main(int argc, char **argv) {
                                  sizeof options / sizeof *options, argc, argv);
     const double ends_of[6] = {0.0, 0.0, -0.5, 0.0, 0.0, 0.5}, two[2] = {1.0, 1.0};
     dem_make_clump(2, ends_of, two, &g.clump);
-    if (g.shape != SPHERE && g.drag == 0) program_refuse(&self, "drag", "on", "off with bricks and clumps: fields move spheres only");
     if ((self.quick || brief) && !options[4].given) depth = g.shape == SPHERE ? 0.5 : 0.65;
-    if (self.quick && !options[5].given) smallest = 60.0;
+    if (self.quick && !options[5].given) smallest = g.shape == BRICK || g.shape == BOTH ? 90.0 : 60.0;
     if ((self.quick || brief) && !options[8].given) warm = self.quick ? 0.0 : 0.2;
     if ((self.quick || brief) && !options[7].given) g.particles = self.quick ? 30 : 1000;
     g.self = &self;

@@ -639,6 +639,114 @@ static void short_of_memory(void **state) {
     assert_true(failed > 3);
 }
 
+/* ---- bodies: they feel the field at their centre, as a sphere of their volume ---- */
+
+/* Adds n clumps, or bricks, turned at random, with velocities; of the volume of a sphere of d. */
+static void add_bodies(dem_world *w, int bricks, int n, double d, uint64_t random) {
+    const double ends[6] = {0, 0, -0.5, 0, 0, 0.5}, two[2] = {1.0, 1.0}, a = d * cbrt(3.14159265358979324 / 6.0 / 2.08);
+    double v[7];
+    dem_clump pair;
+    dem_convex brick;
+    assert_int_equal(dem_make_clump(2, ends, two, &pair), DEM_OK);
+    assert_int_equal(dem_make_brick(&brick, dem_vec3(a, a, 2.08 * a), 0.03, NULL), DEM_OK);
+    const int shape = bricks ? dem_add_shape(w, &brick) : 0;
+    assert_true(shape >= 0);
+    for (int k = 0; k < n; k++) {
+        const double at[3] = {(k % 8 - 3.5) * 2.5e-4, 6e-4 + 1.5e-4 * (k / 8), bricks ? 2e-4 : -2e-4};
+        for (int q = 0; q < 7; q++) {
+            random = random * 6364136223846793005u + 1442695040888963407u;
+            v[q] = (double)(random >> 11) * 0x1p-52 - 1.0;
+        }
+        if (bricks) assert_int_equal(dem_add_convex(w, shape, 1, at, v, 0, 0), DEM_OK);
+        else assert_int_equal(dem_add_clumps(w, 1, &pair, at, &d, v, 0, 0), DEM_OK);
+        assert_int_equal(dem_set_motion(w, w->count - 1, dem_vec3(2 * v[4], 2 * v[5], v[6]), dem_vec3(3e3 * v[0], 3e3 * v[1], 0)), DEM_OK);
+    }
+}
+
+/* In Stokes's law a body of any shape relaxes as the sphere of its volume, whatever its spin; a clump of one is that sphere, in flight and
+   in a hit. */
+static void bodies_relax(void **state) {
+    (void)state;
+    const double d = 20e-6, tau = density * d * d / 18.0 / eta, one[3] = {0, 0, 0};
+    dem_gas air = dem_default_gas();
+    dem_force_field f = dem_gas_field(stokes, &air);
+    dem_def def = grains(1e-7);
+    dem_clump ball;
+    assert_int_equal(dem_make_clump(1, one, &d, &ball), DEM_OK);
+    for (int kind = 0; kind < 2; kind++) {
+        dem_world w;
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        add_bodies(&w, kind, 1, d, 5);
+        const dem_body from = dem_get_body(&w, 0);
+        assert_int_equal(dem_set_force_field(&w, &f), DEM_OK);
+        for (int k = 0; k < 6; k++) {
+            assert_int_equal(dem_run(&w, 0.3 * tau, DEM_LINEAR | DEM_FRICTION), DEM_OK);
+            const double e = exp(-w.time / tau), fall = -9.81 * tau;
+            const dem_body b = dem_get_body(&w, 0);
+            assert_true(fabs(b.velocity.x / (from.velocity.x * e) - 1.0) < 2e-8);
+            assert_true(fabs(b.velocity.z - (from.velocity.z * e + fall * (1.0 - e))) < 2e-8 * fabs(from.velocity.z));
+            assert_true(fabs((b.position.x - from.position.x) / (from.velocity.x * tau * (1.0 - e)) - 1.0) < 2e-8);
+        }
+        dem_free(&w);
+    }
+    dem_vec at[2], v[2];
+    for (int kind = 0; kind < 2; kind++) {
+        dem_world w;
+        const double centre[3] = {0, 0, 3e-4};
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        assert_true(dem_add_plane(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0.1, 1)) >= 0);
+        if (kind) assert_int_equal(dem_add_clumps(&w, 1, &ball, centre, NULL, NULL, 0, 0), DEM_OK);
+        else assert_int_equal(dem_add_spheres(&w, 1, centre, &d, 0, 0), DEM_OK);
+        assert_int_equal(dem_set_motion(&w, 0, dem_vec3(1, 0, -2), dem_vec3(0, 0, 0)), DEM_OK);
+        assert_int_equal(dem_set_force_field(&w, &f), DEM_OK);
+        assert_int_equal(dem_run(&w, 4e-4, DEM_LINEAR | DEM_FRICTION), DEM_OK);
+        assert_true(w.contact_steps > 0);
+        at[kind] = dem_position(&w, 0), v[kind] = dem_velocity(&w, 0);
+        dem_free(&w);
+    }
+    assert_true(v[0].z > 0.05 && dem__length(dem__sub(at[1], at[0])) < 1e-12 * 3e-4 && dem__length(dem__sub(v[1], v[0])) < 1e-11);
+}
+
+/* Bodies among spheres, stirred in gas: the same bits whatever is skipped, with threads, in pieces and after a save; the ledger closes. */
+static void stirred_bodies(void **state) {
+    (void)state;
+    uint64_t hash[5] = {0, 0, 0, 0, 0};
+    static const int skips[] = {DEM_SKIP_ALL, 0, DEM_SKIP_ALL, DEM_SKIP_ALL, DEM_SKIP_SPACE}, features = DEM_LINEAR | DEM_FRICTION;
+    for (int run = 0; run < 5; run++) {
+        dem_world w, again;
+        dem_gas air = dem_default_gas();
+        const int paddle = stirred(&w, skips[run], run == 2 ? 3 : 1, 0);
+        add_bodies(&w, 0, 40, 60e-6, 3);
+        add_bodies(&w, 1, 24, 50e-6, 4);
+        for (int k = 0; k < 8; k++) add(&w, (k - 3.5) * 2e-4, -6e-4, 0, 70e-6, dem_vec3(0, 1, 0));
+        assert_int_equal(dem_attach_gas(&air, &w, paddle), DEM_OK);
+        dem_force_field f = dem_gas_field(schiller, &air);
+        assert_int_equal(dem_set_force_field(&w, &f), DEM_OK);
+        for (int k = 0; k < 10; k++) {
+            assert_int_equal(dem_run(&w, 3e-5, features | (run == 1 ? DEM_ENERGY : 0)), DEM_OK);
+            if (run != 3 || k != 4) continue;
+            const size_t size = dem_save(&w, NULL, 0);
+            void *bytes = malloc(size);
+            assert_non_null(bytes);
+            assert_int_equal(dem_save(&w, bytes, size), size);
+            assert_int_equal(dem_load(&again, bytes, size, NULL), DEM_OK);
+            dem_free(&w), free(bytes);
+            w = again;
+            assert_int_equal(dem_set_force_field(&w, &f), DEM_OK);
+        }
+        hash[run] = dem_hash(&w);
+        assert_true(w.contact_steps > 1000);
+        say(&w, "bodies");
+        if (run == 1) {
+            const dem_energy_ledger e = dem_energy(&w);
+            if (getenv("SAY")) printf("off %g field %g loss %g\n", e.error, e.field_work, e.normal_loss);
+            assert_true(e.field_work != 0.0 && fabs(e.error) < 2e-3 * (fabs(e.field_work) + e.normal_loss + e.sliding_loss));
+        }
+        dem_free(&w);
+    }
+    for (int run = 1; run < 5; run++) assert_true(hash[run] == hash[0]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(relaxation),
                                        cmocka_unit_test(schiller_naumann),
@@ -653,6 +761,8 @@ int main(void) {
                                        cmocka_unit_test(local_field),
                                        cmocka_unit_test(stepping),
                                        cmocka_unit_test(multi_rate),
+                                       cmocka_unit_test(bodies_relax),
+                                       cmocka_unit_test(stirred_bodies),
                                        cmocka_unit_test(bad_input),
                                        cmocka_unit_test(taken_off),
                                        cmocka_unit_test(short_of_memory)};
