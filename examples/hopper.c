@@ -282,7 +282,7 @@ static void report(study *st, double k) {
                           "orifice_m,height_m,rate_kg_s,standard_error_kg_s,bulk_density_kg_m3,spheres,passed,duration_s");
     csv *curves = csv_open(st->self->out, "curves.csv", "orifice_m,height_m,time_s,mass_kg");
     table t = table_begin("orifice [mm]|fill [mm]|spheres|passed|rate [kg/s]|standard error|bulk density [kg/m3]");
-    plot *figure = plot_new(s->dosta ? "Silo of Dosta et al." : "Discharge of silos with a fill of constant height", 1, s->dosta ? 1 : 2);
+    plot *figure = plot_new(s->dosta ? "Silo of Dosta et al." : "Discharge of silos with a fill of constant height", s->dosta ? 1 : 2, 1);
     plot_panel(figure, 0, 0, "time [s]", s->dosta ? "number left [-]" : "mass passed [kg]");
     json_array_begin(j, "runs");
     for (int r = 0; r < st->runs; r++) {
@@ -321,9 +321,9 @@ static void report(study *st, double k) {
             law[q] = exp(a[LOG_SCALE] + a[EXPONENT] * log(fine[q]));
         }
         char text[80];
-        plot_panel(figure, 0, 1, "D/d - k [-]", "rate [kg/s]");
+        plot_panel(figure, 1, 0, "D/d - k [-]", "rate [kg/s]");
         plot_log_x(figure), plot_log_y(figure);
-        snprintf(text, sizeof text, "exponent %.2f, standard error %.2f, at k = %.3g", a[EXPONENT], e[EXPONENT], k);
+        snprintf(text, sizeof text, "exponent %.2f +- %.2f, k = %.3g", a[EXPONENT], e[EXPONENT], k);
         plot_error_bars(figure, "rate", x, y, error, n_orifices);
         plot_line(figure, text, fine, law, 60);
         plot_error_bars(figure, "higher fills", x + n_orifices, y + n_orifices, error + n_orifices, st->runs - n_orifices);
