@@ -56,9 +56,9 @@
 #define FILTRATION__INDEPENDENT
 #endif
 
-/* x86-64: the kernels are compiled three times, with AVX-512, with AVX2 and without. The bits are the same, because none fuses. AVX2 has too
-   few registers for a node's populations. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412): there -mavx2
-   for the whole program gives the speed. */
+/* x86-64: the kernels are compiled three times, with AVX-512, with AVX2 and without. The bits are the same, because none fuses. AVX2 has
+   too few registers for a node's populations. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412): there
+   -mavx2 for the whole program gives the speed. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
 #if defined(__clang__)
 #define FILTRATION__AVX512 "avx512vl,avx512dq"
