@@ -6038,7 +6038,9 @@ static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, pt
 static inline void dem__release_unloaded(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t i = 0; i < w->count && bodies->loads_on; i++) {
-        if (bodies->activity[i] && w->touching[i] == 0 && !dem__is_loaded(w, i)) bodies->activity[i] = DEM__FLYING;
+        if (!bodies->activity[i] || !w->alive[i] || w->touching[i] > 0 || dem__is_loaded(w, i)) continue;
+        dem__free_acceleration(w, i);
+        bodies->activity[i] = DEM__FLYING;
     }
 }
 
