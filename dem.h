@@ -8291,6 +8291,7 @@ DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdif
         dem_particle *p = &w->particle[i];
         const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
         p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle), p->spin = dem__sphere_spin_at(w, i, middle);
+        p->origin = w->step; /* for hooks, whose step is the present one */
         if (w->engine->run.has_periodic) dem__wrap(w, i);
     }
 }
@@ -10110,12 +10111,14 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
     if (h > 0.0) spin = dem__scale(0.5, dem__add(spin, dem__spin_of(from, r->moments, momentum)));
     r->x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), r->v = dem__plus(r->v, middle, r->a), r->momentum = momentum;
     r->turn = dem__kept_unit(end);
+    r->strides = 0.0;
     if (w->engine->run.has_periodic) dem__wrap_body(w, r);
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
         const dem_vec arm = dem__out_of(&axes, bodies->offset[i]);
         const dem_vec old = h == 0.0 ? arm : steps ? bodies->arm[i] : dem__to_lab(from, bodies->offset[i]);
         dem_particle *p = &w->particle[i];
         bodies->arm[i] = arm;
+        p->origin = w->step;
         p->x = dem__in_box(w, dem__add(r->x, arm)), p->spin = spin;
         p->v = dem__add(r->v, dem__cross(spin, dem__scale(0.5, dem__add(old, arm))));
     }

@@ -20,6 +20,7 @@ DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdif
         dem_particle *p = &w->particle[i];
         const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
         p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle), p->spin = dem__sphere_spin_at(w, i, middle);
+        p->origin = w->step; /* for hooks, whose step is the present one */
         if (w->engine->run.has_periodic) dem__wrap(w, i);
     }
 }

@@ -107,12 +107,14 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
     if (h > 0.0) spin = dem__scale(0.5, dem__add(spin, dem__spin_of(from, r->moments, momentum)));
     r->x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), r->v = dem__plus(r->v, middle, r->a), r->momentum = momentum;
     r->turn = dem__kept_unit(end);
+    r->strides = 0.0;
     if (w->engine->run.has_periodic) dem__wrap_body(w, r);
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
         const dem_vec arm = dem__out_of(&axes, bodies->offset[i]);
         const dem_vec old = h == 0.0 ? arm : steps ? bodies->arm[i] : dem__to_lab(from, bodies->offset[i]);
         dem_particle *p = &w->particle[i];
         bodies->arm[i] = arm;
+        p->origin = w->step;
         p->x = dem__in_box(w, dem__add(r->x, arm)), p->spin = spin;
         p->v = dem__add(r->v, dem__cross(spin, dem__scale(0.5, dem__add(old, arm))));
     }

@@ -706,6 +706,42 @@ static void test_normal_and_point(void **state) {
     dem_free(&w);
 }
 
+/* What a hook of a law reads where a contact begins after a flight: the place of the particle at the end of the step, not a flight ahead. */
+typedef struct landing {
+    int seen;
+    double worst; /* height of the lowest sphere of the particle over contact with the floor [m] */
+} landing;
+static void note_landing(struct dem_world *w, const int32_t *slots, ptrdiff_t n, void *user) {
+    landing *l = (landing *)user;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const dem_contact_info c = dem_get_contact(w, slots[k]);
+        const double lowest = dem_position(w, c.i).z - dem_radius(w, c.i), body = dem_get_body(w, c.i).position.z;
+        l->worst = fmax(l->worst, fabs(lowest)), l->worst = fmax(l->worst, fabs(c.point.z));
+        if (body < lowest) l->worst = HUGE_VAL;
+        l->seen++;
+    }
+}
+static const dem_law landing_law = {"landing", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear, note_landing, NULL};
+DEM_KERNEL(landing_kernel, landing_law, DEM_LINEAR)
+static void test_hooks_after_a_flight(void **state) {
+    (void)state;
+    const double d[2] = {0.004, 0.004}, centre[6] = {0, 0, 0, 0.002, 0, 0.001}, high[3] = {0, 0, 0.0123}, aside[3] = {0.05, 0, 0.0171};
+    dem_world w;
+    dem_clump clump;
+    landing l = {0, 0.0};
+    lossless(&w, 0.5);
+    w.user = &l;
+    assert_int_equal(dem_set_gravity(&w, v3(0, 0, -9.81)), DEM_OK);
+    assert_int_equal(dem_make_clump(2, centre, d, &clump), DEM_OK);
+    assert_int_equal(dem_add_spheres(&w, 1, high, d, 0, 0), DEM_OK);
+    assert_int_equal(dem_add_clumps(&w, 1, &clump, aside, NULL, NULL, 0, 0), DEM_OK);
+    dem_add_plane(&w, 0, v3(0, 0, 0), v3(0, 0, 1));
+    assert_int_equal(dem_run_law(&w, 0.4, &landing_kernel), DEM_OK);
+    assert_true(l.seen > 8);
+    assert_true(l.worst < 2.0 * w.def.dt); /* what is crossed in a step at 1 m/s */
+    dem_free(&w);
+}
+
 static int ended[3]; /* by itself, particle taken out, wall gone */
 static void note_end(dem_world *world, int32_t k, void *user) {
     (void)user;
@@ -1166,6 +1202,7 @@ int main(void) {
         cmocka_unit_test(test_fill_a_mesh),
         cmocka_unit_test(test_walls_for_groups),
         cmocka_unit_test(test_normal_and_point),
+        cmocka_unit_test(test_hooks_after_a_flight),
         cmocka_unit_test(test_why_contacts_end),
         cmocka_unit_test(test_step_ratio),
     };
