@@ -656,10 +656,9 @@ int main(int argc, char **argv) {
     memset(&r, 0, sizeof r);
     r.g = &g;
     dem_gas gas = dem_default_gas();
-    double *velocity = g.field_file ? field_of_file(&g, &gas) : analytic_field(&g, &gas);
+    double *velocity = g.drag ? NULL : g.field_file ? field_of_file(&g, &gas) : analytic_field(&g, &gas);
     gas.velocity = velocity;
-    const double thin = g.drag ? 1e-12 : 1.0; /* off: a gas without effect, as hooks read places and points of flights in a field */
-    gas.density = thin * g.machine.fluid_density, gas.viscosity = thin * g.machine.viscosity;
+    gas.density = g.machine.fluid_density, gas.viscosity = g.machine.viscosity;
     memset(&w, 0, sizeof w);
     dem_status status = build(&w, &g);
     w.user = &r;
