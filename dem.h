@@ -6680,6 +6680,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int keeps = !run->needs_lists;
     if (bodies->rigid) bodies->room->note_strides(w);
+    if (w->status != DEM_OK) return 0;
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     if (!keeps) dem__release_unloaded(w);
     dem__list_active(w);
@@ -10017,6 +10018,7 @@ DEM_INLINE int dem__strides(const dem__rigid *r) {
     return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
 }
 
+#define DEM__STRIDES_MAX 1e7 /* of a flight between two lists */
 /* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides that are known. */
 static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
     const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
@@ -10024,17 +10026,24 @@ static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau
     double n = 0.0;
     if (!(stride < HUGE_VAL)) return q;
     if (r->strides > 0.0 && r->strides <= whole) n = r->strides, q = r->ahead;
+    if (!(whole - n < DEM__STRIDES_MAX)) return q; /* only in a world that no run has accepted */
     for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, stride);
     return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
 }
 
-/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins. */
+/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins. DEM_TOO_FAST: a body turns
+   by a hundred radians in a step. */
 static inline void dem__note_strides(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
         dem__rigid *r = &bodies->rigid[k];
         if (!w->alive[r->first] || !dem__strides(r) || bodies->activity[r->first]) continue;
         const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(dem__now(w, r->first) / stride);
+        if (!(400.0 * stride > w->engine->run.dt) || !(whole - r->strides < DEM__STRIDES_MAX)) {
+            w->status = DEM_TOO_FAST;
+            w->failed_id = w->id[r->first];
+            return;
+        }
         if (!(whole > r->strides)) continue;
         if (r->strides == 0.0) r->ahead = r->turn;
         for (; r->strides < whole; r->strides += 1.0) r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);

@@ -377,6 +377,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int keeps = !run->needs_lists;
     if (bodies->rigid) bodies->room->note_strides(w);
+    if (w->status != DEM_OK) return 0;
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     if (!keeps) dem__release_unloaded(w);
     dem__list_active(w);

@@ -414,6 +414,26 @@ DEM_INLINE void exploding_force(const dem_contact *c, double *state, dem_respons
     dem_force_linear(c, state, r); /* fills the whole answer */
     r->normal = c->gap < -1e-4 ? 1e200 : 0.0;
 }
+/* A body whose rotation no number of strides follows is too fast; a spin of some radians a step is followed. */
+static void test_spin_without_end(void **state) {
+    (void)state;
+    const double at[3] = {0, 0, 0}, spin[] = {1e80, 1e12, 1e6};
+    for (int k = 0; k < 3; k++) {
+        dem_def def = scene_def(1e-6);
+        dem_world w;
+        dem_convex brick;
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        assert_int_equal(dem_make_brick(&brick, dem_vec3(2e-3, 3e-3, 4e-3), 0.05, NULL), DEM_OK);
+        const int shape = dem_add_shape(&w, &brick);
+        assert_true(shape >= 0);
+        assert_int_equal(dem_add_convex(&w, shape, 1, at, NULL, 0, 0), DEM_OK);
+        assert_int_equal(dem_set_motion(&w, 0, dem_vec3(0, 0, 0), dem_vec3(spin[k], 0.5 * spin[k], spin[k])), DEM_OK);
+        assert_int_equal(dem_run(&w, 1e-3, DEM_LINEAR | DEM_FRICTION), k < 2 ? DEM_TOO_FAST : DEM_OK);
+        assert_true(dem_position(&w, 0).z <= 0.0);
+        dem_free(&w);
+    }
+}
+
 static const dem_law exploding = {"exploding", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, exploding_force, NULL, NULL};
 DEM_KERNEL(exploding_kernel, exploding, DEM_LINEAR)
 
@@ -585,6 +605,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_memory_of_rich_scenes),
         cmocka_unit_test(test_field_after_bodies),
+        cmocka_unit_test(test_spin_without_end),
         cmocka_unit_test(test_infinite_energy_does_not_leave),
         cmocka_unit_test(test_fast_spheres_are_seen),
         cmocka_unit_test(test_place_of_a_polyhedron),
