@@ -8814,6 +8814,10 @@ DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, d
 }
 
 DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
+/* Returns whether particle i, or its body, has the acceleration of free fall only. */
+DEM_INLINE int dem__falls_freely(const dem_world *w, ptrdiff_t i) {
+    return dem__is_zero(dem__sub(dem__centre_pull(w, i), dem__free_fall(w)));
+}
 
 /* Result of one step of a flight. */
 typedef struct dem__flown {
@@ -8908,7 +8912,7 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     field->until[i] = w->step + n;
     field->work[i] = q.work, field->booked[i] = 0.0;
     if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
-    if (!(q.zero && dem__is_zero(dem__sub(dem__centre_pull(w, i), g)))) {
+    if (!(q.zero && dem__falls_freely(w, i))) {
         dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
     }
     field->end_velocity[i] =
@@ -8920,10 +8924,10 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
 DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
     const int64_t end = field->until[i], last = w->step + DEM__STEPS_MAX, origin = w->particle[i].origin;
-    const dem_vec g = dem__free_fall(w), pull = dem__centre_pull(w, i);
+    const dem_vec pull = dem__centre_pull(w, i);
     const double dt = w->engine->run.dt, tau = dem__now(w, i);
     if (!(end > w->step && end < last && origin <= w->step && end - origin < 2 * (int64_t)last)) return 0;
-    const int zero = pull.x == g.x && pull.y == g.y && pull.z == g.z;
+    const int zero = dem__falls_freely(w, i);
     const double h = (double)(end - (zero ? w->step : origin)) * dt, from = zero ? tau : 0.0;
     const dem_vec v = dem__drift_at(w, i, from);
     const dem__flown q = dem__fly(w, i, dem__centre_at(w, i, from), v, zero ? w->time : dem__time_of(w, origin), h, law);
@@ -8939,11 +8943,11 @@ DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const de
 DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
     dem__rigid *r = dem__rigid_of(w, i);
-    const dem_vec g = dem__free_fall(w), a = dem__centre_pull(w, i);
+    const dem_vec a = dem__centre_pull(w, i);
     const double tau = dem__now(w, i);
     const dem_vec x = dem__centre_at(w, i, tau);
     dem_vec v = dem__drift_at(w, i, tau);
-    const int falls = a.x == g.x && a.y == g.y && a.z == g.z;
+    const int falls = dem__falls_freely(w, i);
     field->work[i] = 0.0;
     if (tau > 0.0 && !falls) {
         const dem_vec begun = dem__drift_at(w, i, 0.0);
@@ -9013,7 +9017,7 @@ static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
     const dem_vec u = dem__drift_at(w, i, 0.0), v = dem__drift_at(w, i, tau), g = dem__free_fall(w);
     const dem_vec way = dem__sub(dem__centre_at(w, i, tau), dem__centre_at(w, i, 0.0));
     const double gain = 0.5 * (dem__dot(v, v) - dem__dot(u, u)) - dem__dot(g, way);
-    return dem__is_zero(dem__sub(dem__centre_pull(w, i), g)) ? 0.0 : w->particle[i].mass * gain;
+    return dem__falls_freely(w, i) ? 0.0 : w->particle[i].mass * gain;
 }
 
 /* Returns whether particle i, or the body that it leads, is in flight. */

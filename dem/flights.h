@@ -24,7 +24,7 @@ static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
     const dem_vec u = dem__drift_at(w, i, 0.0), v = dem__drift_at(w, i, tau), g = dem__free_fall(w);
     const dem_vec way = dem__sub(dem__centre_at(w, i, tau), dem__centre_at(w, i, 0.0));
     const double gain = 0.5 * (dem__dot(v, v) - dem__dot(u, u)) - dem__dot(g, way);
-    return dem__is_zero(dem__sub(dem__centre_pull(w, i), g)) ? 0.0 : w->particle[i].mass * gain;
+    return dem__falls_freely(w, i) ? 0.0 : w->particle[i].mass * gain;
 }
 
 /* Returns whether particle i, or the body that it leads, is in flight. */
