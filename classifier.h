@@ -71,7 +71,6 @@ extern "C" {
     X(CLASSIFIER_NOT_NORMALISED, "the shares of a distribution do not add up to 1 within 1e-3")                                            \
     X(CLASSIFIER_NOT_SORTED, "sizes or class limits do not increase")                                                                      \
     X(CLASSIFIER_OUTSIDE, "the wanted value lies outside the range that can be reached")                                                   \
-    X(CLASSIFIER_NO_CONVERGENCE, "an iteration did not converge")                                                                          \
     X(CLASSIFIER_NO_OUTLET, "a circuit lets nothing out")                                                                                  \
     X(CLASSIFIER_OUT_OF_MEMORY, "out of memory")                                                                                           \
     X(CLASSIFIER_TOO_FEW, "a fit needs more distinct sizes than free parameters: the points leave the parameters open")

@@ -118,9 +118,9 @@ static inline double granulation_saturation(const granulation_granule *g);      
 static inline double granulation_liquid_fraction(const granulation_granule *g); /* (3) l / V [-] */
 static inline double granulation_moisture(const granulation_granule *g);        /* (3) l / s, by volume as printed [-] */
 static inline double granulation_least_porosity(const granulation_granule *g);  /* porosity with all air gone, l / (s + l) [-] */
-/* (4) mass [kg]; densities of solid, liquid and air [kg/m3] */
+/* Returns the mass (4) [kg]; densities of solid, liquid and air [kg/m3] */
 static inline double granulation_mass(const granulation_granule *g, double solid, double liquid, double air);
-/* (5) thickness of the binder film [m], 0 for a dry surface; critical saturation 0 < s_crit <= 1. Written as
+/* Returns the thickness of the binder film (5) [m], 0 for a dry surface; critical saturation 0 < s_crit <= 1. Written as
    (l (1 - s_crit) - s_crit a) / (pi D^2), which is D (L - eps s_crit) / 6 without its cancellation. */
 static inline double granulation_film(const granulation_granule *g, double s_crit);
 static inline double granulation_film_unclipped(const granulation_granule *g, double s_crit); /* negative before the film appears */
@@ -131,19 +131,19 @@ static inline double granulation_asperity(double factor, double grain_diameter);
 static inline double granulation_consolidation_rate(const granulation_granule *g, double rate_constant);
 /* Returns the air volume after a time, exact: the air fraction a / V decays as exp(-k t). kt = k t >= 0 [-]. [m3] */
 static inline double granulation_consolidate(const granulation_granule *g, double kt);
-/* k t until the film appears [-]; 0 if it is there; infinite without liquid, or with s_crit 1 */
+/* Returns k t until the film appears [-]; 0 if it is there; infinite without liquid, or with s_crit 1 */
 static inline double granulation_film_time(const granulation_granule *g, double s_crit);
 
 /* ==== strength (13) to (17) ==== */
-/* (13) Hertz: largest contact pressure [Pa] of a force [N], effective modulus [Pa], reduced diameter [m]. */
+/* Returns the largest contact pressure (13) [Pa] by Hertz, of a force [N], effective modulus [Pa], reduced diameter [m]. */
 static inline double granulation_hertz_pressure(double force, double modulus, double diameter);
-/* (14) corrected, 1 / E* = (1 - nu1^2) / E1 + (1 - nu2^2) / E2 [Pa]; moduli > 0 [Pa], Poisson ratios -1 .. 0.5. */
+/* Returns the effective modulus (14) [Pa], mended: 1 / E* = (1 - nu1^2) / E1 + (1 - nu2^2) / E2; moduli > 0, Poisson ratios -1 .. 0.5. */
 static inline double granulation_effective_modulus(double e1, double nu1, double e2, double nu2);
-/* (14) as printed: the same sum, which is a compliance [1/Pa]. */
+/* Returns (14) as printed: the same sum, which is a compliance [1/Pa]. */
 static inline double granulation_contact_compliance(double e1, double nu1, double e2, double nu2);
 static inline double granulation_edge_tension(double pressure, double poisson); /* (15) tensile stress at the contact's edge [Pa] */
-/* (16) Rumpf: static tensile strength [Pa]; 0 < porosity < 1, saturation 0 .. 1, shape factor (6 for spheres), surface tension [N/m],
-   contact angle [rad], grain diameter [m]. */
+/* Returns the static tensile strength (16) [Pa] by Rumpf; 0 < porosity < 1, saturation 0 .. 1, shape factor (6 for spheres), surface
+   tension [N/m], contact angle [rad], grain diameter [m]. */
 static inline double granulation_rumpf_strength(double porosity, double saturation, double shape, double tension, double angle,
                                                 double grain);
 static inline double granulation_yield_stress(double strength, double poisson); /* (17) 2 sigma / (3 - 6 nu) [Pa]; nu < 0.5 */
@@ -157,56 +157,58 @@ typedef enum granulation_convention { GRANULATION_CONSISTENT, GRANULATION_PRINTE
 #define GRANULATION_RECOVERY 7.36423562897306 /* (9 pi / 4) (3 pi / 8)^(1/4): the 7.36 of (24) */
 #define GRANULATION_FIRST_YIELD 1.65625       /* first yield at St_def / (Y/E*)^4 = 53/32 */
 
-/* (9), (10) reduced mass or diameter a b / (a + b); b infinite (a wall, the impeller) gives a. Both > 0. */
+/* Returns the reduced mass or diameter (9), (10): a b / (a + b); b infinite (a wall, the impeller) gives a. Both > 0. */
 static inline double granulation_reduced(double a, double b);
-/* (8) viscous Stokes number [-]: reduced mass [kg], u0 = half the relative speed [m/s], viscosity > 0 [Pa s], reduced diameter [m]. */
+/* Returns the viscous Stokes number (8) [-]: reduced mass [kg], u0 = half the relative speed [m/s], viscosity > 0 [Pa s], reduced
+   diameter [m]. */
 static inline double granulation_viscous_stokes(granulation_convention c, double m, double u0, double viscosity, double d);
-/* (22) Stokes deformation number [-]; yield stress > 0 [Pa]. */
+/* Returns the Stokes deformation number (22) [-]; yield stress > 0 [Pa]. */
 static inline double granulation_deformation_stokes(double m, double u0, double d, double yield);
-/* ln(h0 / ha), and 0 for a film no thicker than the asperities: a film never accelerates. h0 >= 0, ha > 0 [m]. */
+/* Returns ln(h0 / ha), and 0 for a film no thicker than the asperities: a film never accelerates. h0 >= 0, ha > 0 [m]. */
 static inline double granulation_film_logarithm(double h0, double ha);
-/* (7) half the relative speed [m/s] when the asperities meet, may be negative; log_film from granulation_film_logarithm */
+/* Returns half the relative speed (7) [m/s] when the asperities meet, may be negative; log_film from granulation_film_logarithm */
 static inline double granulation_approach_speed(double u0, double st_v, double log_film);
 static inline bool granulation_is_type_one(double st_v, double log_film); /* (11); false without a film */
-/* (12) largest contact area [m2] at u1 >= 0 [m/s]; reduced mass, diameter; yield stress. */
+/* Returns the largest contact area (12) [m2] at u1 >= 0 [m/s]; reduced mass, diameter; yield stress. */
 static inline double granulation_contact_area(double u1, double m, double d, double yield);
-/* (19) permanent deformation [m] of a contact area; negative: the contact stayed elastic. yield_ratio = Y / E* >= 0 [-]. */
+/* Returns the permanent deformation (19) [m] of a contact area; negative: the contact stayed elastic. yield_ratio = Y / E* >= 0 [-]. */
 static inline double granulation_deformation(double area, double d, double yield_ratio);
-/* (19), (24) the same over d, of St_def and B = u1 / u0 >= 0 [-]. */
+/* Returns the same over d (19), (24), of St_def and B = u1 / u0 >= 0 [-]. */
 static inline double granulation_relative_deformation(double st_def, double b, double yield_ratio);
-/* (18) half the relative speed [m/s] when the surfaces part, never above u1 = B u0. */
+/* Returns half the relative speed (18) [m/s] when the surfaces part, never above u1 = B u0. */
 static inline double granulation_rebound_speed(double u0, double b, double yield_ratio, double st_def);
-/* (20) half the relative speed [m/s] when the bridge would break; not above 0: it holds. deformation >= 0 [m], h0 >= ha [m], or equal
-   to the deformation for dry granules. Only the sign has a meaning below -u0. */
+/* Returns half the relative speed (20) [m/s] when the bridge would break; not above 0: it holds. deformation >= 0 [m], h0 >= ha [m], or
+   equal to the deformation for dry granules. Only the sign has a meaning below -u0. */
 static inline double granulation_separation_speed(granulation_convention c, double u2, double u0, double st_v, double deformation,
                                                   double h0, double ha);
-/* (25) made consistent: the same for dry surfaces, whose film is the deformation. */
+/* Returns the same (25), made consistent, for dry surfaces, whose film is the deformation. */
 static inline double granulation_dry_separation_speed(granulation_convention c, double u2, double u0, double st_v, double deformation,
                                                       double ha);
 static inline bool granulation_is_elastic_type_two(double st_v, double log_film); /* (23) St_v < 2 ln(h0 / ha) */
-/* (21) as printed, both sides; left < right: Type II. It reports Type II also for a negative deformation (its square hides the sign), so
-   nothing here decides by it. b = u1 / u0 > 0 [-]; d, deformation (not 0), h0 >= ha [m]. */
+/* Return both sides of (21) as printed; left < right: Type II. It reports Type II also for a negative deformation (its square hides the
+   sign), so nothing here decides by it. b = u1 / u0 > 0 [-]; d, deformation (not 0), h0 >= ha [m]. */
 static inline double granulation_printed_left(double yield_ratio, double st_def);
 static inline double granulation_printed_right(double st_v, double st_def, double yield_ratio, double b, double d, double deformation,
                                                double h0, double ha);
 
 /* ==== critical size (39) to (41), velocities (33), breakage (28) to (36) ==== */
-/* (40) force of the film [N] at u [m/s] (half the relative speed) and gap 2h [m]. */
+/* Returns the force of the film (40) [N] at u [m/s] (half the relative speed) and gap 2h [m]. */
 static inline double granulation_film_force(granulation_convention c, double d, double viscosity, double u, double gap);
 static inline double granulation_bond_area(double d, double deformation); /* (41) pi D delta [m2] */
-/* (39) critical diameter A1 (K^(3/2) sigma)^a1; K = area / force [1/Pa] >= 0, strength sigma [Pa]. Unit of A1: [m Pa^(a1/2)]. */
+/* Returns the critical diameter (39) [m], A1 (K^(3/2) sigma)^a1; K = area / force [1/Pa] >= 0, strength sigma [Pa]; A1 in
+   [m Pa^(a1/2)]. */
 static inline double granulation_critical_diameter(double a1_factor, double exponent, double k, double strength);
-/* (33) tip speed [m/s] of an impeller, turns [1/s], diameter [m]: pi n D. The paper's 120 rpm -> 1 m/s is n D / 2: PRINTED. */
+/* Returns the tip speed (33) [m/s] of an impeller, turns [1/s], diameter [m]: pi n D. The paper's 120 rpm -> 1 m/s is n D / 2: PRINTED. */
 static inline double granulation_tip_speed(granulation_convention c, double turns, double diameter);
-/* (22), (28) for one granule, its own m and D: pi rho u^2 / (12 Y) [-], independent of size; density [kg/m3], speed [m/s]. */
+/* Returns (22), (28) for one granule, its own m and D: pi rho u^2 / (12 Y) [-], independent of size; density [kg/m3], speed [m/s]. */
 static inline double granulation_breakage_stokes(double density, double speed, double yield);
-/* (30) Herschel-Bulkley stress Y + k gamma^n [Pa]; consistency [Pa s^n], shear rate [1/s], index n [-]; all >= 0. */
+/* Returns the Herschel-Bulkley stress (30), Y + k gamma^n [Pa]; consistency [Pa s^n], shear rate [1/s], index n [-]; all >= 0. */
 static inline double granulation_herschel_bulkley(double yield, double consistency, double shear_rate, double index);
-/* (31) strain of Kenningley, of the Kozeny-Carmen equation [-]; d32: Sauter mean of the constituent grains [m]. */
+/* Returns the strain (31) of Kenningley, of the Kozeny-Carman equation [-]; d32: Sauter mean of the constituent grains [m]. */
 static inline double granulation_kozeny_strain(double porosity, double density, double speed, double d32, double viscosity);
 static inline granulation_granule granulation_half(const granulation_granule *g);                              /* (36) */
 static inline granulation_granule granulation_sum(const granulation_granule *a, const granulation_granule *b); /* (38) */
-/* Arrhenius viscosity [Pa s]: mu0 exp(E/R (1/T - 1/T0)); mu0 > 0, activation E/R >= 0 [K], temperatures > 0 [K]. */
+/* Returns the viscosity by Arrhenius [Pa s]: mu0 exp(E/R (1/T - 1/T0)); mu0 > 0, activation E/R >= 0 [K], temperatures > 0 [K]. */
 static inline double granulation_arrhenius(double viscosity, double activation, double temperature, double reference);
 
 /* ==== the outcome of a collision as one pure function ==== */
@@ -403,8 +405,8 @@ GRANULATION_API granulation_def granulation_default_def(void);
 GRANULATION_API granulation_def granulation_paper_def(void);
 GRANULATION_API granulation_status granulation_check_def(const granulation_def *def, const char **field);
 
-/* Makes a simulation without granules. One in use must be freed first. BAD_DEF, NO_MEMORY. After an error *sim is empty and may be
-   freed. */
+/* Makes a simulation without granules; nothing is allocated yet. One in use must be freed first. BAD_DEF. After an error *sim is empty and
+   may be freed. */
 GRANULATION_API granulation_status granulation_sim_init(granulation_sim *sim, const granulation_def *def);
 GRANULATION_API void granulation_sim_free(granulation_sim *sim); /* safe to call twice */
 

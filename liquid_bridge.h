@@ -1,4 +1,4 @@
-/* liquid_bridge.h: forces of pendular liquid bridges between spheres, plates and wires, and the books of their liquid.
+/* liquid_bridge.h: forces of pendular liquid bridges between spheres, plates and wires, and who has which liquid.
 
        #include "liquid_bridge.h"
        #include <stdio.h>
@@ -133,7 +133,7 @@ typedef struct bridge_pair {
     unsigned cookie;
 } bridge_pair;
 
-/* One bridge: 12 doubles , which the caller keeps with the pair. volume = 0: no bridge. */
+/* One bridge: 12 doubles, which the caller keeps with the pair. volume = 0: no bridge. */
 typedef struct bridge {
     double volume;                /* V [m3] */
     double width;                 /* sqrt(a) = sqrt(2 V/(pi R_h)) [m] */

@@ -4,7 +4,7 @@
    Below it is a round plate with a rim one diameter high, over which the surplus falls. The surface of the heap at rest is the highest
    centre in each ring and sector of the plate; the angle of repose is the slope of a line through the means of the rings. Its error is the
    standard error of the mean of several heaps with other random numbers. Friction acts between spheres and with the plate; the funnel is
-   smooth. Rolling resistance with a lever arm replaces the shape that spheres lack. */
+   smooth. Rolling resistance with a lever arm replaces the shape that spheres lack. For your own heap: the options and your funnel. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,7 +5,11 @@
    retained by class over time, for one seed, or the mean of several with its interval.
    Studies: all 27 cases of the paper's table 5 (--all-cases), a case and its neighbours (--vary), the effect of moisture
    (--compare-moisture), and what the paper does not give (--sensitivity: diameter of the deck, drop height, outlet, profile of the bars,
-   damping convention). docs/batch_screening.md gives the reasons for the defaults. */
+   damping convention). docs/batch_screening.md gives the reasons for the defaults.
+   For your own sieve: the options; sizes, materials and contacts stand in screening_scene.h (class_diameter, define()).
+
+   screening_scene.h      the machine and one run      screening_study.h   runs with many seeds: their files, means, intervals
+   screening_findings.h   the paper's statements       this file           options, tables, pictures */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,7 +4,8 @@
    the top, so that the rate is steady. Silos of one shape (width and fill height over the diameter D of the orifice) and several sizes
    give the exponent n of W ~ (D - k d)^n (Beverloo, Leniger & van de Velde 1961: n = 2.5, k about 1.4); others differ in the fill height
    only. --scene dosta: the silo of Dosta et al. (2024) with its Hertz-Mindlin parameters and --spheres of its 100 000 spheres, until it is
-   empty or for --time. */
+   empty or for --time.
+   For your own hopper: the options, and the materials and walls in build(). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -6,6 +6,8 @@
    settling --beside DIR,DIR draws earlier runs (their --out folders) into the figures; with --draw it runs nothing, and draws the first of
                              them, which is --case, with the others
 
+   Your own case             a row of scenes[] below, and its name in CASE_NAMES
+
    A sphere on the axis of its box is computed in a quarter of the box between two mirrors (--symmetry full: the whole box).
    track.csv: the path of each sphere. velocity.svg, reynolds.svg (beside the balance of forces with the drag law of each author),
    bottom.svg (v / v_t over the gap x / d, beside Brenner), height.svg: the paper's Figs 11, 13 and 15a, 15b, 17. */

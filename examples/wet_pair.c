@@ -6,6 +6,8 @@
       bridge forms at contact and breaks at its dynamic rupture distance. The wet coefficient of restitution is the ratio of the speeds
       after and before; below the sticking velocity the spheres stay together.
 
+   For your own pair: the options (diameters, angles, liquid, --plate).
+
    Pictures: wet_pair.png, force.svg, curves.svg, restitution.svg, sticking.svg; numbers: force.csv, restitution.csv, sticking.csv. */
 #include <math.h>
 #include <stdbool.h>

@@ -5,9 +5,9 @@
    Their 27 cases are glass spheres of 5 and 7 mm (and 10 mm that stay) on an 8 mm mesh, A 0.8-1.2 mm, f 45.8-55.4 Hz, moisture 0-0.05:
    the defaults; beyond these ranges the models extrapolate.
 
-   Each model's rate of passage is multiplied by the free holes per mass of feed over those of the study: by the free fraction f(t), mean
-   over each small step, and by (area / feed) / (0.02835 m2 / 1.41 kg) (eq 17 of Lawinska et al. 2016: f F A0). That is k_p of Subasinghe and Soldinger and k of Dong, its trials per time. Stratification is not slowed by
-   blocking.
+   Each model's rate of passage (k_p of Subasinghe and Soldinger, k of Dong: its trials in a time) is multiplied by the free holes per mass
+   of feed over those of the study: by the free fraction f(t), mean over each small step, and by (area / feed) / (0.02835 m2 / 1.41 kg)
+   (eq 17 of Lawinska et al. 2016: f F A0). Blocking does not slow stratification.
 
    You give k1 and k2: count holes and use sieve_blocking --data, or simulate. Without --k1 and --k2 the rate constants of Table 2, fit
    7b, of Lawinska et al. are used as an illustration; they are for dry spheres on a 1 mm mesh. Table 3 of that paper (mean free fraction

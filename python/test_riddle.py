@@ -70,6 +70,48 @@ class Complete(unittest.TestCase):
         self.assertIn("[s]", dem.World.run.__doc__)
 
 
+class Comments(unittest.TestCase):
+    """The default that a field's comment states is what the function without arguments sets that makes the structure."""
+
+    NUMBER = r"-?(?:\d+(?:\.\d+)?(?:e-?\d+)?)(?:/\d+)?"
+    WORDS = {"infinite": np.inf, "HUGE_VAL": np.inf, "NaN": np.nan, "NAN": np.nan, "true": 1, "false": 0}
+
+    def flat(self, value):
+        """The numbers of a field: none of a structure or a pointer."""
+        if not isinstance(value, _core.ffi.CData):
+            return [float(value)]
+        return [x for item in value for x in self.flat(item)] if _core.ffi.typeof(value).kind == "array" else []
+
+    def stated(self, comment, header):
+        """The number that a comment states, or None."""
+        value = rf"({self.NUMBER}|[A-Za-z]\w+)"
+        found = re.search(rf"default {value}(?![\w%])(?!,? (?:\d|NaN))", comment) or re.search(rf"(?:^|[ ;]){value} \(default\)", comment) or \
+            re.search(rf"; ({self.NUMBER})(?=$|;| \()", comment)
+        if not found:
+            return None
+        word = found[1]
+        if re.fullmatch(self.NUMBER, word):
+            over, _, under = word.partition("/")
+            return float(over) / float(under or 1)
+        names = [name for name in header["enumerators"] if name == word or name.endswith("_" + word)]
+        return self.WORDS[word] if word in self.WORDS else getattr(_core.lib, names[0]) if len(names) == 1 else None
+
+    def test_defaults_are_those_of_the_comments(self):
+        checked, wrong = 0, []
+        for header in _core.api["headers"].values():
+            for name, function in header["functions"].items():
+                if "default" not in name or function["parameters"] or function["returns"] not in header["types"]:
+                    continue
+                made = getattr(_core.lib, function["symbol"])()
+                for field, about in header["types"][function["returns"]]["fields"].items():
+                    number, values = self.stated(about["doc"], header), self.flat(getattr(made, field))
+                    checked += number is not None and values != []
+                    if number is not None and not np.allclose(values, number, 6e-4, 0.0, equal_nan=True):
+                        wrong.append(f"{function['returns']}.{field}: {values}, but its comment says {number}")
+        self.assertEqual(wrong, [])
+        self.assertGreater(checked, 150)
+
+
 class Values(unittest.TestCase):
     def test_laws(self):
         self.assertEqual(bridge.harmonic_radius(1.0, 2.0), 4.0 / 3.0)
