@@ -19,6 +19,7 @@
             The format: VTK File Formats, Kitware.
    Figures  SVG 1.1: panels in rows and columns; lines, points, bands, error bars, bars, heat maps; axes, units, a legend that keeps off
             the data. Colours: Okabe & Ito (2008); van der Walt & Smith (2015).
+   Locale   numbers have a decimal point, whatever locale the host has set (tables and the progress bar, for people, have the host's).
    Units    the caller's: labels and names are written as they are given. Lengths of figures are in points (1/72 inch).
    Errors   a function that fails hands one line ("out/a.csv: No space left on device") to RIDDLE_IO_FAIL, returns its status, and
             leaves nothing half written. Every function takes the NULL that another returned and does nothing.
@@ -238,6 +239,7 @@ RIDDLE_IO_API double riddle_io_seconds(void);                                   
 
 #include <errno.h>
 #include <fcntl.h>
+#include <locale.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -308,6 +310,55 @@ static inline char *riddle_io__joined(const char *a, const char *between, const 
     char *text = (char *)RIDDLE_IO_REALLOC(NULL, size);
     if (text) snprintf(text, size, "%s%s%s", a, between, b);
     return text;
+}
+
+/* Puts a decimal point into a number that the C library has written: a host may have set a locale with a comma. */
+static inline void riddle_io__use_point(char *number) {
+    const char *mark = localeconv()->decimal_point;
+    char *at = *mark ? strstr(number, mark) : NULL;
+    if (!at || strcmp(mark, ".") == 0) return;
+    *at = '.';
+    memmove(at + 1, at + strlen(mark), strlen(at + strlen(mark)) + 1);
+}
+
+/* Copies a conversion such as "%-*.3lg" of a format to `spec`, with numbers in place of its stars. Returns what follows it. */
+static inline const char *riddle_io__conversion(const char *at, char *spec, size_t size, va_list *arguments) {
+    size_t n = 0;
+    for (; n + 16 < size; at++) {
+        if (*at == '*') n += (size_t)snprintf(spec + n, size - n, "%d", va_arg(*arguments, int));
+        else spec[n++] = *at;
+        if (!*at || (n > 1 && strchr("diouxXcspfFeEgGaAn%", *at))) break;
+    }
+    spec[n] = '\0';
+    return *at ? at + 1 : at;
+}
+
+/* Writes what vfprintf writes, numbers with a decimal point in every locale. No long double. */
+static inline bool riddle_io__print(FILE *stream, const char *format, va_list *arguments) {
+    while (*format) {
+        const size_t plain = strcspn(format, "%");
+        char spec[80], number[400];
+        if (plain && fwrite(format, 1, plain, stream) != plain) return false;
+        format += plain;
+        if (!*format) break;
+        format = riddle_io__conversion(format, spec, sizeof spec, arguments);
+        const char *last = spec + strlen(spec) - 1, *length = spec + strcspn(spec, "lzjt");
+        int printed = 0;
+        if (strchr("fFeEgGaA", *last)) {
+            snprintf(number, sizeof number, spec, va_arg(*arguments, double));
+            riddle_io__use_point(number);
+            printed = fputs(number, stream);
+        } else if (*last == '%') printed = fputc('%', stream);
+        else if (*last == 's') printed = fprintf(stream, spec, va_arg(*arguments, const char *));
+        else if (*last == 'p') printed = fprintf(stream, spec, va_arg(*arguments, void *));
+        else if (length[0] == 'z' || length[0] == 't') printed = fprintf(stream, spec, va_arg(*arguments, size_t));
+        else if (length[0] == 'j') printed = fprintf(stream, spec, va_arg(*arguments, intmax_t));
+        else if (length[0] == 'l' && length[1] == 'l') printed = fprintf(stream, spec, va_arg(*arguments, long long));
+        else if (length[0] == 'l') printed = fprintf(stream, spec, va_arg(*arguments, long));
+        else printed = fprintf(stream, spec, va_arg(*arguments, int));
+        if (printed < 0) return false;
+    }
+    return true;
 }
 
 struct riddle_io_file {
@@ -478,10 +529,11 @@ RIDDLE_IO_API riddle_io_status riddle_io_write(riddle_io_file *file, const void 
 RIDDLE_IO_API riddle_io_status riddle_io_print(riddle_io_file *file, const char *format, ...) {
     if (!file) return RIDDLE_IO_BAD_ARGUMENT;
     if (file->error) return RIDDLE_IO_NOT_WRITTEN;
+    const bool point = strcmp(localeconv()->decimal_point, ".") == 0;
     va_list arguments;
     va_start(arguments, format);
     errno = 0;
-    bool worked = vfprintf(file->stream, format, arguments) >= 0;
+    bool worked = point ? vfprintf(file->stream, format, arguments) >= 0 : riddle_io__print(file->stream, format, &arguments);
     va_end(arguments);
     return riddle_io__after(file, worked);
 }
@@ -1307,6 +1359,7 @@ static inline int riddle_io__linear_ticks(const riddle_io__axis *a, int wanted, 
         double shown = t->at / pow(10.0, *exponent);
         if (fabs(t->at) < 1e-9 * step) shown = 0.0;
         snprintf(t->text, sizeof t->text, "%.*f", decimals, shown);
+        riddle_io__use_point(t->text);
         riddle_io__replace_minus(t->text, sizeof t->text);
         t->letters = riddle_io__letters_of(t->text);
         if (t->at < a->low) t->at = a->low;
@@ -1320,6 +1373,7 @@ static inline void riddle_io__power_text(riddle_io__tick *t, int m, int exponent
     char raised[20], front[10] = "";
     if (plain) {
         snprintf(t->text, sizeof t->text, "%.*f", exponent < 0 ? -exponent : 0, m * pow(10.0, exponent));
+        riddle_io__use_point(t->text);
         t->letters = (int)strlen(t->text);
         return;
     }

@@ -158,7 +158,7 @@ static void bench_soldinger(const program *self, plot *figure, json *report) {
         screen_def def = batch();
         def.tolerance = 1e-14;
         screen_predict(&def, SCREEN_SOLDINGER, p, &initial, WHEN, when, exact, NULL, NULL);
-        plot_panel(figure, 0, 1 + set, "run time of a case [s]", "largest error of retained [-]");
+        plot_panel(figure, 1, set, "run time of a case [s]", "largest error of retained [-]");
         plot_title(figure, set ? "Soldinger, slow stratification" : "Soldinger, published parameters");
         plot_log_x(figure);
         plot_log_y(figure);
@@ -232,7 +232,7 @@ static void bench_fit(const program *self, plot *figure, json *report) {
     csv *file = csv_open(self->out, "fit.csv", "data,model,starts,deviation,above_best,processor_s");
     for (int set = 0; set < 2; set++) {
         make_cases(cases, set ? 0.0 : 0.02, set ? 0.15 : 0.0, self->seed);
-        plot_panel(figure, 1, set, "processor time of a fit [s]", "deviation above the best known [-]");
+        plot_panel(figure, 2, set, "processor time of a fit [s]", "deviation above the best known [-]");
         plot_title(figure, set ? "fits: 27 curves that in part never pass" : "fits: 27 curves of Subasinghe, noise 0.02");
         plot_log_x(figure);
         plot_log_y(figure);
@@ -314,8 +314,7 @@ static void bench_calls(const program *self, json *report) {
 int main(int argc, char **argv) {
     program self = program_start("bench_screen_models", "Error against run time of screen_models.h.", NULL, 0, argc, argv);
     json *report = json_open(self.json);
-    plot *figure = plot_new("screen_models.h: error against run time", 2, 3);
-    plot_panel_size(figure, 420, 320);
+    plot *figure = plot_new("screen_models.h: error against run time", 3, 2);
     bench_implicit(&self, figure, report);
     bench_soldinger(&self, figure, report);
     bench_fit(&self, figure, report);

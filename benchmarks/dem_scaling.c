@@ -162,6 +162,7 @@ int main(int argc, char **argv) {
     program self = program_start("dem_scaling", "dem.h: cost of a particle-step over the number of spheres and the range of sizes.",
                                  options, sizeof options / sizeof *options, argc, argv);
     if (self.quick && !options[0].given) most = BASE;
+    program_need_spheres(&self, "spheres", most);
     if (self.quick && !options[2].given) steps = 100, repeats = options[3].given ? repeats : 1;
     static const int copies[] = {1, 2, 4, 7, 14, 28}; /* 20 000, 80 000, 320 000, 980 000 .. */
     point points[POINTS_MAX];

@@ -116,6 +116,7 @@ static void pour(heap *h) {
     dem_vec low, high;
     dem_world world;
     dem_def def = dem_default_def();
+    def.allocator.fn = machine_resize;
     const int sphere = dem_add_material(&def, 2500.0, 1e8, 0.25), smooth = dem_add_material(&def, 2500.0, 1e8, 0.25);
     dem_pair_def *pair = dem_pair(&def, sphere, sphere);
     const double weight = 2500.0 * RIDDLE_PI / 6.0 * d * d * d * 9.81;

@@ -814,6 +814,8 @@ int main(int argc, char **argv) {
     case STUDY_SENSITIVITY: add_sensitivity(&st, s); break;
     }
 
+    const int at_once = st.variant_count * st.seeds < self.threads ? st.variant_count * st.seeds : self.threads;
+    program_need_spheres(&self, "mass", at_once * batch_spheres(s));
     char runs[4096], message[300];
     if (make_results(&st)) {
         common_fail("out of memory for %d seeds of %d samples", st.seeds, st.samples);

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "machine.h"
 #include "wet_contact.h"
 
 enum { DECKS_MAX = 3 };
@@ -256,6 +257,7 @@ static inline dem_status deck_make(deck_machine *k, const deck_def *given) {
     memset(k, 0, sizeof *k);
     k->def = *given;
     dem_def def = dem_default_def();
+    def.allocator.fn = machine_resize;
     const int stone = dem_add_material(&def, d->density, 5e10, 0.25), steel = dem_add_material(&def, 7850.0, 2.08e11, 0.3);
     for (int q = 0; q < 2; q++) {
         dem_pair_def *pair = dem_pair(&def, stone, q ? steel : stone);

@@ -124,19 +124,20 @@ static filtration_fluid_def fluid_def(run *r, int threads) {
     return def;
 }
 
-static filtration_status set_up(run *r, int threads, uint64_t seed) {
+static filtration_status set_up(run *r, const program *self) {
     const duty *d = &r->d;
     r->c = calloc(1, sizeof *r->c);
     if (!r->c) return FILTRATION_NO_MEMORY;
     filtration_cloth_make(&r->cloth, d->wire, d->opening, d->twill ? FILTRATION_TWILL_WEAVE : FILTRATION_PLAIN_WEAVE, d->centre);
-    const filtration_fluid_def def = fluid_def(r, threads);
+    const filtration_fluid_def def = fluid_def(r, self->threads);
     r->motion = filtration_motion_default_def();
     r->motion.density = d->solid_density;
     cake *c = r->c;
-    c->random = seed, c->first_touch = -1.0;
+    c->random = self->seed, c->first_touch = -1.0;
     c->due = next_due(c, d);
     const filtration_spheres all = {0, c->centre, c->speed, c->spin, c->radius, c->force, c->torque};
     r->spheres = all;
+    program_need_memory(self, "voxel-um", filtration_fluid_bytes(&def));
     return filtration_fluid_init(&r->fluid, &def);
 }
 
@@ -260,7 +261,7 @@ static filtration_status resume(const program *self, run *r, const char *path, d
         program_refuse(self, "resume", path, "a checkpoint that this program wrote");
     r->d = d;
     if (until > 0.0) r->d.time = until;
-    filtration_status status = set_up(r, self->threads, self->seed);
+    filtration_status status = set_up(r, self);
     if (status == FILTRATION_OK && fread(r->c, 1, sizeof *r->c, file) != sizeof *r->c) status = FILTRATION_BAD_DATA;
     if (status == FILTRATION_OK) status = filtration_fluid_load(&r->fluid, read_bytes, file);
     fclose(file);
@@ -558,6 +559,7 @@ static duty completed(const program *self, const typed *t) {
     if (d.fastest_tau < d.tau) d.fastest_tau = d.tau;
     d.bulk_ratio = t->bulk;
     const double cells = d.width / d.voxel;
+    if (!(cells <= 1e5)) program_refuse(self, "voxel-um", NULL, "at least a 100 000th of the box's width");
     if (fabs(cells - floor(cells + 0.5)) > 1e-6 * cells || d.wire < 2.0 * d.voxel)
         program_refuse(self, "voxel-um", NULL, "a whole part of the box's width (240 or 480 um), and at most half a wire");
     if (t->sizes) read_sizes(self, t->sizes, &d);
@@ -625,7 +627,7 @@ int main(int argc, char **argv) {
     if (t.resume) status = resume(&self, &r, t.resume, 1e-3 * t.time);
     else {
         r.d = completed(&self, &t);
-        status = set_up(&r, self.threads, self.seed);
+        status = set_up(&r, &self);
     }
     common_interrupt_at_once(false);
     const double stop = t.stop > 0.0 ? fmin(1e-3 * t.stop, r.d.time) : r.d.time;

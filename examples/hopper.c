@@ -60,6 +60,7 @@ static double depth(const silo *s, const discharge *d) {
 /* The cylinder, its bottom and the plane below at which spheres are counted. */
 static dem_status build(dem_world *world, const silo *s, const discharge *d) {
     dem_def def = dem_default_def();
+    def.allocator.fn = machine_resize;
     dem_add_material(&def, s->density, s->material == 2 ? 0.5e9 : 1e9, 0.2);
     dem_add_material(&def, 7200.0, 210e9, 0.2); /* steel */
     for (int k = 0; k < 2; k++) {
@@ -397,6 +398,10 @@ int main(int argc, char **argv) {
             d->height = height * d->orifice * (r < st.orifices ? 1.0 : heights[r - st.orifices]);
         }
     }
+    double most = 0.0; /* spheres of a run; a fill has a density of 0.6 */
+    for (int r = 0; r < st.runs; r++)
+        most = fmax(most, s.dosta ? s.spheres : 0.6 * 6.0 * st.run[r].radius * st.run[r].radius * st.run[r].height / pow(s.diameter, 3.0));
+    program_need_spheres(&self, s.dosta ? "spheres" : "height", most * (self.threads < st.runs ? self.threads : st.runs));
     st.s = s;
     st.self = &self;
     progress_begin(&st.bar, "running out", 1.0);

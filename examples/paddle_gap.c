@@ -337,6 +337,7 @@ static dem_status add_bricks(dem_world *w, gap *g) {
 
 static dem_status build(dem_world *w, gap *g) {
     dem_def def = dem_default_def();
+    def.allocator.fn = machine_resize;
     dem_add_material(&def, g->machine.particle_density, 1e9, 0.2);
     dem_add_material(&def, 7800.0, 2e11, 0.3);
     for (int k = 0; k < 2; k++) {

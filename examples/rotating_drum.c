@@ -37,6 +37,7 @@ static int features(const drum *d) { return (d->dosta ? DEM_HERTZ : DEM_LINEAR) 
 
 static dem_status build(dem_world *world, const drum *d, int *wall) {
     dem_def def = dem_default_def();
+    def.allocator.fn = machine_resize;
     for (int s = 0; s < SPECIES; s++) dem_add_material(&def, d->density[s], d->dosta && s == LARGE ? 0.5e9 : 1e9, 0.2);
     dem_add_material(&def, 7200.0, 210e9, 0.2); /* steel */
     for (int a = 0; a <= SPECIES; a++) {
@@ -230,8 +231,11 @@ int main(int argc, char **argv) {
         d.turns = time * d.speed / (2.0 * RIDDLE_PI);
         d.rolling = 0.0;
     } else {
-        for (int s = 0; s < SPECIES; s++) /* half of the solid volume each, 0.58 of the bed */
-            d.count[s] = (int)(0.5 * 0.58 * d.fill * d.radius * d.radius * d.width * 6.0 / pow(d.diameter[s], 3.0));
+        for (int s = 0; s < SPECIES; s++) { /* half of the solid volume each, 0.58 of the bed */
+            const double wanted = 0.5 * 0.58 * d.fill * d.radius * d.radius * d.width * 6.0 / pow(d.diameter[s], 3.0);
+            if (!(wanted <= 1e7)) program_refuse(&self, s == SMALL ? "small" : "large", NULL, "such that 10 000 000 spheres are enough");
+            d.count[s] = (int)wanted;
+        }
     }
     if (from) {
         char message[400], allowed[500];
@@ -246,7 +250,7 @@ int main(int argc, char **argv) {
         program_refuse(&self, "large", NULL, "below a third of the drum's radius and at most two thirds of its width");
     if (d.count[SMALL] < 10 || d.count[LARGE] < 10)
         program_refuse(&self, from ? "from" : "fill", from, "enough for ten spheres of each species");
-    if ((double)d.count[SMALL] + d.count[LARGE] > 1e7) program_refuse(&self, "small", NULL, "such that 10 000 000 spheres are enough");
+    program_need_spheres(&self, from ? "from" : d.dosta ? "scale" : "small", (double)d.count[SMALL] + d.count[LARGE]);
 
     static curves c;
     dem_world world;

@@ -67,6 +67,7 @@ enum { GLASS_SPHERE, STEEL_WALL, PVC_WALL }; /* materials, in the order of table
 /* Tables 2 and 4. For PVC the paper prints no contact parameters: it has those of steel. */
 static dem_def define(const settings *s) {
     dem_def def = dem_default_def();
+    def.allocator.fn = machine_resize;
     dem_add_material(&def, GLASS, 5.0e10, 0.2);
     dem_add_material(&def, 7850.0, 2.08e11, 0.3);
     dem_add_material(&def, 1300.0, 2.2e9, 0.4);
@@ -121,12 +122,19 @@ static void order_evenly(int *group, int n, const int *count, uint64_t *random) 
     }
 }
 
-/* One third of the mass of each class, diameters +-0.1 mm. */
+/* Spheres of a class; each class has a third of the mass. */
+static double class_spheres(const settings *s, int class) {
+    const double d = class_diameter[class];
+    return floor(s->mass / 3.0 / (RIDDLE_PI / 6.0 * d * d * d * GLASS) + 0.5);
+}
+
+static double batch_spheres(const settings *s) { return class_spheres(s, SMALL) + class_spheres(s, NEAR_MESH) + class_spheres(s, LARGE); }
+
+/* Diameters +-0.1 mm. */
 static int mix_batch(batch *b, const settings *s, uint64_t *random) {
     int count[CLASSES], n = 0;
     for (int c = 0; c < CLASSES; c++) {
-        const double d = class_diameter[c];
-        count[c] = (int)(s->mass / 3.0 / (RIDDLE_PI / 6.0 * d * d * d * GLASS) + 0.5);
+        count[c] = (int)class_spheres(s, c);
         n += count[c];
     }
     b->n = n;

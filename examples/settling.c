@@ -252,9 +252,9 @@ static filtration_fluid_def fluid_def(run *r, int threads) {
     return def;
 }
 
-static filtration_status set_up(run *r, int threads) {
+static filtration_status set_up(run *r, const program *self) {
     const scene *s = r->s;
-    const filtration_fluid_def def = fluid_def(r, threads);
+    const filtration_fluid_def def = fluid_def(r, self->threads);
     const double middle = r->choice.quarter ? 0.0 : 0.5 * def.nodes[0] * def.voxel;
     r->motion = filtration_motion_default_def();
     r->motion.density = s->density;
@@ -268,6 +268,7 @@ static filtration_status set_up(run *r, int threads) {
     }
     const filtration_spheres all = {s->spheres, r->centre, r->velocity, r->spin, r->radius, r->force, r->torque};
     r->spheres = all;
+    program_need_memory(self, "voxel-um", filtration_fluid_bytes(&def));
     return filtration_fluid_init(&r->fluid, &def);
 }
 
@@ -498,7 +499,7 @@ int main(int argc, char **argv) {
         return common_exit_status();
     }
     progress bar;
-    filtration_status status = set_up(&r, self.threads);
+    filtration_status status = set_up(&r, &self);
     progress_begin(&bar, s->name, r.choice.time);
     if (status == FILTRATION_OK) status = go(&r, &t, &bar);
     progress_end(&bar);

@@ -744,6 +744,10 @@ int main(int argc, char **argv) {
     patch_def.opening = 1e-3 * opening, patch_def.wire = 1e-3 * wire;
     patch_def.K = K, patch_def.frequency = n, patch_def.x_h = x_h;
     patch_def.seed = self.seed; /* one thread: too few contacts for more */
+    if (simulated || swept || compared) {
+        const int at_once = simulated ? 1 : swept ? KS * XS : WAYS * seeds;
+        program_need_spheres(&self, "load-kg-m2", sieve_patch_expected(&patch_def) * (self.threads < at_once ? self.threads : at_once));
+    }
     json *report = json_open(self.json);
     blocking_conditions conditions = blocking_default_conditions();
     conditions.K = K;

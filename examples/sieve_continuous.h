@@ -12,6 +12,7 @@
 
 enum { WAYS = 3, COUNTS = 12, WAY_SEEDS = 20 };
 static const char *const way_name[WAYS] = {"intermittent", "inclined", "continuous"};
+static const char *const way_label[WAYS] = {"a batch, level (intermittent test)", "a batch, inclined by 15 degrees", "fed steadily, inclined by 15 degrees"};
 
 typedef struct way_jobs {
     sieve_patch_def def;
@@ -60,10 +61,12 @@ static double way_mean(const way_jobs *jobs, int way, int count, double *error) 
 
 static void report_ways(const program *self, json *report, const way_jobs *jobs) {
     char title[120], header[200] = "time [s]";
-    snprintf(title, sizeof title, "Intermittent and continuous screening: K = %.3g, x_h = %.3g, %.3g mm, spheres", jobs->def.K,
-             jobs->def.x_h, 1e3 * jobs->def.opening);
-    plot *figure = plot_new(title, 1, 1);
+    snprintf(title, sizeof title, "holes of %.3g mm, toss indicator K = %.3g, %.3g %% of the mass hard to screen", 1e3 * jobs->def.opening,
+             jobs->def.K, 1e2 * jobs->def.x_h);
+    plot *figure = plot_new("Holes of a sieve that are free, in batches and under a feed", 1, 1);
+    plot_panel_size(figure, 620, 380);
     plot_panel(figure, 0, 0, "time [s]", "free holes f [-]");
+    plot_title(figure, title);
     for (int w = 0; w < WAYS; w++) strcat(strcat(header, "|"), way_name[w]);
     common_print("Free holes; +-: 95 %% range by counting holes, as if each were blocked by itself\n");
     table t = table_begin(header);
@@ -88,7 +91,7 @@ static void report_ways(const program *self, json *report, const way_jobs *jobs)
         double passed = 0.0;
         for (int s = 0; s < jobs->seeds; s++) passed += (double)jobs->passed[w][s] / jobs->seeds;
         common_print("%s: %.0f grains of a sieve passed\n", way_name[w], passed);
-        plot_error_bars(figure, way_name[w], jobs->at, mean[w], error[w], jobs->counts);
+        plot_error_bars(figure, way_label[w], jobs->at, mean[w], error[w], jobs->counts);
         plot_line(figure, NULL, jobs->at, mean[w], jobs->counts), plot_style(figure, 0, w);
         json_object_begin(report, way_name[w]);
         json_array(report, "free_fraction", mean[w], jobs->counts);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "dem.h"
+#include "machine.h"
 
 typedef struct sieve_patch_def {
     int across;            /* apertures along each side >= 6 */
@@ -73,6 +74,7 @@ static inline dem_status sieve_patch_make(sieve_patch *patch, const sieve_patch_
     if (d->across < 6 || d->across > 1000 || !(d->x_h >= 0.0 && d->x_h <= 1.0) || !(d->slope >= 0.0 && d->slope <= 0.8))
         return DEM_BAD_ARGUMENT;
     dem_def def = dem_default_def();
+    def.allocator.fn = machine_resize;
     def.gravity = dem_vec3(9.81 * sin(d->slope), 0.0, -9.81 * cos(d->slope));
     const int grain = dem_add_material(&def, d->density, 5e10, 0.25), steel = dem_add_material(&def, 7800.0, 2e11, 0.3);
     for (int k = 0; k < 2; k++) {
@@ -97,19 +99,35 @@ static inline dem_status sieve_patch_make(sieve_patch *patch, const sieve_patch_
     return below < 0 ? (dem_status)-below : DEM_OK;
 }
 
+/* Ends of the three kinds of grains over the opening: fine, hard to screen, coarse; in each, masses are even over the diameter. */
+static const double sieve_patch_ends[4] = {0.5, 0.8, 1.2, 1.6};
+
+static inline double sieve_patch_share(const sieve_patch_def *d, int kind) { return kind == 1 ? d->x_h : 0.5 - 0.5 * d->x_h; } /* of the mass */
+
+/* Number of grains that sieve_patch_lay lays on, on average. */
+static inline double sieve_patch_expected(const sieve_patch_def *d) {
+    const double side = d->across * (d->opening + d->wire), unit = 6.0 / (RIDDLE_PI * d->density * d->opening * d->opening * d->opening);
+    double number = 0.0;
+    for (int k = 0; k < 3; k++) {
+        const double a = sieve_patch_ends[k], b = sieve_patch_ends[k + 1];
+        number += sieve_patch_share(d, k) * (1.0 / (a * a) - 1.0 / (b * b)) / (2.0 * (b - a));
+    }
+    return d->load * side * side * unit * number;
+}
+
 /* Lays the grains on, lets them come to rest, and makes the deck ready to vibrate. */
 static inline dem_status sieve_patch_lay(sieve_patch *patch) {
     const sieve_patch_def *d = &patch->def;
     const double l = d->opening, side = d->across * (l + d->wire), mass = d->load * side * side, low = 0.5 * d->wire;
-    const double height = d->load / (0.2 * d->density) + 3.2 * l, ends[4] = {0.5 * l, 0.8 * l, 1.2 * l, 1.6 * l};
+    const double height = d->load / (0.2 * d->density) + 3.2 * l;
     dem_status status = DEM_OK;
     for (int k = 2; k >= 0 && status == DEM_OK; k--) {
         dem_feed feed = dem_default_feed();
         feed.region = dem_box_region(dem_vec3(0.0, 0.0, low), dem_vec3(side, side, low + height));
-        feed.sizes = dem_uniform_sizes(ends[k], ends[k + 1], 1);
+        feed.sizes = dem_uniform_sizes(sieve_patch_ends[k] * l, sieve_patch_ends[k + 1] * l, 1);
         feed.group = k;
         feed.random = 3 * d->seed + (uint64_t)k;
-        status = dem_fill_mass(&patch->world, &feed, mass * (k == 1 ? d->x_h : 0.5 - 0.5 * d->x_h));
+        status = dem_fill_mass(&patch->world, &feed, mass * sieve_patch_share(d, k));
         patch->grains += feed.placed;
         patch->mass += feed.placed_mass;
         if (k == 1) patch->hard_mass = feed.placed_mass;

@@ -1,9 +1,22 @@
 # Sourced by the other scripts: finds the root of the repository, installs what is missing, configures and builds.
-# Works in any folder, with blanks in the path, with standard input closed, as root or not.
+# Works in any folder, with blanks in the path, with standard input closed, as root or not. With --help as the first argument, prints the
+# comment at the head of the script that sources it.
 exec </dev/null
+LC_ALL=C # numbers with points and messages as they are looked for, whatever the user's language
+export LC_ALL
 set -eu
+if [ "${1:-}" = --help ]; then
+    sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"
+    exit
+fi
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd -P)
 cd -- "$root"
+
+# refuse WHAT: says in one line what is wrong with the command line, and leaves with 2.
+refuse() {
+    echo "${0##*/}: $*; --help says more" >&2
+    exit 2
+}
 
 # need WHAT...: compiler, c++, meson, ninja, pkg-config, cmocka, clang-format. Leaves with 2 where it cannot be had.
 need() {

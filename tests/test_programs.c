@@ -1,4 +1,5 @@
-/* Every example and benchmark as its user meets it: help, wrong options, a quick run with its files, a disk that is full, Ctrl-C.
+/* Every example and benchmark as its user meets it: help, version, wrong options and input files, a quick run with its files, too little memory,
+   standard streams that are closed, a disk that is full, signals.
    The programs' paths stand in RIDDLE_PROGRAMS, one a line (meson.build sets it); none: nothing to test. */
 #define _XOPEN_SOURCE 700
 #include <setjmp.h>
@@ -23,7 +24,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, EACH = 10, HANGS_AFTER_S = 300 };
+enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, EACH = 15, HANGS_AFTER_S = 300 };
 
 static char folder[LONGEST_PATH];
 
@@ -37,7 +38,7 @@ static int removed(const char *path, const struct stat *info, int kind, struct F
 static int make_folder(void **state) {
     (void)state;
     const char *base = getenv("TMPDIR");
-    snprintf(folder, sizeof folder, "%s/riddle programs.XXXXXX", base ? base : "/tmp"); /* with a blank */
+    snprintf(folder, sizeof folder, "%s/Mühle \xe9, programs.XXXXXX", base ? base : "/tmp"); /* with blanks, UTF-8 and a byte that is none */
     return mkdtemp(folder) ? 0 : -1;
 }
 
@@ -96,6 +97,28 @@ static void sleep_seconds(double s) {
     nanosleep(&t, NULL);
 }
 
+/* Odd surroundings of the next run_program; zero: none. */
+static struct {
+    int signal;         /* that is sent, in place of SIGINT */
+    bool closed;        /* the standard streams are closed */
+    int output;         /* 1: is /dev/full, 2: is a pipe that nobody reads */
+    long address_space; /* [B] that the program may take */
+} odd;
+
+static void make_odd(int *out) {
+    int ends[2];
+    if (odd.output == 1) *out = open("/dev/full", O_WRONLY);
+    signal(SIGPIPE, SIG_DFL);
+    if (odd.output == 2 && pipe(ends) == 0) {
+        close(ends[0]);
+        *out = ends[1];
+    }
+    if (odd.address_space > 0) {
+        struct rlimit limit = {(rlim_t)odd.address_space, (rlim_t)odd.address_space};
+        setrlimit(RLIMIT_AS, &limit);
+    }
+}
+
 /* Runs `program words...` (words end with NULL) in the folder. interrupt_after > 0: sends SIGINT then. */
 static result run_program(const char *program, const char *const *words, long largest_file, double interrupt_after) {
     char *argv[40] = {NULL}, out_path[LONGEST_PATH + 20], err_path[LONGEST_PATH + 20];
@@ -111,6 +134,7 @@ static result run_program(const char *program, const char *const *words, long la
         int in = open("/dev/null", O_RDONLY), out = open(out_path, O_CREAT | O_TRUNC | O_WRONLY, 0600),
             err = open(err_path, O_CREAT | O_TRUNC | O_WRONLY, 0600);
         if (in < 0 || out < 0 || err < 0 || chdir(folder) != 0) _exit(99);
+        make_odd(&out);
         dup2(in, 0);
         dup2(out, 1);
         dup2(err, 2);
@@ -119,6 +143,7 @@ static result run_program(const char *program, const char *const *words, long la
             signal(SIGXFSZ, SIG_IGN); /* a write beyond the limit then fails as on a full disk */
             setrlimit(RLIMIT_FSIZE, &limit);
         }
+        for (int k = 0; k < 3 && odd.closed; k++) close(k);
         execv(program, argv);
         _exit(98);
     }
@@ -126,11 +151,12 @@ static result run_program(const char *program, const char *const *words, long la
     while (waitpid(child, &code, WNOHANG) == 0) {
         sleep_seconds(0.01);
         if (!interrupted && now() - began > interrupt_after) {
-            kill(child, SIGINT);
+            kill(child, odd.signal ? odd.signal : SIGINT);
             interrupted = true;
         }
         if (now() - began > HANGS_AFTER_S) kill(child, SIGKILL);
     }
+    memset(&odd, 0, sizeof odd);
     result r;
     r.seconds = now() - began;
     r.status = WIFEXITED(code) ? WEXITSTATUS(code) : 1000 + WTERMSIG(code);
@@ -231,7 +257,20 @@ static void test_help(void **state) {
     assert_int_equal(n_files, 0);
 }
 
+static void test_version(void **state) {
+    const char *words[] = {"--version", NULL};
+    result r = run_program(*state, words, 0, 0.0);
+    assert_int_equal(r.status, 0);
+    assert_string_equal(r.err, "");
+    assert_int_equal(lines(r.out), 1);
+    if (!strstr(r.out, "Riddle ") || !isdigit((unsigned char)strstr(r.out, "Riddle ")[7])) fail_msg("said '%s'", r.out);
+    forget(&r);
+}
+
 static void test_wrong_options(void **state) {
+    static char endless[5000];
+    memset(endless, 'x', sizeof endless - 1);
+    for (int k = 0; k < (int)sizeof endless - 1; k += 100) endless[k] = '/';
     char in_a_file[LONGEST_PATH + 20], file[LONGEST_PATH + 20];
     snprintf(file, sizeof file, "%s/file", folder);
     snprintf(in_a_file, sizeof in_a_file, "%s/file/sub", folder);
@@ -240,7 +279,8 @@ static void test_wrong_options(void **state) {
         {"--no-such-thing", NULL, NULL}, {"--threads", "0", NULL}, {"--threads", "1000000000", NULL}, {"--threads", "2x", NULL},
         {"--threads", NULL, NULL},       {"--seed", "-1", NULL},   {"--seed", "nan", NULL},           {"--seed=1.5", NULL, NULL},
         {"--out", in_a_file, NULL},      {"--out=", NULL, NULL},   {"--json", in_a_file, NULL},       {"--quiet=1", NULL, NULL},
-        {"stray", NULL, NULL},           {"--json", folder, NULL},
+        {"stray", NULL, NULL},           {"--json", folder, NULL}, {"--out", endless + 1, NULL},      {"--out", endless + 4100, NULL},
+        {"--json", endless + 1, NULL},
     };
     for (int i = 0; i < (int)(sizeof bad / sizeof *bad); i++) {
         result r = run_program(*state, bad[i], 0, 0.0);
@@ -274,6 +314,87 @@ static void test_its_own_options(void **state) {
     }
     forget(&r);
     assert_true(numeric > 0); /* --threads at least */
+}
+
+/* Each option that takes a file, given none that it can read: refused with status 2 and one line that names the option or the file. */
+static void test_input_files(void **state) {
+    static const char *const name[] = {"missing.csv", "folder", "empty", "noise"};
+    char path[4][LONGEST_PATH + 20];
+    for (int k = 0; k < 4; k++) snprintf(path[k], sizeof path[k], "%s/%s", folder, name[k]);
+    mkdir(path[1], 0700);
+    fclose(fopen(path[2], "w"));
+    FILE *noise = fopen(path[3], "wb");
+    for (int k = 0; k < 4000; k++) fputc((k * k * 31 + k / 7) & 255, noise);
+    fclose(noise);
+    const char *help[] = {"--help", NULL};
+    result r = run_program(*state, help, 0, 0.0);
+    for (char *row = strtok(r.out, "\n"); row; row = strtok(NULL, "\n")) {
+        char option[100], kind[20], word[120];
+        if (sscanf(row, " --%99[a-z0-9-] %19[A-Z]", option, kind) != 2 || strcmp(kind, "FILE") != 0) continue;
+        if (strcmp(option, "json") == 0 || strcmp(option, "checkpoint") == 0) continue; /* these are written */
+        snprintf(word, sizeof word, "--%s", option);
+        for (int k = 0; k < 4; k++) {
+            const char *words[] = {"--quick", word, path[k], NULL};
+            result s = run_program(*state, words, 0, 0.0);
+            if (s.status != 2 || lines(s.err) != 1 || s.out[0] || !strstr(s.err, option)) fail_msg("%s %s: status %d, said '%s'", word, name[k], s.status, s.err);
+            forget(&s);
+        }
+    }
+    forget(&r);
+    count_files(folder);
+    assert_int_equal(n_files, 2);
+}
+
+/* What would take more memory than there is: refused in one line that tells both, before it is begun. */
+static void test_memory(void **state) {
+    static const struct {
+        const char *program, *option;
+        const char *words[8];
+    } large[] = {{"hopper", "spheres", {"--scene", "dosta", "--spheres", "10000000"}},
+                 {"hopper", "height", {"--width", "20", "--height", "20"}},
+                 {"rotating_drum", "small", {"--small", "0.2", "--large", "0.5"}},
+                 {"batch_screening", "mass", {"--mass", "1000"}},
+                 {"batch_screening", "mass", {"--mass", "300", "--all-cases"}},
+                 {"sieve_blocking", "load-kg-m2", {"--simulate", "--patch", "200", "--load-kg-m2", "100"}},
+                 {"sieve_blocking", "load-kg-m2", {"--sweep", "--patch", "200", "--load-kg-m2", "30"}},
+                 {"filter_cake", "voxel-um", {"--voxel-um", "0.02"}},
+                 {"settling", "voxel-um", {"--scene", "E1", "--voxel-um", "60"}},
+                 {"dem_scaling", "spheres", {"--spheres", "20000000"}}};
+    int tried = 0;
+    for (int i = 0; i < (int)(sizeof large / sizeof *large); i++) {
+        if (strcmp(strrchr(*state, '/') + 1, large[i].program) != 0) continue;
+        odd.address_space = 2000000000L;
+        result r = run_program(*state, large[i].words, 0, 0.0);
+        if (r.status != 2 || lines(r.err) != 1 || r.out[0] || !strstr(r.err, large[i].option) || !strstr(r.err, " GB "))
+            fail_msg("%s %s: status %d, said '%s'", large[i].program, large[i].words[0], r.status, r.err);
+        forget(&r);
+        tried++;
+    }
+    if (!tried) skip();
+}
+
+/* Standard streams that are closed: no file takes their place. A full device, and a pipe that nobody reads: told, and files whole or absent. */
+static void test_streams(void **state) {
+    const char *quiet[] = {"--quick", "--quiet", "--out", "out", "--json", "result.json", NULL};
+    const char *loud[] = {"--quick", "--out", "out", NULL}, *help[] = {"--help", NULL};
+    char json[LONGEST_PATH + 20];
+    snprintf(json, sizeof json, "%s/result.json", folder);
+    odd.closed = true;
+    result r = run_program(*state, quiet, 0, 0.0);
+    char *text = file_text(json);
+    if (r.status != 0 || !text || !is_json(text)) fail_msg("closed streams: status %d", r.status);
+    free(text);
+    forget(&r);
+    odd.output = 1;
+    r = run_program(*state, help, 0, 0.0);
+    if (r.status != 1 || lines(r.err) != 1) fail_msg("--help on a full device: status %d, said '%s'", r.status, r.err);
+    forget(&r);
+    odd.output = 2;
+    r = run_program(*state, loud, 0, 0.0);
+    if (r.status != 128 + SIGPIPE && r.status != 0) fail_msg("a pipe that nobody reads: status %d, said '%s'", r.status, r.err);
+    forget(&r);
+    count_files(folder);
+    assert_int_equal(n_parts, 0);
 }
 
 /* A quick run, and its files. What an example writes does not depend on the number of threads: figures, tables and particles of one and of two are the same bytes.
@@ -342,12 +463,14 @@ static void test_full_disk(void **state) {
     assert_int_equal(n_parts, 0);
 }
 
-static void test_interrupt(void **state) {
+static void interrupt(void **state, int number, double after) {
     const char *words[] = {"--out", "out", "--json", "result.json", NULL};
     char json[LONGEST_PATH + 20];
-    result r = run_program(*state, words, 0, 0.5);
+    odd.signal = number;
+    result r = run_program(*state, words, 0, after);
     printf("%s stopped after %.2f s with status %d\n", strrchr(*state, '/') + 1, r.seconds, r.status);
-    if (r.status != 130 && r.status != 0) fail_msg("status %d, said '%s'", r.status, r.err);
+    if (r.status != 128 + number && r.status != 0) fail_msg("status %d, said '%s'", r.status, r.err);
+    if (r.status != 0) assert_int_equal(lines(strstr(r.err, "interrupted") ? strstr(r.err, "interrupted") : ""), 1);
     snprintf(json, sizeof json, "%s/result.json", folder);
     char *text = file_text(json);
     if (r.status == 0) assert_non_null(text); /* it was done before */
@@ -356,6 +479,12 @@ static void test_interrupt(void **state) {
     forget(&r);
     count_files(folder);
     assert_int_equal(n_parts, 0);
+}
+
+static void test_interrupt(void **state) { interrupt(state, SIGINT, 0.5); }
+static void test_terminate(void **state) {
+    interrupt(state, SIGTERM, 0.2);
+    interrupt(state, SIGHUP, 0.1);
 }
 
 /* The studies of batch_screening: whole files, runs that are not run again, and the same answer from them. */
@@ -592,11 +721,16 @@ int main(void) {
         const char *name;
         CMUnitTestFunction function;
     } each[EACH] = {{"help", test_help},
+                    {"version", test_version},
                     {"wrong options", test_wrong_options},
                     {"its own options", test_its_own_options},
+                    {"input files", test_input_files},
+                    {"memory", test_memory},
+                    {"streams", test_streams},
                     {"quick run, one and two threads", test_quick_run},
                     {"full disk", test_full_disk},
                     {"Ctrl-C", test_interrupt},
+                    {"SIGTERM and SIGHUP", test_terminate},
                     {"screening studies", test_screening_studies},
                     {"simulation", test_simulation},
                     {"own screen", test_own_screen},

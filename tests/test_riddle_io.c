@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include <dirent.h>
+#include <locale.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -229,6 +230,86 @@ static void test_every_block_may_be_missing(void **state) {
     assert_int_equal(files_below(folder, false), 7); /* three frames and their index, polygons, cells, figure; no temporary ones */
 }
 
+/* Prints by riddle_io__print, and says what vsnprintf makes of it. */
+static void print_both(FILE *stream, char *expected, size_t size, const char *format, ...) {
+    va_list arguments, again;
+    va_start(arguments, format);
+    va_copy(again, arguments);
+    vsnprintf(expected, size, format, again);
+    va_end(again);
+    assert_true(riddle_io__print(stream, format, &arguments));
+    va_end(arguments);
+}
+
+/* What is printed where the locale has a decimal comma: every kind of conversion, as the C library prints it. */
+static void test_conversions(void **state) {
+    (void)state;
+    char path[300], expected[1500];
+    riddle_io_path(path, sizeof path, folder, "printed");
+#define PRINTED(...)                                                                                                                       \
+    do {                                                                                                                                   \
+        FILE *f = fopen(path, "wb");                                                                                                       \
+        assert_non_null(f);                                                                                                                \
+        print_both(f, expected, sizeof expected, __VA_ARGS__);                                                                             \
+        fclose(f);                                                                                                                         \
+        expect_text(path, expected);                                                                                                       \
+    } while (0)
+    PRINTED("%s", "");
+    PRINTED("no conversion");
+    PRINTED("100 %%, %d of %d; %5.1f %%|", 3, -4, 99.5);
+    PRINTED("%-*.*f|%*d|%.*s|%-8s|%c", 9, 3, 1.5, 4, 7, 2, "abcdef", "x", 'y');
+    PRINTED("%.17g,%g,%e,%G,%a,%f", 0.1, 1e-300, -2.5e10, 1e300, 0.75, -1e308);
+    PRINTED("%g %g %g", (double)NAN, HUGE_VAL, -HUGE_VAL);
+    PRINTED("%ld %lu %lld %llu %zu %#x %+i %05u %o %hd", -5L, 6UL, -7LL, 8ULL, (size_t)9, 255U, 3, 42U, 8U, (int)(short)11);
+    PRINTED("%jd %td %p", (intmax_t)-12, (ptrdiff_t)13, (void *)path);
+    PRINTED("a%sb%sc", "%d", "100 %");
+}
+
+/* A host's locale with a decimal comma changes no file. */
+static void test_a_decimal_comma(void **state) {
+    (void)state;
+    char command[700], path[400], text[60000];
+    const char *const names[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "comma"};
+    const char *found = NULL;
+    snprintf(command, sizeof command, "localedef -i de_DE -f UTF-8 '%s/comma' >/dev/null 2>&1", folder);
+    for (int k = 0; k < 4 && !found; k++) {
+        if (k == 3 && (setenv("LOCPATH", folder, 1) != 0 || system(command) != 0)) break;
+        found = setlocale(LC_NUMERIC, names[k]);
+    }
+    if (!found || strcmp(localeconv()->decimal_point, ",") != 0) {
+        setlocale(LC_NUMERIC, "C");
+        skip(); /* no such locale here, and no localedef */
+    }
+    const double row[] = {1.5, -2.25e-7}, x[] = {0.0, 0.25, 0.5}, y[] = {0.001, 0.0125, 0.02}, xyz[] = {0.0, 0.5, 1.0};
+    riddle_io_file *f = riddle_io_open(folder, "row.csv");
+    riddle_io_row(f, row, 2);
+    riddle_io_print(f, "%.2f;%s,%d\n", 0.125, "a,b", 3);
+    assert_int_equal(riddle_io_close(f), RIDDLE_IO_OK);
+    riddle_io_plot *figure = riddle_io_plot_new("numbers", 1, 2);
+    riddle_io_plot_panel(figure, 0, 0, "x", "y");
+    riddle_io_plot_line(figure, "line", x, y, 3);
+    riddle_io_plot_panel(figure, 0, 1, "x", "y");
+    riddle_io_plot_log_y(figure);
+    riddle_io_plot_points(figure, NULL, x, y, 3);
+    assert_int_equal(riddle_io_plot_write(figure, folder, "plot.svg"), RIDDLE_IO_OK);
+    riddle_io_series *series = riddle_io_series_open(folder, "s");
+    riddle_io_points(folder, riddle_io_series_name(series, 0.125), 1, riddle_io_vector("position", xyz), NULL, 0);
+    riddle_io_series_close(series);
+    setlocale(LC_NUMERIC, "C");
+    expect_text(riddle_io_path(path, sizeof path, folder, "row.csv"), "1.5,-2.2499999999999999e-07\n0.12;a,b,3\n");
+    const char *const files[] = {"plot.svg", "s.pvd"};
+    for (int k = 0; k < 2; k++) {
+        FILE *read = fopen(riddle_io_path(path, sizeof path, folder, files[k]), "rb");
+        assert_non_null(read);
+        text[fread(text, 1, sizeof text - 1, read)] = '\0';
+        fclose(read);
+        assert_non_null(strstr(text, k ? "timestep=\"0.125\"" : ">0.2<"));
+        for (char *c = strchr(text, ','); c; c = strchr(c + 1, ',')) /* only pairs of coordinates and lists of faces have commas */
+            assert_false(c[-1] >= '0' && c[-1] <= '9' && c[1] >= '0' && c[1] <= '9' && k);
+        assert_null(strstr(text, ">0,2<"));
+    }
+}
+
 static void test_progress(void **state) {
     (void)state;
     riddle_io_progress bar;
@@ -246,6 +327,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_refused, begin, end),
         cmocka_unit_test_setup_teardown(test_a_full_disk_is_told, begin, end),
         cmocka_unit_test_setup_teardown(test_every_block_may_be_missing, begin, end),
+        cmocka_unit_test_setup_teardown(test_conversions, begin, end),
+        cmocka_unit_test_setup_teardown(test_a_decimal_comma, begin, end),
         cmocka_unit_test(test_progress),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -17,12 +17,24 @@ struct json {
     char closer[DEEPEST];
 };
 
+/* Bytes of the character in UTF-8 that begins here; 0: none, as in a file name of another encoding. */
+static int character_length(const unsigned char *c) {
+    const int n = c[0] < 0x80 ? 1 : c[0] < 0xc2 ? 0 : c[0] < 0xe0 ? 2 : c[0] < 0xf0 ? 3 : c[0] < 0xf5 ? 4 : 0;
+    for (int k = 1; k < n; k++)
+        if ((c[k] & 0xc0) != 0x80) return 0;
+    if (n == 3 && ((c[0] == 0xe0 && c[1] < 0xa0) || (c[0] == 0xed && c[1] > 0x9f))) return 0;
+    return n == 4 && ((c[0] == 0xf0 && c[1] < 0x90) || (c[0] == 0xf4 && c[1] > 0x8f)) ? 0 : n;
+}
+
 static void write_text(json *j, const char *text) {
+    int length;
     output_print(j->file, "\"");
-    for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
+    for (const unsigned char *c = (const unsigned char *)text; *c; c += length) {
+        length = character_length(c);
         if (*c == '"' || *c == '\\') output_print(j->file, "\\%c", *c);
-        else if (*c < 32 || *c == 127) output_print(j->file, "\\u%04x", *c);
-        else output_write(j->file, c, 1);
+        else if (*c < 32 || *c == 127 || length == 0) output_print(j->file, "\\u%04x", *c);
+        else output_write(j->file, c, (size_t)length);
+        if (length == 0) length = 1;
     }
     output_print(j->file, "\"");
 }

@@ -1,9 +1,12 @@
 #define _GNU_SOURCE
 #include "machine.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <sched.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
@@ -28,6 +31,43 @@ double machine_peak_memory_bytes(void) {
 #else
     return 1024.0 * (double)usage.ru_maxrss;
 #endif
+}
+
+/* The number after `key` in a file; infinite if there is none. */
+static double number_in(const char *path, const char *key) {
+    FILE *file = fopen(path, "r");
+    char line[200];
+    double value = HUGE_VAL;
+    while (file && value == HUGE_VAL && fgets(line, sizeof line, file))
+        if (strncmp(line, key, strlen(key)) == 0 && sscanf(line + strlen(key), "%lf", &value) != 1) value = HUGE_VAL;
+    if (file) fclose(file);
+    return value;
+}
+
+/* What is left below a limit of which a part is used; a limit of any program of the machine may be a huge number. */
+static double below(double limit, double used) { return limit < 1e18 ? fmax(limit - (used < HUGE_VAL ? used : 0.0), 0.0) : HUGE_VAL; }
+
+double machine_free_memory_bytes(void) {
+    struct rlimit limit;
+    double most = 1024.0 * number_in("/proc/meminfo", "MemAvailable:");
+    if (most == HUGE_VAL && sysconf(_SC_PHYS_PAGES) > 0) most = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    most = fmin(most, below(number_in("/sys/fs/cgroup/memory.max", ""), number_in("/sys/fs/cgroup/memory.current", "")));
+    most = fmin(most, below(number_in("/sys/fs/cgroup/memory/memory.limit_in_bytes", ""),
+                            number_in("/sys/fs/cgroup/memory/memory.usage_in_bytes", "")));
+    if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+        most = fmin(most, below((double)limit.rlim_cur, 1024.0 * number_in("/proc/self/status", "VmSize:")));
+    return most;
+}
+
+void *machine_resize(void *user, void *old, size_t old_size, size_t new_size) {
+    enum { LARGE = 1 << 26 }; /* [B] to ask the system takes some 30 us */
+    (void)user;
+    if (new_size == 0) {
+        free(old);
+        return NULL;
+    }
+    if (new_size > old_size && new_size >= LARGE && (double)(new_size - old_size) > machine_free_memory_bytes()) return NULL;
+    return realloc(old, new_size);
 }
 
 int machine_cores(void) {

@@ -13,7 +13,11 @@
 #include "io.h"
 #include "progress.h"
 
-enum { COMMON_OPTIONS = 7, LONGEST_NAME = 60 };
+#ifndef RIDDLE_VERSION /* meson.build sets it */
+#define RIDDLE_VERSION "of a build without meson"
+#endif
+
+enum { COMMON_OPTIONS = 7, LONGEST_NAME = 60, LONGEST_OUT = 700 };
 
 static option make(option_kind kind, const char *name, const char *metavar, void *value, const char *help) {
     option o = {name, metavar, kind, value, -HUGE_VAL, HUGE_VAL, false, NULL, help, false};
@@ -278,6 +282,9 @@ int options_parse(program *self, option *options, int n, int argc, char **argv, 
     return status;
 }
 
+/* Ends the program after what it was only asked to say. */
+static void leave(void) { exit(common_exit_status()); }
+
 program program_start(const char *name, const char *about, option *options, int n, int argc, char **argv) {
     static char default_out[200];
     char message[600] = "";
@@ -285,20 +292,29 @@ program program_start(const char *name, const char *about, option *options, int 
     snprintf(default_out, sizeof default_out, "out/%s", name);
     program defaults = self;
     int status = 0;
-    /* --help first: it shows the defaults, not what else stood on the line */
-    for (int i = 1; i < argc; i++)
+    common_open_standard_streams();
+    /* --help and --version first: --help shows the defaults, not what else stood on the line */
+    for (int i = 1; i < argc && status == 0; i++) {
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) status = 1;
+        if (strcmp(argv[i], "--version") == 0) {
+            printf("%s, Riddle %s\n", name, RIDDLE_VERSION);
+            leave();
+        }
+    }
     if (status == 1) {
-        option common[COMMON_OPTIONS + 1], **all = malloc((size_t)(n + COMMON_OPTIONS + 1) * sizeof *all);
+        option common[COMMON_OPTIONS], **all = malloc((size_t)(n + COMMON_OPTIONS + 2) * sizeof *all);
         if (!all) exit(1);
         int total = collect(&defaults, common, options, n, all);
-        option help = option_flag("help", &defaults.quiet, "this text");
+        option help = option_flag("help", &defaults.quiet, "this text"), version = option_flag("version", &defaults.quiet, "Riddle's version");
         all[total++] = &help;
+        all[total++] = &version;
         print_help(name, about, (const option *const *)all, total);
         free(all);
-        exit(fflush(stdout) == 0 ? 0 : 1);
+        leave();
     }
     status = options_parse(&self, options, n, argc, argv, message, (int)sizeof message);
+    if (status == 0 && strlen(self.out) > LONGEST_OUT)
+        status = refuse(message, (int)sizeof message, "%s: --out %.60s...: allowed: a path of at most %d bytes", name, self.out, LONGEST_OUT);
     if (status == 0 && output_make_folder(self.out, message, sizeof message) != 0) {
         char why[600];
         snprintf(why, sizeof why, "%s", message);
@@ -322,6 +338,19 @@ program program_start(const char *name, const char *about, option *options, int 
 void program_refuse(const program *self, const char *option_name, const char *value, const char *allowed_text) {
     fprintf(stderr, "%s: --%s%s%s: allowed: %s\n", self->name, option_name, value ? " " : "", value ? value : "", allowed_text);
     exit(2);
+}
+
+void program_need_memory(const program *self, const char *option_name, double bytes) {
+    const double there = machine_free_memory_bytes();
+    if (bytes <= there) return;
+    char allowed_text[160];
+    snprintf(allowed_text, sizeof allowed_text, "what fits into %.3g GB of free memory; this takes about %.3g GB", 1e-9 * there, 1e-9 * bytes);
+    program_refuse(self, option_name, NULL, allowed_text);
+}
+
+void program_need_spheres(const program *self, const char *option_name, double spheres) {
+    static const double each = 1400.0; /* [B] with lists and history: scripts/verify long_and_large */
+    program_need_memory(self, option_name, each * spheres);
 }
 
 uint64_t program_seed_of(uint64_t seed, uint64_t index) {

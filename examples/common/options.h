@@ -39,7 +39,7 @@ typedef struct program {
     double started; /* machine_seconds() at the start */
 } program;
 
-/* Reads the command line. Prints the help and leaves with 0, or one line naming option, value and what is allowed and leaves with 2
+/* Reads the command line. Prints the help or the version and leaves with 0, or one line naming option, value and what is allowed and leaves with 2
    (also if the --out folder cannot be made or written to). Installs the Ctrl-C handler of progress.h.
    about: one or more sentences for --help. options may be NULL with n 0. */
 program program_start(const char *name, const char *about, option *options, int n, int argc, char **argv);
@@ -54,5 +54,9 @@ uint64_t program_seed_of(uint64_t seed, uint64_t index);
 /* Says that an option's value is bad for a reason that only the program knows, and leaves with 2:
    "batch_screening: --case 4: not with --amplitude-mm". value may be NULL. */
 void program_refuse(const program *self, const char *option_name, const char *value, const char *allowed);
+
+/* Leaves with 2 and one line that names the option if what it asks for takes more memory [B] than is free; else does nothing. */
+void program_need_memory(const program *self, const char *option_name, double bytes);
+void program_need_spheres(const program *self, const char *option_name, double spheres); /* of dem.h, held at a time */
 
 #endif

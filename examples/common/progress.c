@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "progress.h"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -26,27 +27,35 @@ static void on_signal(int number) {
     _exit(128 + number);
 }
 
+void common_open_standard_streams(void) {
+    for (int descriptor = 0; descriptor <= 2; descriptor++) /* the lowest free number is taken; reading only: to write there fails */
+        if (fcntl(descriptor, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) return;
+}
+
 void common_interrupt_at_once(bool at_once) { ends_at_once = at_once; }
 
 void common_catch_interrupt(void) {
-    struct sigaction action;
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
+    struct sigaction action, before;
     memset(&action, 0, sizeof action);
     action.sa_handler = on_signal;
-    action.sa_flags = (int)SA_RESETHAND; /* the second one ends the program */
     sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
+    for (int k = 0; k < (int)(sizeof numbers / sizeof *numbers); k++) {
+        action.sa_flags = numbers[k] == SIGPIPE ? 0 : (int)SA_RESETHAND; /* the second one ends the program; each line to a closed pipe is one */
+        const bool by_nohup = numbers[k] == SIGHUP && sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler == SIG_IGN;
+        if (!by_nohup) sigaction(numbers[k], &action, NULL);
+    }
 }
 
 bool common_interrupted(void) { return caught_signal != 0; }
 
 int common_exit_status(void) {
-    if (caught_signal) {
-        fprintf(stderr, "%s: interrupted\n", program_name);
-        return 128 + (int)caught_signal;
-    }
-    if (fflush(stdout) != 0 || ferror(stdout)) common_fail("cannot write to standard output");
-    return failed ? 1 : 0;
+    static bool told;
+    const bool lost = !caught_signal && (fflush(stdout) != 0 || ferror(stdout));
+    if (caught_signal && !told) fprintf(stderr, "%s: interrupted\n", program_name);
+    if (lost && !told) common_fail("cannot write to standard output");
+    told |= caught_signal || lost;
+    return caught_signal ? 128 + (int)caught_signal : failed ? 1 : 0;
 }
 
 void common_set_quiet(bool quiet) { quiet_run = quiet; }

@@ -15,13 +15,13 @@
 #define COMMON_PRINTF(text, first)
 #endif
 
-/* True once Ctrl-C (or SIGTERM) has come: leave loops, write nothing that is not whole, and return common_exit_status().
+/* True once Ctrl-C (SIGINT), SIGTERM or SIGHUP has come, or who reads the output has gone (SIGPIPE): leave loops, write nothing that is not whole, and return common_exit_status().
    A second Ctrl-C ends the program at once. Costs one load; call it from any thread. */
 bool common_interrupted(void);
 /* Ctrl-C ends the program at once: during work that cannot be stopped in its middle and that has no file open. */
 void common_interrupt_at_once(bool at_once);
 
-/* 130 after Ctrl-C, 143 after SIGTERM, 1 if anything failed, else 0. Says "interrupted" on stderr in the first two cases. */
+/* 128 + the signal that ended the run (130 after Ctrl-C), 1 if anything failed, else 0. Says "interrupted" on stderr in the first case. */
 int common_exit_status(void);
 
 /* Prints on stdout unless --quiet. */
@@ -38,7 +38,8 @@ void progress_update(progress *bar, double done); /* cheap: at most 10 prints a 
 void progress_add(progress *bar, double more);
 void progress_end(progress *bar); /* clears the bar, prints "what: done in 3.2 s" */
 
-/* Set by program_start. */
+/* Called by program_start. The first: standard streams that were closed are opened on nothing, so that no file of the run takes the place of one. */
+void common_open_standard_streams(void);
 void common_set_quiet(bool quiet);
 void common_set_name(const char *name);
 void common_catch_interrupt(void);

@@ -2,6 +2,7 @@
 #include "render.h"
 
 #include <math.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -695,7 +696,7 @@ int picture_write(picture *s, const char *folder, const char *name) {
 
 struct movie {
     FILE *pipe;
-    char temporary[700], path[600];
+    char temporary[1000], path[900]; /* a folder that program_start has accepted, and a name */
     int rate, width, height;
     bool failed;
 };
@@ -707,6 +708,7 @@ movie *movie_open(const char *folder, const char *name, int frames_per_second) {
     }
     movie *m = calloc(1, sizeof *m);
     if (!m) return NULL;
+    signal(SIGPIPE, SIG_IGN); /* should ffmpeg end early, the movie fails and the run goes on */
     m->rate = frames_per_second;
     snprintf(m->path, sizeof m->path, "%s/%s", folder, name);
     snprintf(m->temporary, sizeof m->temporary, "%s/.%ld.%s", folder, (long)getpid(), name);
@@ -726,7 +728,7 @@ static void quoted(const char *text, char *to, size_t size) {
 void movie_add(movie *m, picture *s) {
     if (!m || !s || m->failed) return;
     if (!m->pipe) {
-        char file[1500], command[2000];
+        char file[4000], command[4400];
         quoted(m->temporary, file, sizeof file);
         m->width = s->width, m->height = s->height;
         snprintf(command, sizeof command,

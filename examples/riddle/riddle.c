@@ -56,8 +56,8 @@ static int write_template(const char *name) {
     output_write(file, text, size);
     free(text);
     if (output_close(file) != RIDDLE_IO_OK) return 1;
-    printf("%s is written. Now: riddle run %s\n", target, target);
-    return 0;
+    common_print("%s is written. Now: riddle run %s\n", target, target);
+    return common_exit_status();
 }
 
 /* ---- reading ---- */
@@ -217,18 +217,19 @@ int main(int argc, char **argv) {
         option_string("template", "NAME", &pattern, "write NAME.yaml, to begin with: hopper, screen, drum, box or shapes"),
     };
     if (argc == 2 && strcmp(argv[1], "keys") == 0) {
+        common_open_standard_streams();
         fields_describe(&scene_section);
-        return 0;
+        return common_exit_status();
     }
-    if (argc >= 2 && strcmp(argv[1], "--help") == 0) printf("%s\n\n", usage);
-    else if (argc < 2 || strcmp(argv[1], "run") != 0) return refuse(usage);
+    const int help = argc >= 2 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "--version") == 0);
+    if (help && strcmp(argv[1], "--help") == 0) printf("%s\n\n", usage);
+    else if (!help && (argc < 2 || strcmp(argv[1], "run") != 0)) return refuse(usage);
     j.file = argc > 2 && argv[2][0] != '-' ? argv[2] : NULL;
     if (!j.file && argc == 4 && strcmp(argv[2], "--template") == 0) return write_template(argv[3]); /* without a folder for output */
     char **rest = malloc(((size_t)argc + 4) * sizeof *rest);
     if (!rest) return 1;
-    const int help = argc > 1 && strcmp(argv[1], "--help") == 0;
     const int n = help ? argc : rest_of(argc, argv, j.file, out, sizeof out, rest);
-    if (!help && !j.file && !is_given(argc, argv, "--help")) {
+    if (!help && !j.file && !is_given(argc, argv, "--help") && !is_given(argc, argv, "--version")) {
         free(rest);
         return refuse(is_given(argc, argv, "--template") ? "--template NAME stands alone" : usage);
     }

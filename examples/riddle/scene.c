@@ -45,6 +45,7 @@ static int define(scene *s, dem_def *def) {
     const periodic_def *p = &s->def->periodic;
     const char *bad = "";
     *def = dem_default_def();
+    def->allocator.fn = machine_resize;
     for (int k = 0; k < s->def->materials.n; k++) dem_add_material(def, m[k].density, m[k].young_modulus, m[k].poisson_ratio);
     if (define_contacts(s, def)) return -1;
     for (int c = 0; p->part.where && c < 3; c++) {
@@ -199,7 +200,7 @@ static void exchange_world(scene *s, scene_state *io) {
     if (!io->failed) state_bytes(io, bytes, (size_t)size);
     if (io->reading && !io->failed) {
         dem_world loaded;
-        if (dem_load(&loaded, bytes, (size_t)size, NULL) != DEM_OK) io->failed = 1;
+        if (dem_load(&loaded, bytes, (size_t)size, &s->world.def.allocator) != DEM_OK) io->failed = 1;
         else {
             dem_free(&s->world);
             s->world = loaded;

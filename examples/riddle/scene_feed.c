@@ -214,6 +214,23 @@ static int add_sources(scene *s, const feed_def *def, size_shares *list) {
     return 0;
 }
 
+/* Whether what comes all at once fits into memory: asked before hours of filling. */
+static int check_memory(scene *s) {
+    static const double each = 1400.0; /* [B] of a sphere with lists and history; a polyhedron takes no more */
+    const double there = machine_free_memory_bytes();
+    double all = 0.0;
+    for (int k = 0; k < s->sources; k++) {
+        const source *q = &s->source[k];
+        if (!isnan(q->def->rate)) continue;
+        const double number = isnan(q->def->count) ? q->amount / (q->density * RIDDLE_PI / 6.0 * q->cube) : q->amount;
+        all += number * (q->shape && q->shape->clump.spheres ? q->shape->clump.spheres : 1);
+        if (!(each * all <= there))
+            return tree_fail(s->file, q->def->part.where, "feed: %.3g particles take about %.3g GB of memory, of which %.3g GB are free", all,
+                             1e-9 * each * all, 1e-9 * there);
+    }
+    return 0;
+}
+
 int scene_add_sources(scene *s) {
     const feed_def *def = s->def->feeds.item;
     const int n = s->def->feeds.n;
@@ -229,7 +246,7 @@ int scene_add_sources(scene *s) {
     if (!s->source || !s->group) return -1;
     for (int k = 0; k < n; k++)
         if (add_sources(s, &def[k], &lists[k])) return -1;
-    return 0;
+    return check_memory(s);
 }
 
 /* Length of a region along a direction [m]. */

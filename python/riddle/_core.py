@@ -7,7 +7,12 @@ import types
 
 import numpy as np
 
-from ._types import ffi
+try:
+    from ._types import ffi
+except ModuleNotFoundError as error:
+    if error.name != __package__ + "._types":
+        raise
+    raise ImportError("riddle is not built: run python/build in its repository, or pip install .") from None
 
 _here = os.path.dirname(os.path.abspath(__file__))
 lib = ffi.dlopen(os.path.join(_here, "_riddle.so"))
