@@ -1,7 +1,7 @@
 /* Air classification in a deflector wheel by classifier.h, after Weers et al., Minerals 12 (2022) 480, "the paper".
 
-   Draws the counterparts of its figures, for one material and speed (the curves also for the other two speeds):
-   fig07_rebound_angle, fig08_rebound_on_wheel, fig09_restitution (with the bars of Thornton & Ning), fig10_impact_radius, fig11_contacts,
+   Draws, for one material and speed (the curves also for the other two speeds), its inputs: fig07_rebound_angle, fig09_restitution (with the
+   bars of Thornton & Ning), fig11_contacts; and the counterparts of its results: fig08_rebound_on_wheel, fig10_impact_radius,
    fig12_case_weights, fig13_separation, figA4_contacts_fixed; paths.svg: the balance at the hit against the whole path; circuit.svg:
    the effect of a second stage with recycle. tromp.csv has the separation curve. Inputs that the paper only draws are replaced by plausible
    values (docs/classifier.md).
