@@ -6712,9 +6712,10 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
 }
 
 /* Checks whether anything has moved so far that an unlisted pair could touch soon. If so, rebuilds the list; otherwise sets the step of the
-   next check. Returns 0 after a failure. */
+   next check. A list takes as long as forty checks: the older it is, the more steps a check must gain. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
+    const int64_t least = 1 + (w->step - w->engine->pairs.listed_step) / 40;
     if (w->engine->bodies.rigid) w->engine->bodies.room->note_strides(w);
     int64_t due = w->engine->pairs.listed_step + DEM__STEPS_MAX;
     if (w->step >= due) return dem__rebuild(w);
@@ -6724,7 +6725,7 @@ static DEM__NOINLINE int dem__check_list(dem_world *w) {
         const dem__leeway leeway = dem__leeway_of(w, i, &frame, dem__at(w, i, tau), dem__velocity_at(w, i, tau));
         if (dem__lasts(w, &leeway, (double)(due - w->step) * w->engine->run.dt)) continue;
         const int steps = dem__steps_left(w, &leeway);
-        if (steps < 12) return dem__rebuild(w);
+        if (steps < least) return dem__rebuild(w);
         due = w->step + steps;
     }
     w->engine->pairs.next_check = due;
@@ -6750,9 +6751,10 @@ typedef struct dem__type_rows {
     dem__row mass, predict, sum, part, constant[DEM_CONSTANTS_MAX];
 } dem__type_rows;
 
-/* Computes the geometry of contact k for the law. */
-DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *t, int k, double half, int has_friction, dem_contact *q,
-                                      double *arm_i, double *arm_j) {
+/* Computes the geometry of contact k for the law. half: half of the step [s]; lag: a constant, 0 where velocities and spins are those of
+   the rows' positions (links). */
+DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *t, int k, double half, double lag, int has_friction,
+                                      dem_contact *q, double *arm_i, double *arm_j) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
     const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
     q->normal[0] = nx, q->normal[1] = ny, q->normal[2] = nz;
@@ -6766,7 +6768,7 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
     *arm_i = ai, *arm_j = aj;
     /* velocities and spins are those of the middle of the step, so the slip is computed with the normal of that time, n - t; otherwise a
        rolling contact whose normal turns would gain energy. Terms of second order in t are left out. */
-    const double lag = half > 0.0 ? 1.0 : 0.0, tx = lag * b->tx[k], ty = lag * b->ty[k], tz = lag * b->tz[k];
+    const double tx = lag * b->tx[k], ty = lag * b->ty[k], tz = lag * b->tz[k];
     const double sn = sx * nx + sy * ny + sz * nz, lx = sx + sn * tx, ly = sy + sn * ty, lz = sz + sn * tz;
     q->translation[0] = b->vx[k] - along * (nx - tx), q->translation[1] = b->vy[k] - along * (ny - ty);
     q->translation[2] = b->vz[k] - along * (nz - tz);
@@ -7024,24 +7026,10 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
     b->tx[k] = t.x, b->ty[k] = t.y, b->tz[k] = t.z;
 }
 
-/* Computes the changes of the normals in the time `turn` before the end of the step; for links, in half the time since their last
-   evaluation. */
-DEM_INLINE void dem__find_turns(const dem_world *w, dem__rows *b, int n, double half, double turn, const dem__wall_row *wall, int walls) {
-    for (int k = 0; k < n; k++) {
-        const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k], by = turn * b->inverse[k];
-        const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
-        b->tx[k] = by * (b->vx[k] - along * nx), b->ty[k] = by * (b->vy[k] - along * ny), b->tz[k] = by * (b->vz[k] - along * nz);
-    }
-    for (int q = 0; q < walls; q++) {
-        const int k = wall[q].row;
-        if (dem__is_flat(wall[q].wall) && wall[q].wall->spin == 0.0) b->tx[k] = b->ty[k] = b->tz[k] = 0.0;
-        else dem__turn_at_wall(w, b, half, turn, &wall[q]);
-    }
-}
-
-/* Computes nearest images, normals and gaps of a block; `walls` of its rows are at walls. */
-DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, int n, double half, dem__wall_row *wall,
-                                   int walls) {
+/* Computes nearest images, normals and gaps of a block, and with friction the changes of the normals in the time `turn` before the end of
+   the step (links: half the time since their last evaluation). `walls` of the rows are at walls. */
+DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, int n, double half, double turn,
+                                   dem__wall_row *wall, int walls, int has_friction) {
     if (w->def.periodic[0]) dem__wrap_row(b->dx, n, w->def.high.x - w->def.low.x);
     if (w->def.periodic[1]) dem__wrap_row(b->dy, n, w->def.high.y - w->def.low.y);
     if (w->def.periodic[2]) dem__wrap_row(b->dz, n, w->def.high.z - w->def.low.z);
@@ -7051,11 +7039,21 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
     }
     for (int k = 0; k < n; k++) {
         const double distance = sqrt(b->dx[k] * b->dx[k] + b->dy[k] * b->dy[k] + b->dz[k] * b->dz[k]), inverse = 1.0 / distance;
-        b->nx[k] = b->dx[k] * inverse, b->ny[k] = b->dy[k] * inverse, b->nz[k] = b->dz[k] * inverse;
+        const double nx = b->dx[k] * inverse, ny = b->dy[k] * inverse, nz = b->dz[k] * inverse;
+        b->nx[k] = nx, b->ny[k] = ny, b->nz[k] = nz;
         b->inverse[k] = inverse;
         b->gap[k] = distance - t->sum[k];
+        if (!has_friction) continue;
+        const double by = turn * inverse, along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
+        b->tx[k] = by * (b->vx[k] - along * nx), b->ty[k] = by * (b->vy[k] - along * ny), b->tz[k] = by * (b->vz[k] - along * nz);
     }
-    for (int q = 0; q < walls; q++) dem__complete_wall(b, half, &wall[q]);
+    for (int q = 0; q < walls; q++) {
+        const int k = wall[q].row;
+        dem__complete_wall(b, half, &wall[q]);
+        if (!has_friction) continue;
+        if (dem__is_flat(wall[q].wall) && wall[q].wall->spin == 0.0) b->tx[k] = b->ty[k] = b->tz[k] = 0.0;
+        else dem__turn_at_wall(w, b, half, turn, &wall[q]);
+    }
 }
 
 /* ------------------------------------------------------------------------------------------- >>edges */
@@ -7407,11 +7405,12 @@ DEM_INLINE void dem__prefetch_particle(const dem_world *w, ptrdiff_t j) {
     DEM__PREFETCH(&p->x);
     DEM__PREFETCH(&p->a);
 }
+/* Prefetches what the kernel reads and sums of body j. For a wall (j < 0) the address is one before the arrays: a prefetch cannot fail. */
 DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum *sum, ptrdiff_t j) {
-    const ptrdiff_t i = j < 0 ? 0 : j;
-    DEM__PREFETCH(&particle[i].x);
-    DEM__PREFETCH(&particle[i].a);
-    DEM__PREFETCH(&sum[i]);
+    const uintptr_t p = (uintptr_t)particle + (uintptr_t)j * sizeof *particle;
+    DEM__PREFETCH((const void *)p);
+    DEM__PREFETCH((const void *)(p + offsetof(dem_particle, a)));
+    DEM__PREFETCH((const void *)((uintptr_t)sum + (uintptr_t)j * sizeof *sum));
 }
 
 /* Call the functions for polyhedra on a block. They are functions of their own because a call through a pointer would slow the kernel. */
@@ -7448,8 +7447,7 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     }
     x->walls = walls;
     dem__load_types(w, base, n, law->constants, &x->types);
-    dem__complete_rows(w, &x->rows, &x->types, n, half, x->wall, walls);
-    if (has_friction) dem__find_turns(w, &x->rows, n, half, half, x->wall, walls);
+    dem__complete_rows(w, &x->rows, &x->types, n, half, half, x->wall, walls, has_friction);
     if (w->engine->convex.room) dem__fill_other_rows(w, x, base, n, half);
 }
 
@@ -7473,7 +7471,7 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         if (law->vectors > 0) dem__turn(&x->rows, k, h, s); /* by itself: clang does not unroll so long a loop, even for one turn */
         for (int a = 1; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
         for (int a = 0; a < law->history && has_friction && !is_link; a++) x->past[a][k] = s[a];
-        dem__contact_geometry(&x->rows, &x->types, k, is_link ? 0.0 : 0.5 * h, has_friction, &q, &arm_i, &arm_j);
+        dem__contact_geometry(&x->rows, &x->types, k, is_link ? 0.0 : 0.5 * h, is_link ? 0.0 : 1.0, has_friction, &q, &arm_i, &arm_j);
         const double predict = is_link ? 1.0 : x->types.predict[k]; /* read outside the condition, or the loop does not vectorise */
         q.closing *= x->rows.gap[k] < 0.0 ? predict : 1.0;
         q.mass = is_link ? 0.0 : x->types.mass[k];
@@ -7526,7 +7524,7 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
         if (!contacts->edge[c]) continue;
         while (q < x->walls && x->wall[q].row < k) q++;
         for (int a = 0; a < law->constants; a++) p[a] = x->types.constant[a][k];
-        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, has_friction, &view, &edge.arm_i, &edge.arm_j);
+        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, 1.0, has_friction, &view, &edge.arm_i, &edge.arm_j);
         view.mass = x->types.mass[k];
         view.share = dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not from the row, which a law may leave uncomputed */
         view.dt = 0.0;
@@ -7625,8 +7623,7 @@ DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t ba
         x->types.sum[k] = w->particle[i].radius + (j >= 0 ? w->particle[j].radius : 0.0);
         x->types.part[k] = w->particle[i].radius / x->types.sum[k];
     }
-    dem__complete_rows(w, &x->rows, &x->types, n, 0.0, x->wall, x->walls);
-    dem__find_turns(w, &x->rows, n, 0.0, 0.5 * w->engine->run.kernel_dt, x->wall, x->walls);
+    dem__complete_rows(w, &x->rows, &x->types, n, 0.0, 0.5 * w->engine->run.kernel_dt, x->wall, x->walls, 1);
 }
 
 /* Evaluates links first .. end - 1 at the present positions. If there is only one thread, it adds up each block while it is in the

@@ -115,11 +115,12 @@ DEM_INLINE void dem__prefetch_particle(const dem_world *w, ptrdiff_t j) {
     DEM__PREFETCH(&p->x);
     DEM__PREFETCH(&p->a);
 }
+/* Prefetches what the kernel reads and sums of body j. For a wall (j < 0) the address is one before the arrays: a prefetch cannot fail. */
 DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum *sum, ptrdiff_t j) {
-    const ptrdiff_t i = j < 0 ? 0 : j;
-    DEM__PREFETCH(&particle[i].x);
-    DEM__PREFETCH(&particle[i].a);
-    DEM__PREFETCH(&sum[i]);
+    const uintptr_t p = (uintptr_t)particle + (uintptr_t)j * sizeof *particle;
+    DEM__PREFETCH((const void *)p);
+    DEM__PREFETCH((const void *)(p + offsetof(dem_particle, a)));
+    DEM__PREFETCH((const void *)((uintptr_t)sum + (uintptr_t)j * sizeof *sum));
 }
 
 /* Call the functions for polyhedra on a block. They are functions of their own because a call through a pointer would slow the kernel. */
@@ -156,8 +157,7 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     }
     x->walls = walls;
     dem__load_types(w, base, n, law->constants, &x->types);
-    dem__complete_rows(w, &x->rows, &x->types, n, half, x->wall, walls);
-    if (has_friction) dem__find_turns(w, &x->rows, n, half, half, x->wall, walls);
+    dem__complete_rows(w, &x->rows, &x->types, n, half, half, x->wall, walls, has_friction);
     if (w->engine->convex.room) dem__fill_other_rows(w, x, base, n, half);
 }
 
@@ -181,7 +181,7 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         if (law->vectors > 0) dem__turn(&x->rows, k, h, s); /* by itself: clang does not unroll so long a loop, even for one turn */
         for (int a = 1; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
         for (int a = 0; a < law->history && has_friction && !is_link; a++) x->past[a][k] = s[a];
-        dem__contact_geometry(&x->rows, &x->types, k, is_link ? 0.0 : 0.5 * h, has_friction, &q, &arm_i, &arm_j);
+        dem__contact_geometry(&x->rows, &x->types, k, is_link ? 0.0 : 0.5 * h, is_link ? 0.0 : 1.0, has_friction, &q, &arm_i, &arm_j);
         const double predict = is_link ? 1.0 : x->types.predict[k]; /* read outside the condition, or the loop does not vectorise */
         q.closing *= x->rows.gap[k] < 0.0 ? predict : 1.0;
         q.mass = is_link ? 0.0 : x->types.mass[k];
@@ -234,7 +234,7 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
         if (!contacts->edge[c]) continue;
         while (q < x->walls && x->wall[q].row < k) q++;
         for (int a = 0; a < law->constants; a++) p[a] = x->types.constant[a][k];
-        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, has_friction, &view, &edge.arm_i, &edge.arm_j);
+        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, 1.0, has_friction, &view, &edge.arm_i, &edge.arm_j);
         view.mass = x->types.mass[k];
         view.share = dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not from the row, which a law may leave uncomputed */
         view.dt = 0.0;
@@ -333,8 +333,7 @@ DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t ba
         x->types.sum[k] = w->particle[i].radius + (j >= 0 ? w->particle[j].radius : 0.0);
         x->types.part[k] = w->particle[i].radius / x->types.sum[k];
     }
-    dem__complete_rows(w, &x->rows, &x->types, n, 0.0, x->wall, x->walls);
-    dem__find_turns(w, &x->rows, n, 0.0, 0.5 * w->engine->run.kernel_dt, x->wall, x->walls);
+    dem__complete_rows(w, &x->rows, &x->types, n, 0.0, 0.5 * w->engine->run.kernel_dt, x->wall, x->walls, 1);
 }
 
 /* Evaluates links first .. end - 1 at the present positions. If there is only one thread, it adds up each block while it is in the

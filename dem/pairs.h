@@ -409,9 +409,10 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
 }
 
 /* Checks whether anything has moved so far that an unlisted pair could touch soon. If so, rebuilds the list; otherwise sets the step of the
-   next check. Returns 0 after a failure. */
+   next check. A list takes as long as forty checks: the older it is, the more steps a check must gain. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
+    const int64_t least = 1 + (w->step - w->engine->pairs.listed_step) / 40;
     if (w->engine->bodies.rigid) w->engine->bodies.room->note_strides(w);
     int64_t due = w->engine->pairs.listed_step + DEM__STEPS_MAX;
     if (w->step >= due) return dem__rebuild(w);
@@ -421,7 +422,7 @@ static DEM__NOINLINE int dem__check_list(dem_world *w) {
         const dem__leeway leeway = dem__leeway_of(w, i, &frame, dem__at(w, i, tau), dem__velocity_at(w, i, tau));
         if (dem__lasts(w, &leeway, (double)(due - w->step) * w->engine->run.dt)) continue;
         const int steps = dem__steps_left(w, &leeway);
-        if (steps < 12) return dem__rebuild(w);
+        if (steps < least) return dem__rebuild(w);
         due = w->step + steps;
     }
     w->engine->pairs.next_check = due;

@@ -17,9 +17,10 @@ typedef struct dem__type_rows {
     dem__row mass, predict, sum, part, constant[DEM_CONSTANTS_MAX];
 } dem__type_rows;
 
-/* Computes the geometry of contact k for the law. */
-DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *t, int k, double half, int has_friction, dem_contact *q,
-                                      double *arm_i, double *arm_j) {
+/* Computes the geometry of contact k for the law. half: half of the step [s]; lag: a constant, 0 where velocities and spins are those of
+   the rows' positions (links). */
+DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *t, int k, double half, double lag, int has_friction,
+                                      dem_contact *q, double *arm_i, double *arm_j) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
     const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
     q->normal[0] = nx, q->normal[1] = ny, q->normal[2] = nz;
@@ -33,7 +34,7 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
     *arm_i = ai, *arm_j = aj;
     /* velocities and spins are those of the middle of the step, so the slip is computed with the normal of that time, n - t; otherwise a
        rolling contact whose normal turns would gain energy. Terms of second order in t are left out. */
-    const double lag = half > 0.0 ? 1.0 : 0.0, tx = lag * b->tx[k], ty = lag * b->ty[k], tz = lag * b->tz[k];
+    const double tx = lag * b->tx[k], ty = lag * b->ty[k], tz = lag * b->tz[k];
     const double sn = sx * nx + sy * ny + sz * nz, lx = sx + sn * tx, ly = sy + sn * ty, lz = sz + sn * tz;
     q->translation[0] = b->vx[k] - along * (nx - tx), q->translation[1] = b->vy[k] - along * (ny - ty);
     q->translation[2] = b->vz[k] - along * (nz - tz);
@@ -291,24 +292,10 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
     b->tx[k] = t.x, b->ty[k] = t.y, b->tz[k] = t.z;
 }
 
-/* Computes the changes of the normals in the time `turn` before the end of the step; for links, in half the time since their last
-   evaluation. */
-DEM_INLINE void dem__find_turns(const dem_world *w, dem__rows *b, int n, double half, double turn, const dem__wall_row *wall, int walls) {
-    for (int k = 0; k < n; k++) {
-        const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k], by = turn * b->inverse[k];
-        const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
-        b->tx[k] = by * (b->vx[k] - along * nx), b->ty[k] = by * (b->vy[k] - along * ny), b->tz[k] = by * (b->vz[k] - along * nz);
-    }
-    for (int q = 0; q < walls; q++) {
-        const int k = wall[q].row;
-        if (dem__is_flat(wall[q].wall) && wall[q].wall->spin == 0.0) b->tx[k] = b->ty[k] = b->tz[k] = 0.0;
-        else dem__turn_at_wall(w, b, half, turn, &wall[q]);
-    }
-}
-
-/* Computes nearest images, normals and gaps of a block; `walls` of its rows are at walls. */
-DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, int n, double half, dem__wall_row *wall,
-                                   int walls) {
+/* Computes nearest images, normals and gaps of a block, and with friction the changes of the normals in the time `turn` before the end of
+   the step (links: half the time since their last evaluation). `walls` of the rows are at walls. */
+DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, int n, double half, double turn,
+                                   dem__wall_row *wall, int walls, int has_friction) {
     if (w->def.periodic[0]) dem__wrap_row(b->dx, n, w->def.high.x - w->def.low.x);
     if (w->def.periodic[1]) dem__wrap_row(b->dy, n, w->def.high.y - w->def.low.y);
     if (w->def.periodic[2]) dem__wrap_row(b->dz, n, w->def.high.z - w->def.low.z);
@@ -318,9 +305,19 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
     }
     for (int k = 0; k < n; k++) {
         const double distance = sqrt(b->dx[k] * b->dx[k] + b->dy[k] * b->dy[k] + b->dz[k] * b->dz[k]), inverse = 1.0 / distance;
-        b->nx[k] = b->dx[k] * inverse, b->ny[k] = b->dy[k] * inverse, b->nz[k] = b->dz[k] * inverse;
+        const double nx = b->dx[k] * inverse, ny = b->dy[k] * inverse, nz = b->dz[k] * inverse;
+        b->nx[k] = nx, b->ny[k] = ny, b->nz[k] = nz;
         b->inverse[k] = inverse;
         b->gap[k] = distance - t->sum[k];
+        if (!has_friction) continue;
+        const double by = turn * inverse, along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
+        b->tx[k] = by * (b->vx[k] - along * nx), b->ty[k] = by * (b->vy[k] - along * ny), b->tz[k] = by * (b->vz[k] - along * nz);
     }
-    for (int q = 0; q < walls; q++) dem__complete_wall(b, half, &wall[q]);
+    for (int q = 0; q < walls; q++) {
+        const int k = wall[q].row;
+        dem__complete_wall(b, half, &wall[q]);
+        if (!has_friction) continue;
+        if (dem__is_flat(wall[q].wall) && wall[q].wall->spin == 0.0) b->tx[k] = b->ty[k] = b->tz[k] = 0.0;
+        else dem__turn_at_wall(w, b, half, turn, &wall[q]);
+    }
 }
