@@ -1358,7 +1358,7 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
         t[a] = p[DEM__KT] * xi[a] + p[DEM__GAMMA_T] * c->slip[a];
     }
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
-    scale = size > limit ? scale : 1.0;
+    scale = scale < 1.0 ? scale : 1.0; /* 1 unless it slides; by the size, compilers would compute both cases of all that follows */
     for (int a = 0; a < 3; a++) {
         double kept = size > limit ? scale * (xi[a] + relax * c->slip[a]) : xi[a];        /* sliding: the spring carries the whole force */
         r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force over the distance
@@ -1427,7 +1427,7 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
         t[a] = f[a] + damping * p[DEM__HERTZ_GAMMA_T] * c->slip[a];
     }
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
-    scale = size > limit ? scale : 1.0;
+    scale = scale < 1.0 ? scale : 1.0; /* as above */
     for (int a = 0; a < 3; a++) {
         double kept = size > limit ? scale * t[a] : f[a];
         work += 0.5 * (state[DEM__FT + a] + kept) * c->slip[a] * c->dt;
@@ -1919,6 +1919,12 @@ DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_
 /* Returns whether a wall acts on particles of a group. */
 DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) { return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u); }
 
+DEM_INLINE void dem__touch_plane(const dem_wall *w, dem_vec centre, double radius, dem__touch *out) {
+    out->element = 0;
+    out->gap = dem__dot(dem__sub(centre, w->position), w->axis[2]) - radius;
+    out->normal = w->axis[2], out->curvature = 0.0;
+}
+
 /* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and those that overlap).
    Returns their number; least: a lower limit of the gap. */
 static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out, double *least) {
@@ -1928,8 +1934,7 @@ static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radi
     out[0].element = 0;
     out[0].curvature = 0.0;
     if (w->kind == DEM_PLANE || w->kind == DEM_EXIT) {
-        out[0].gap = up - (w->kind == DEM_PLANE ? radius : 0.0);
-        out[0].normal = w->axis[2];
+        dem__touch_plane(w, centre, w->kind == DEM_PLANE ? radius : 0.0, out);
         *least = out[0].gap;
         return out[0].gap < limit;
     }
@@ -1986,6 +1991,10 @@ static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double 
         if (dem__touch_bar(w, family, index, dem__dot(d, w->axis[family]), dem__dot(d, w->axis[1 - family]), dem__dot(d, w->axis[2]),
                            radius, out))
             out->normal = dem__from_bar(w, family, out->normal);
+        return;
+    }
+    if (w->kind == DEM_PLANE) {
+        dem__touch_plane(w, centre, radius, out);
         return;
     }
     dem__touch touch[DEM__TOUCHES]; /* a mesh can be touched in several places */
@@ -7011,17 +7020,19 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
     const int k = at->row;
     const dem_wall *wall = at->wall;
     const dem_particle *s = at->particle;
-    const dem_vec n = dem_vec3(b->nx[k], b->ny[k], b->nz[k]), spin = dem__scale(wall->spin, wall->spin_axis);
+    const dem_vec n = dem_vec3(b->nx[k], b->ny[k], b->nz[k]);
     dem_vec t;
     if (wall->kind == DEM_MESH && at->slot >= 0) { /* between edges and faces: only the contact knows both normals */
         double *const *touch = w->engine->contacts.touch;
         const dem_vec before = dem_vec3(touch[9][at->slot], touch[10][at->slot], touch[11][at->slot]);
         t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
     } else {
-        const dem_vec carried =
-            dem__add(dem__plus(wall->velocity, -half, wall->acceleration), dem__cross(spin, dem__sub(s->x, wall->position)));
-        const dem_vec over = dem__normal_rate(wall, s->x, s->radius, at->element, n, b->inverse[k], dem__sub(s->v, carried));
-        t = dem__scale(turn, dem__add(over, dem__cross(spin, n)));
+        const dem_vec spin = dem__scale(wall->spin, wall->spin_axis);
+        dem_vec carried = dem__plus(wall->velocity, -half, wall->acceleration);
+        if (wall->spin != 0.0) carried = dem__add(carried, dem__cross(spin, dem__sub(s->x, wall->position)));
+        t = dem__normal_rate(wall, s->x, s->radius, at->element, n, b->inverse[k], dem__sub(s->v, carried));
+        if (wall->spin != 0.0) t = dem__add(t, dem__cross(spin, n));
+        t = dem__scale(turn, t);
     }
     b->tx[k] = t.x, b->ty[k] = t.y, b->tz[k] = t.z;
 }

@@ -57,7 +57,7 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
         t[a] = p[DEM__KT] * xi[a] + p[DEM__GAMMA_T] * c->slip[a];
     }
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
-    scale = size > limit ? scale : 1.0;
+    scale = scale < 1.0 ? scale : 1.0; /* 1 unless it slides; by the size, compilers would compute both cases of all that follows */
     for (int a = 0; a < 3; a++) {
         double kept = size > limit ? scale * (xi[a] + relax * c->slip[a]) : xi[a];        /* sliding: the spring carries the whole force */
         r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force over the distance
@@ -126,7 +126,7 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
         t[a] = f[a] + damping * p[DEM__HERTZ_GAMMA_T] * c->slip[a];
     }
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
-    scale = size > limit ? scale : 1.0;
+    scale = scale < 1.0 ? scale : 1.0; /* as above */
     for (int a = 0; a < 3; a++) {
         double kept = size > limit ? scale * t[a] : f[a];
         work += 0.5 * (state[DEM__FT + a] + kept) * c->slip[a] * c->dt;

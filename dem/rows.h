@@ -277,17 +277,19 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
     const int k = at->row;
     const dem_wall *wall = at->wall;
     const dem_particle *s = at->particle;
-    const dem_vec n = dem_vec3(b->nx[k], b->ny[k], b->nz[k]), spin = dem__scale(wall->spin, wall->spin_axis);
+    const dem_vec n = dem_vec3(b->nx[k], b->ny[k], b->nz[k]);
     dem_vec t;
     if (wall->kind == DEM_MESH && at->slot >= 0) { /* between edges and faces: only the contact knows both normals */
         double *const *touch = w->engine->contacts.touch;
         const dem_vec before = dem_vec3(touch[9][at->slot], touch[10][at->slot], touch[11][at->slot]);
         t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
     } else {
-        const dem_vec carried =
-            dem__add(dem__plus(wall->velocity, -half, wall->acceleration), dem__cross(spin, dem__sub(s->x, wall->position)));
-        const dem_vec over = dem__normal_rate(wall, s->x, s->radius, at->element, n, b->inverse[k], dem__sub(s->v, carried));
-        t = dem__scale(turn, dem__add(over, dem__cross(spin, n)));
+        const dem_vec spin = dem__scale(wall->spin, wall->spin_axis);
+        dem_vec carried = dem__plus(wall->velocity, -half, wall->acceleration);
+        if (wall->spin != 0.0) carried = dem__add(carried, dem__cross(spin, dem__sub(s->x, wall->position)));
+        t = dem__normal_rate(wall, s->x, s->radius, at->element, n, b->inverse[k], dem__sub(s->v, carried));
+        if (wall->spin != 0.0) t = dem__add(t, dem__cross(spin, n));
+        t = dem__scale(turn, t);
     }
     b->tx[k] = t.x, b->ty[k] = t.y, b->tz[k] = t.z;
 }

@@ -3,6 +3,12 @@
 /* Returns whether a wall acts on particles of a group. */
 DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) { return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u); }
 
+DEM_INLINE void dem__touch_plane(const dem_wall *w, dem_vec centre, double radius, dem__touch *out) {
+    out->element = 0;
+    out->gap = dem__dot(dem__sub(centre, w->position), w->axis[2]) - radius;
+    out->normal = w->axis[2], out->curvature = 0.0;
+}
+
 /* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and those that overlap).
    Returns their number; least: a lower limit of the gap. */
 static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out, double *least) {
@@ -12,8 +18,7 @@ static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radi
     out[0].element = 0;
     out[0].curvature = 0.0;
     if (w->kind == DEM_PLANE || w->kind == DEM_EXIT) {
-        out[0].gap = up - (w->kind == DEM_PLANE ? radius : 0.0);
-        out[0].normal = w->axis[2];
+        dem__touch_plane(w, centre, w->kind == DEM_PLANE ? radius : 0.0, out);
         *least = out[0].gap;
         return out[0].gap < limit;
     }
@@ -70,6 +75,10 @@ static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double 
         if (dem__touch_bar(w, family, index, dem__dot(d, w->axis[family]), dem__dot(d, w->axis[1 - family]), dem__dot(d, w->axis[2]),
                            radius, out))
             out->normal = dem__from_bar(w, family, out->normal);
+        return;
+    }
+    if (w->kind == DEM_PLANE) {
+        dem__touch_plane(w, centre, radius, out);
         return;
     }
     dem__touch touch[DEM__TOUCHES]; /* a mesh can be touched in several places */
