@@ -2248,7 +2248,8 @@ typedef struct dem__convex_room {
     void (*fill_rows)(const dem_world *w, struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n, double half,
                       struct dem__wall_row *wall); /* fills rows of a block before the law */
     void (*finish_rows)(const dem_world *w, const struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n,
-                        const struct dem__columns *at, double half, int features); /* forces and torques after the law */
+                        const struct dem__columns *at, const double *before, double half, int features); /* forces and torques after the
+                                                                                                            law; before: contact forces */
     dem_status (*add)(dem_world *w, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
                       int group);                                                     /* adds polyhedra: dem_add_convex, for feeds */
     void (*leave_edges)(dem_world *w, const struct dem__chunk *in, ptrdiff_t marked); /* excludes polyhedra from edge steps */
@@ -2523,6 +2524,7 @@ typedef struct dem__links {
     uint8_t *ended;
     int32_t *first_link, *is_loaded; /* of a particle: the first link of its list; whether its load contains forces of links */
     dem__wrench *evaluated_at;       /* of a particle: position and spin at the last evaluation of links */
+    int64_t evaluated_step;          /* step of that evaluation */
 } dem__links;
 
 /* A force field, and the flights in it. Written by field.h. */
@@ -3429,20 +3431,6 @@ static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     w->particle[i].origin = w->step;
 }
 
-/* Does the same where a caller changes particle i between runs. In a force field it takes the most accurate velocity that is known. */
-static inline void dem__restart(dem_world *w, ptrdiff_t i) {
-    const dem_vec error = dem__velocity_error(w, i, dem__now(w, i));
-    dem__rigid *r = dem__rigid_of(w, i);
-    dem__set_origin(w, i);
-    if (!w->engine->field.on) return;
-    if (!r) {
-        w->particle[i].v = dem__add(w->particle[i].v, error);
-        return;
-    }
-    r->v = dem__add(r->v, error);
-    w->engine->bodies.room->place(w, r);
-}
-
 /* Puts a stored position back into the periodic box. Where gravity has a component along the box, the particle gains potential energy,
    which is booked. */
 DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
@@ -3498,6 +3486,21 @@ DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
     return -w->particle[i].mass * dem__dot(dem__free_fall(w), dem__at(w, i, dem__now(w, i)));
 }
 
+/* Makes the present step the origin where a caller changes particle i between runs. In a force field it takes the most accurate velocity
+   that is known. */
+static inline void dem__restart(dem_world *w, ptrdiff_t i) {
+    const dem_vec error = dem__velocity_error(w, i, dem__now(w, i));
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem__set_origin(w, i);
+    if (!w->engine->field.on) return;
+    dem__book_field_work(w, -dem__motion_energy(w, i));
+    if (r) {
+        r->v = dem__add(r->v, error);
+        w->engine->bodies.room->place(w, r);
+    } else w->particle[i].v = dem__add(w->particle[i].v, error);
+    dem__book_field_work(w, dem__motion_energy(w, i));
+}
+
 DEM_INLINE double dem__nearest(double d, double length) { return fabs(d) < 0.499999 * length ? d : d - length * floor(d / length + 0.5); }
 
 DEM_INLINE dem_vec dem__nearest_image(const dem_world *w, dem_vec d) {
@@ -3515,16 +3518,42 @@ DEM_INLINE int dem__link_stride(const dem_world *w) {
     return n < 1.0 ? 1 : n > 1000.0 ? 1000 : (int)n;
 }
 
+/* Returns the time since links were evaluated [s]. */
+DEM_INLINE double dem__since_evaluated(const dem_world *w) {
+    return w->engine->run.dt * (double)(w->step - w->engine->links.evaluated_step);
+}
+
 /* Returns the work of the link forces on particle i since they were evaluated [J]. */
 static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     const dem__links *links = &w->engine->links;
     if (!links->is_loaded[i] || dem__is_fixed(w, i)) return 0.0;
-    const double tau = dem__now(w, i), turned = 0.5 * w->engine->run.dt * (double)((w->step - 1) % dem__link_stride(w) + 1);
+    const double tau = dem__now(w, i), turned = 0.5 * dem__since_evaluated(w);
     const dem_vec way = dem__nearest_image(w, dem__sub(dem__at(w, i, tau), dem__first(links->evaluated_at[i])));
     const dem_vec force = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->external[i]));
     const dem_vec torque = dem__sub(dem__second(bodies->load[i]), dem__second(bodies->external[i]));
     return dem__dot(force, way) + turned * dem__dot(torque, dem__add(dem__spin_at(w, i, tau), dem__second(links->evaluated_at[i])));
+}
+
+/* Stop and resume counting the work of links on some particles, while a caller changes how they move. The spin from which counting resumes
+   is the one that a particle would have had at the last evaluation. */
+static inline void dem__stop_link_work(dem_world *w, dem__pieces of) {
+    for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) dem__book_link_work(w, dem__link_work(w, k));
+}
+static inline void dem__resume_link_work(dem_world *w, dem__pieces of) {
+    for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) {
+        double *from = w->engine->links.evaluated_at[k];
+        const double tau = dem__now(w, k);
+        if (!w->engine->links.is_loaded[k]) continue;
+        const dem_vec x = dem__at(w, k, tau), spin = dem__plus(dem__spin_at(w, k, tau), -dem__since_evaluated(w), w->spin_rate[k]);
+        for (int a = 0; a < 3; a++) from[a] = dem_axis(x, a), from[3 + a] = dem_axis(spin, a);
+        dem__book_link_work(w, -dem__link_work(w, k));
+    }
+}
+static inline dem__pieces dem__all_particles(const dem_world *w) {
+    dem__pieces all;
+    all.first = 0, all.end = w->count;
+    return all;
 }
 
 /* Sets what turns forces on particle i into accelerations. */
@@ -3625,19 +3654,25 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     return DEM_OK;
 }
 
+/* Sets the number of steps between two evaluations of the links, and the step of the last one as it would have been with it. */
 static inline void dem__set_stride(dem_world *w) {
-    if (w->engine->links.law) w->engine->links.stride = dem__link_stride(w);
+    dem__links *links = &w->engine->links;
+    if (!links->on) return;
+    if (links->law) links->stride = dem__link_stride(w);
+    links->evaluated_step = w->step - w->step % dem__link_stride(w);
 }
 
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !dem__is_time_step(dt)) return DEM_BAD_ARGUMENT;
+    dem__stop_link_work(w, dem__all_particles(w));
     for (ptrdiff_t i = 0; i < w->count; i++) dem__restart(w, i);
     w->engine->run.start_time = w->time;
     w->engine->run.start_step = w->step;
     w->def.dt = w->engine->run.dt = dt;
     dem__set_stride(w);
+    dem__resume_link_work(w, dem__all_particles(w));
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
@@ -3717,12 +3752,14 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) i = r->first;
     if (r && dem__is_fixed(w, i) && dem__dot(spin, spin) > 0.0) return DEM_BAD_ARGUMENT;
-    dem__book_motion(w, -dem__motion_energy(w, i));
+    dem__stop_link_work(w, dem__pieces_of(w, i));
     dem__restart(w, i);
+    dem__book_motion(w, -dem__motion_energy(w, i));
     w->particle[i].v = dem__flushed_vec(velocity);
     w->particle[i].spin = dem__flushed_vec(spin);
     if (r) w->engine->bodies.room->set_motion(w, r, dem__flushed_vec(velocity), dem__flushed_vec(spin));
     dem__book_motion(w, dem__motion_energy(w, i));
+    dem__resume_link_work(w, dem__pieces_of(w, i));
     w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
@@ -3733,6 +3770,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     if (!dem__is_present(w, i) || !dem__moderate_vec(dem__scale(1.0 / w->particle[i].mass, force)) ||
         !dem__moderate_vec(dem__scale(1.0 / dem__inertia(w, i), torque)))
         return DEM_BAD_ARGUMENT;
+    dem__stop_link_work(w, dem__pieces_of(w, i));
     dem__restart(w, i);
     double *load = w->engine->bodies.load[i], *external = w->engine->bodies.external[i];
     dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
@@ -3752,6 +3790,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     }
     if (r) w->engine->bodies.room->place(w, r);
     if (!w->touching[i]) dem__free_acceleration(w, i);
+    dem__resume_link_work(w, dem__pieces_of(w, i));
     dem__wake(w, i); /* a loaded particle is not in free flight */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = 1;
     return DEM_OK;
@@ -3782,6 +3821,7 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     if (dem__is_fixed(w, i) == fixed) return DEM_OK;
     if (!dem__reserve_fixed(w)) return DEM_OUT_OF_MEMORY;
     i = own.first;
+    dem__stop_link_work(w, own);
     dem__restart(w, i);
     dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
     if (r && fixed) r->v = r->momentum = dem_vec3(0.0, 0.0, 0.0);
@@ -3795,6 +3835,7 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     dem__free_acceleration(w, i);
     dem__book_added(w, dem__potential(w, i));
     dem__book_motion(w, dem__motion_energy(w, i));
+    dem__resume_link_work(w, own);
     dem__wake(w, i); /* it takes steps, as a particle with a load does */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
@@ -7430,7 +7471,7 @@ static DEM__NOINLINE void dem__fill_other_rows(const dem_world *w, dem__work *x,
 }
 static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, const dem__columns *at,
                                                  double half, int features) {
-    w->engine->convex.room->finish_rows(w, &x->rows, &x->types, base, n, at, half, features);
+    w->engine->convex.room->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
 }
 static DEM__NOINLINE void dem__leave_other_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
     w->engine->convex.room->leave_edges(w, in, marked);
@@ -9402,6 +9443,8 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
     run->needs_forces = 0;
     if ((features & DEM_ENERGY) && !ledger->started) {
         ledger->started = 1;
+        memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked */
+        dem__resume_link_work(w, dem__all_particles(w));
         if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_BOOKS, 0);
         dem_energy_ledger now = dem_energy(w);
         ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
@@ -9726,6 +9769,7 @@ static inline void dem__step_links(dem_world *w) {
         for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
     }
     run->kernel_dt = h;
+    links->evaluated_step = w->step;
     dem__evaluate_links(w);
     if (dem__link_parts(w) > 1) dem__add_links(w, 0, links->count);
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -9769,7 +9813,9 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
         links->capacity = 0;
         links->states = law->states;
     }
+    dem__stop_link_work(w, dem__all_particles(w));
     dem__set_stride(w);
+    dem__resume_link_work(w, dem__all_particles(w));
     return DEM_OK;
 }
 
@@ -9863,12 +9909,15 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
     dem__rigid *r = dem__rigid_of(w, i);
     if (!r) return DEM_BAD_ARGUMENT;
+    dem__stop_link_work(w, dem__pieces_of(w, i));
+    dem__restart(w, i);
     dem__book_motion(w, -dem__rotational(w, r->first));
-    dem__set_origin(w, i);
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     r->turn = dem__turns(q, r->frame);
     w->engine->bodies.room->set_motion(w, r, r->v, spin);
     dem__book_motion(w, dem__rotational(w, r->first));
+    if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
+    dem__resume_link_work(w, dem__pieces_of(w, i));
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
@@ -12557,7 +12606,7 @@ static DEM__NOINLINE void dem__fill_convex_rows(const dem_world *w, dem__rows *b
 
 /* Multiplies a block's forces by their weights, and adds torques about the centres of its bodies. */
 static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem__rows *b, const dem__type_rows *t, ptrdiff_t base, int n,
-                                                  const dem__columns *at, double half, int features) {
+                                                  const dem__columns *at, const double *before, double half, int features) {
     const dem__contacts *contacts = &w->engine->contacts;
     double *const *out = at->out;
     for (int k = 0; k < n; k++) {
@@ -12569,11 +12618,13 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
         const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f), on_j = dem__cross(other, f);
         for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
         if (!(features & DEM_ENERGY) || weight == 1.0) continue;
+        /* losses by powers are means of the power before, which has its weight, and of the power now; without a force, the energy of the
+           spring is lost */
+        if (fabs(before[k]) + fabs(at->force[k]) == 0.0) at->loss[0][k] -= (weight - 1.0) * at->elastic[k];
+        else at->loss[0][k] += (weight - 1.0) * half * at->power[0][k];
+        at->loss[2][k] += (weight - 1.0) * half * at->power[1][k];
         at->elastic[k] *= weight, at->loss[1][k] *= weight;
-        for (int a = 0; a < 2; a++) { /* losses by powers are means of the power before, which has its weight, and of the power now */
-            at->loss[2 * a][k] += (weight - 1.0) * half * at->power[a][k];
-            at->power[a][k] *= weight;
-        }
+        for (int a = 0; a < 2; a++) at->power[a][k] *= weight;
     }
 }
 
@@ -14991,6 +15042,7 @@ static inline void dem__derive_loaded(dem_world *w) {
     int32_t *first = w->engine->walls.first_contact;
     w->engine->run.needs_lists = w->engine->run.keeps_wrenches = 1;
     w->engine->bodies.loads_on |= w->engine->bodies.has_fixed;
+    dem__set_stride(w);
     dem__find_links(w);
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];

@@ -64,7 +64,7 @@ static DEM__NOINLINE void dem__fill_convex_rows(const dem_world *w, dem__rows *b
 
 /* Multiplies a block's forces by their weights, and adds torques about the centres of its bodies. */
 static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem__rows *b, const dem__type_rows *t, ptrdiff_t base, int n,
-                                                  const dem__columns *at, double half, int features) {
+                                                  const dem__columns *at, const double *before, double half, int features) {
     const dem__contacts *contacts = &w->engine->contacts;
     double *const *out = at->out;
     for (int k = 0; k < n; k++) {
@@ -76,11 +76,13 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
         const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f), on_j = dem__cross(other, f);
         for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
         if (!(features & DEM_ENERGY) || weight == 1.0) continue;
+        /* losses by powers are means of the power before, which has its weight, and of the power now; without a force, the energy of the
+           spring is lost */
+        if (fabs(before[k]) + fabs(at->force[k]) == 0.0) at->loss[0][k] -= (weight - 1.0) * at->elastic[k];
+        else at->loss[0][k] += (weight - 1.0) * half * at->power[0][k];
+        at->loss[2][k] += (weight - 1.0) * half * at->power[1][k];
         at->elastic[k] *= weight, at->loss[1][k] *= weight;
-        for (int a = 0; a < 2; a++) { /* losses by powers are means of the power before, which has its weight, and of the power now */
-            at->loss[2 * a][k] += (weight - 1.0) * half * at->power[a][k];
-            at->power[a][k] *= weight;
-        }
+        for (int a = 0; a < 2; a++) at->power[a][k] *= weight;
     }
 }
 

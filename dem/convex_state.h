@@ -42,7 +42,8 @@ typedef struct dem__convex_room {
     void (*fill_rows)(const dem_world *w, struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n, double half,
                       struct dem__wall_row *wall); /* fills rows of a block before the law */
     void (*finish_rows)(const dem_world *w, const struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n,
-                        const struct dem__columns *at, double half, int features); /* forces and torques after the law */
+                        const struct dem__columns *at, const double *before, double half, int features); /* forces and torques after the
+                                                                                                            law; before: contact forces */
     dem_status (*add)(dem_world *w, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
                       int group);                                                     /* adds polyhedra: dem_add_convex, for feeds */
     void (*leave_edges)(dem_world *w, const struct dem__chunk *in, ptrdiff_t marked); /* excludes polyhedra from edge steps */

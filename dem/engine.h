@@ -253,6 +253,7 @@ typedef struct dem__links {
     uint8_t *ended;
     int32_t *first_link, *is_loaded; /* of a particle: the first link of its list; whether its load contains forces of links */
     dem__wrench *evaluated_at;       /* of a particle: position and spin at the last evaluation of links */
+    int64_t evaluated_step;          /* step of that evaluation */
 } dem__links;
 
 /* A force field, and the flights in it. Written by field.h. */

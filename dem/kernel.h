@@ -129,7 +129,7 @@ static DEM__NOINLINE void dem__fill_other_rows(const dem_world *w, dem__work *x,
 }
 static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, const dem__columns *at,
                                                  double half, int features) {
-    w->engine->convex.room->finish_rows(w, &x->rows, &x->types, base, n, at, half, features);
+    w->engine->convex.room->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
 }
 static DEM__NOINLINE void dem__leave_other_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
     w->engine->convex.room->leave_edges(w, in, marked);

@@ -71,6 +71,7 @@ static inline void dem__step_links(dem_world *w) {
         for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
     }
     run->kernel_dt = h;
+    links->evaluated_step = w->step;
     dem__evaluate_links(w);
     if (dem__link_parts(w) > 1) dem__add_links(w, 0, links->count);
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -114,7 +115,9 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
         links->capacity = 0;
         links->states = law->states;
     }
+    dem__stop_link_work(w, dem__all_particles(w));
     dem__set_stride(w);
+    dem__resume_link_work(w, dem__all_particles(w));
     return DEM_OK;
 }
 

@@ -302,6 +302,7 @@ static inline void dem__derive_loaded(dem_world *w) {
     int32_t *first = w->engine->walls.first_contact;
     w->engine->run.needs_lists = w->engine->run.keeps_wrenches = 1;
     w->engine->bodies.loads_on |= w->engine->bodies.has_fixed;
+    dem__set_stride(w);
     dem__find_links(w);
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];

@@ -65,12 +65,15 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
     dem__rigid *r = dem__rigid_of(w, i);
     if (!r) return DEM_BAD_ARGUMENT;
+    dem__stop_link_work(w, dem__pieces_of(w, i));
+    dem__restart(w, i);
     dem__book_motion(w, -dem__rotational(w, r->first));
-    dem__set_origin(w, i);
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     r->turn = dem__turns(q, r->frame);
     w->engine->bodies.room->set_motion(w, r, r->v, spin);
     dem__book_motion(w, dem__rotational(w, r->first));
+    if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
+    dem__resume_link_work(w, dem__pieces_of(w, i));
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }

@@ -115,6 +115,8 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
     run->needs_forces = 0;
     if ((features & DEM_ENERGY) && !ledger->started) {
         ledger->started = 1;
+        memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked */
+        dem__resume_link_work(w, dem__all_particles(w));
         if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_BOOKS, 0);
         dem_energy_ledger now = dem_energy(w);
         ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
