@@ -9,7 +9,7 @@
        blocking_fit_result fit;
        blocking_status     s = blocking_fit(&def, t, f, NULL, 4, &fit);
        printf("%s: f_inf %.3f, k1 %.4f, k2 %.4f 1/s\n", blocking_status_text(s), fit.f_inf, fit.k1, fit.k2);
-       printf("95 %% range of f_inf %.2f .. %.2f\n", fit.f_inf_lowest, fit.f_inf_highest); // 0.63 .. 0.81: four readings say little
+       printf("95 %% range of f_inf %.2f .. %.2f\n", fit.f_inf_lowest, fit.f_inf_highest); // 0.55 .. 0.82: four readings say little
        printf("mean of 60 s %.3f\n", blocking_time_mean(fit.f0, fit.f_inf, fit.k, 60.0));
    }
 
