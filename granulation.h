@@ -2834,110 +2834,168 @@ static inline granulation_status granulation__evaluate_kernel(granulation_balanc
    digits of M3) */
 #define GRANULATION__NOTHING 1e-20
 
-/* Computes dy/dt of the state y. Returns the largest share that any cell loses per second. */
-static inline double granulation__rates(const granulation_balance *b, const double *y, double *rate) {
+/* One evaluation of the rates: the state, and arrays of b->work, all [n]. */
+typedef struct granulation__flow {
+    const double *y, *y_liquid, *y_air; /* number, liquid (NULL with two components) and air of each cell */
+    double *rate, *lost;                /* dy/dt, and its last four numbers: what grows beyond the last pivot */
+    double *loss, *selection;           /* share that coalescence takes from a cell per second; rate of breakage */
+    double *active;                     /* y of the cells that coalesce, 0 of the others */
+    double *born, *key0, *key1, *liquid, *air; /* sums over what forms in a cell: number, keys, liquid, air; cell average only */
+    bool one, fixed, carries;           /* one component; fixed pivot; there is liquid or air to be carried */
+} granulation__flow;
+
+static inline granulation__flow granulation__flow_of(const granulation_balance *b, const double *y, double *rate) {
     size_t n = (size_t)b->n, length = granulation__length(b);
-    double *loss = b->work + 4 * length, *selection = loss + n, *sums = selection + n;
-    double *born = sums, *key0 = sums + n, *key1 = sums + 2 * n, *liquid = sums + 3 * n, *air = sums + 4 * n, *lost = rate + length - 4;
-    const double *y_liquid = b->components == 1 ? y + n : NULL, *y_air = b->components == 1 ? y + 2 * n : y + n;
-    bool carries = b->total.l > 0.0 || b->total.a > 0.0, fixed = b->def.scheme == GRANULATION_FIXED_PIVOT, one = b->components == 1;
+    granulation__flow f;
+    f.one = b->components == 1;
+    f.fixed = b->def.scheme == GRANULATION_FIXED_PIVOT;
+    f.carries = b->total.l > 0.0 || b->total.a > 0.0;
+    f.y = y;
+    f.y_liquid = f.one ? y + n : NULL;
+    f.y_air = f.one ? y + 2 * n : y + n;
+    f.rate = rate;
+    f.lost = rate + length - 4;
+    f.loss = b->work + 4 * length;
+    f.selection = f.loss + n;
+    f.born = f.selection + n;
+    f.key0 = f.born + n, f.key1 = f.born + 2 * n, f.liquid = f.born + 3 * n, f.air = f.born + 4 * n, f.active = f.born + 5 * n;
     memset(rate, 0, length * sizeof(double));
-    memset(loss, 0, n * sizeof(double));
-    if (!fixed) memset(sums, 0, 5 * n * sizeof(double));
-    /* The far tail, with its fast losses, would else dictate the step. */
-    double *active = sums + 5 * n, zeroth = 0.0, second = 0.0;
+    memset(f.loss, 0, n * sizeof(double));
+    if (!f.fixed) memset(f.born, 0, 5 * n * sizeof(double));
+    return f;
+}
+
+/* Leaves out the far tail, whose fast losses would dictate the step. */
+static inline void granulation__find_active(const granulation_balance *b, const granulation__flow *f) {
+    double zeroth = 0.0, second = 0.0;
     for (int i = 0; i < b->n; i++) {
-        double v = b->pivot[0][i % b->size[0]] + (one ? 0.0 : b->pivot[1][i / b->size[0]]);
-        active[i] = y[i] * v * v;
-        second += active[i];
-        zeroth += y[i];
+        double v = b->pivot[0][i % b->size[0]] + (f->one ? 0.0 : b->pivot[1][i / b->size[0]]);
+        f->active[i] = f->y[i] * v * v;
+        second += f->active[i];
+        zeroth += f->y[i];
     }
     for (int i = 0; i < b->n; i++)
-        active[i] = y[i] > GRANULATION__NOTHING * zeroth || active[i] > GRANULATION__NOTHING * second ? y[i] : 0.0;
+        f->active[i] = f->y[i] > GRANULATION__NOTHING * zeroth || f->active[i] > GRANULATION__NOTHING * second ? f->y[i] : 0.0;
+}
+
+/* Adds what pair p forms at the rate r: keys x, z, liquid l and air a of the new granule. */
+static inline void granulation__form(const granulation_balance *b, const granulation__flow *f, size_t p, double r, double x, double z,
+                                     double l, double a) {
+    int t = b->target[p];
+    if (t < 0) {
+        f->lost[0] += r;
+        f->lost[1] += r * (f->one ? x - l : x);
+        f->lost[2] += r * l;
+        f->lost[3] += r * a;
+    } else if (!f->fixed) {
+        f->born[t] += r;
+        f->key0[t] += r * x;
+        f->key1[t] += r * z;
+        f->liquid[t] += r * l;
+        f->air[t] += r * a;
+    } else if (f->one && !f->carries) {
+        double share = b->share[p];
+        f->rate[t] += r * (1.0 - share);
+        if (share > 0.0) f->rate[t + 1] += r * share;
+    } else {
+        granulation__place_of place;
+        place.cell = t;
+        place.f[0] = b->share[p * (size_t)b->components];
+        place.f[1] = f->one ? 0.0 : b->share[p * 2 + 1];
+        granulation__deposit(b, f->rate, &place, r, r * l, r * a);
+    }
+}
+
+/* Adds the coalescence of all pairs of active cells. */
+static inline void granulation__coalesce_cells(const granulation_balance *b, const granulation__flow *f) {
+    const double *active = f->active;
     size_t p = 0;
-    for (int i = 0; b->def.kernel && i < b->n; i++) {
+    for (int i = 0; i < b->n; i++) {
         double y_i = active[i], own_loss = 0.0;
         if (!(y_i > 0.0)) {
-            p += n - (size_t)i;
+            p += (size_t)(b->n - i);
             continue;
         }
-        int i0 = i % b->size[0], i1 = i / b->size[0];
-        double x_i = b->pivot[0][i0], z_i = one ? 0.0 : b->pivot[1][i1];
-        double l_i = one ? y_liquid[i] / y_i : z_i, a_i = y_air[i] / y_i;
+        double x_i = b->pivot[0][i % b->size[0]], z_i = f->one ? 0.0 : b->pivot[1][i / b->size[0]];
+        double l_i = f->one ? f->y_liquid[i] / y_i : z_i, a_i = f->y_air[i] / y_i;
         for (int j = i; j < b->n; j++, p++) {
             double k = b->kernel[p], y_j = active[j];
             if (!(k * y_j > 0.0)) continue;
             own_loss += k * y_j;
-            if (j != i) loss[j] += k * y_i;
+            if (j != i) f->loss[j] += k * y_i;
             double r = k * y_i * y_j;
             if (j == i) r *= 0.5;
-            int t = b->target[p], j0 = one ? j : j % b->size[0], j1 = one ? 0 : j / b->size[0];
-            double x = x_i + b->pivot[0][j0], z = one ? 0.0 : z_i + b->pivot[1][j1], l = z, a = 0.0;
-            if (carries) {
-                if (one) l = l_i + y_liquid[j] / y_j;
-                a = a_i + y_air[j] / y_j;
+            int j0 = f->one ? j : j % b->size[0], j1 = f->one ? 0 : j / b->size[0];
+            double x = x_i + b->pivot[0][j0], z = f->one ? 0.0 : z_i + b->pivot[1][j1], l = z, a = 0.0;
+            if (f->carries) {
+                if (f->one) l = l_i + f->y_liquid[j] / y_j;
+                a = a_i + f->y_air[j] / y_j;
             }
-            if (t < 0) {
-                lost[0] += r;
-                lost[1] += r * (one ? x - l : x);
-                lost[2] += r * l;
-                lost[3] += r * a;
-            } else if (!fixed) {
-                born[t] += r;
-                key0[t] += r * x;
-                key1[t] += r * z;
-                liquid[t] += r * l;
-                air[t] += r * a;
-            } else if (one && !carries) {
-                double f = b->share[p];
-                rate[t] += r * (1.0 - f);
-                if (f > 0.0) rate[t + 1] += r * f;
-            } else {
-                granulation__place_of place;
-                place.cell = t;
-                place.f[0] = b->share[p * (size_t)b->components];
-                place.f[1] = one ? 0.0 : b->share[p * 2 + 1];
-                granulation__deposit(b, rate, &place, r, r * l, r * a);
-            }
+            granulation__form(b, f, p, r, x, z, l, a);
         }
-        loss[i] += own_loss;
+        f->loss[i] += own_loss;
     }
-    for (int i = 0; !fixed && i < b->n; i++) /* everything formed in a cell goes to the pivots around its mean */
-        if (born[i] > 0.0) {
-            double mean0 = granulation__mean_key(b, 0, i % b->size[0], key0[i], born[i]);
-            double mean1 = one ? 0.0 : granulation__mean_key(b, 1, i / b->size[0], key1[i], born[i]);
-            granulation__place_of place = granulation__share(b, mean0, mean1);
-            granulation__deposit(b, rate, &place, born[i], liquid[i], air[i]);
-        }
-    if (b->def.selection && b->def.daughters == GRANULATION_UNIFORM) {
-        /* the hat functions of the pivots integrated over b(v|u) = 2/u: (x[i+1] - x[i-1]) / u below u, (u - x[i-1]) / u at u */
-        const double *x = b->pivot[0];
-        double above = 0.0, above_l = 0.0, above_a = 0.0; /* sums over all larger mothers */
-        for (int i = b->n - 1; i >= 0; i--) {
-            double per = selection[i] / x[i], left = i > 0 ? x[i - 1] : 0.0, width = i < b->n - 1 ? x[i + 1] - left : 0.0,
-                   own = x[i] - left;
-            rate[i] += width * above + own * per * y[i];
-            rate[n + (size_t)i] += x[i] * (width * above_l + own * per / x[i] * y_liquid[i]);
-            rate[2 * n + (size_t)i] += x[i] * (width * above_a + own * per / x[i] * y_air[i]);
-            above += per * y[i];
-            above_l += per / x[i] * y_liquid[i];
-            above_a += per / x[i] * y_air[i];
-        }
-    } else if (b->def.selection) {
-        for (int i = 0; i < b->n; i++) {
-            double r = selection[i] * y[i];
-            if (!(r > 0.0)) continue;
-            granulation__place_of place = granulation__halves(b, i);
-            granulation__deposit(b, rate, &place, 2.0 * r, one ? selection[i] * y_liquid[i] : 0.0, selection[i] * y_air[i]);
-        }
+}
+
+/* Gives everything formed in a cell to the pivots around its mean (cell average). */
+static inline void granulation__give_births(const granulation_balance *b, const granulation__flow *f) {
+    for (int i = 0; i < b->n; i++) {
+        if (!(f->born[i] > 0.0)) continue;
+        double mean0 = granulation__mean_key(b, 0, i % b->size[0], f->key0[i], f->born[i]);
+        double mean1 = f->one ? 0.0 : granulation__mean_key(b, 1, i / b->size[0], f->key1[i], f->born[i]);
+        granulation__place_of place = granulation__share(b, mean0, mean1);
+        granulation__deposit(b, f->rate, &place, f->born[i], f->liquid[i], f->air[i]);
     }
+}
+
+/* Adds the daughters of breakage into two of uniform volume: the hat functions of the pivots integrated over b(v|u) = 2/u, which is
+   (x[i+1] - x[i-1]) / u below u, (u - x[i-1]) / u at u. */
+static inline void granulation__break_uniformly(const granulation_balance *b, const granulation__flow *f) {
+    const double *x = b->pivot[0];
+    size_t n = (size_t)b->n;
+    double above = 0.0, above_l = 0.0, above_a = 0.0; /* sums over all larger mothers */
+    for (int i = b->n - 1; i >= 0; i--) {
+        double per = f->selection[i] / x[i], left = i > 0 ? x[i - 1] : 0.0, width = i < b->n - 1 ? x[i + 1] - left : 0.0, own = x[i] - left;
+        f->rate[i] += width * above + own * per * f->y[i];
+        f->rate[n + (size_t)i] += x[i] * (width * above_l + own * per / x[i] * f->y_liquid[i]);
+        f->rate[2 * n + (size_t)i] += x[i] * (width * above_a + own * per / x[i] * f->y_air[i]);
+        above += per * f->y[i];
+        above_l += per / x[i] * f->y_liquid[i];
+        above_a += per / x[i] * f->y_air[i];
+    }
+}
+
+/* Adds the daughters of breakage into halves. */
+static inline void granulation__break_into_halves(const granulation_balance *b, const granulation__flow *f) {
+    for (int i = 0; i < b->n; i++) {
+        double r = f->selection[i] * f->y[i];
+        if (!(r > 0.0)) continue;
+        granulation__place_of place = granulation__halves(b, i);
+        granulation__deposit(b, f->rate, &place, 2.0 * r, f->one ? f->selection[i] * f->y_liquid[i] : 0.0, f->selection[i] * f->y_air[i]);
+    }
+}
+
+/* Takes what coalesces and breaks from its cells. Returns the largest share that any cell loses per second. */
+static inline double granulation__take_losses(const granulation_balance *b, const granulation__flow *f) {
+    size_t n = (size_t)b->n;
     double largest = 0.0;
     for (size_t i = 0; i < n; i++) {
-        double all = loss[i] + (b->def.selection ? selection[i] : 0.0);
-        for (int f = 0; f < granulation__fields(b); f++) rate[(size_t)f * n + i] -= all * y[(size_t)f * n + i];
+        double all = f->loss[i] + (b->def.selection ? f->selection[i] : 0.0);
+        for (int k = 0; k < granulation__fields(b); k++) f->rate[(size_t)k * n + i] -= all * f->y[(size_t)k * n + i];
         if (all > largest) largest = all;
     }
     return largest;
+}
+
+/* Computes dy/dt of the state y. Returns the largest share that any cell loses per second. */
+static inline double granulation__rates(const granulation_balance *b, const double *y, double *rate) {
+    granulation__flow f = granulation__flow_of(b, y, rate);
+    granulation__find_active(b, &f);
+    if (b->def.kernel) granulation__coalesce_cells(b, &f);
+    if (!f.fixed) granulation__give_births(b, &f);
+    if (b->def.selection && b->def.daughters == GRANULATION_UNIFORM) granulation__break_uniformly(b, &f);
+    else if (b->def.selection) granulation__break_into_halves(b, &f);
+    return granulation__take_losses(b, &f);
 }
 
 static inline void granulation__consolidate_cells(granulation_balance *b, double *y, double decay) {
