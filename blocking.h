@@ -1309,6 +1309,7 @@ BLOCKING_API blocking_status blocking_check_schedule(const blocking_schedule *sc
 
 BLOCKING_API void blocking_schedule_rates(void *schedule, double t, double *k1, double *k2) {
     const blocking_schedule *s = (const blocking_schedule *)schedule;
+    if (!k1 || !k2) return;
     *k1 = *k2 = (double)NAN;
     if (!s || !s->law || !s->time || !s->K || !s->x_h || s->n < 1) return;
     s->law(s->user, blocking__interpolate(s->time, s->K, s->n, t, s->stepwise),
@@ -2482,6 +2483,7 @@ static inline double blocking__monomial(const int *power, const double *x, size_
 
 BLOCKING_API double blocking_polynomial(const double *a, const int *powers, size_t n_terms, const double *x, size_t n_vars) {
     double y = 0.0;
+    if (n_terms > 0 && (!a || (n_vars > 0 && (!powers || !x)))) return (double)NAN;
     for (size_t i = 0; i < n_terms; i++) y += a[i] * blocking__monomial(powers + i * n_vars, x, n_vars);
     return y;
 }

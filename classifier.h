@@ -1230,6 +1230,7 @@ CLASSIFIER_API classifier_status classifier_histogram(const double *edge, const 
 }
 
 CLASSIFIER_API classifier_status classifier_check_distribution(const classifier_distribution *d) {
+    if (!d) return CLASSIFIER_BAD_ARGUMENT;
     if (d->shape == CLASSIFIER_HISTOGRAM) {
         if (d->bins < 1) return CLASSIFIER_EMPTY;
         if (d->bins > CLASSIFIER_BINS) return CLASSIFIER_BAD_ARGUMENT;
@@ -1707,6 +1708,8 @@ static inline classifier_impact classifier__approach(const classifier_wheel *whe
 
 CLASSIFIER_API classifier_impact classifier_approach(const classifier_wheel *wheel, double angular_speed, double ahead,
                                                      double tangential_against, double radial_inward) {
+    const classifier_impact none = {false, 0.0, 0.0, 0.0, 0.0, 0};
+    if (!wheel) return none;
     return classifier__approach(wheel, angular_speed, ahead, tangential_against, radial_inward, false);
 }
 
@@ -2086,6 +2089,7 @@ CLASSIFIER_API double classifier_tromp(const classifier_model *model, double x, 
 CLASSIFIER_API void classifier_tromp_cases(const classifier_model *model, double x, double t[3]) {
     double mean[3 * CLASSIFIER_MAX_SHIFTS];
     bool fine = model && model->data && classifier__positive(x);
+    if (!t) return;
     if (fine) classifier__evaluate(model, x, 1.0, mean);
     for (int k = 0; k < 3; k++) {
         t[k] = fine ? 0.0 : classifier__nan();

@@ -195,13 +195,13 @@ extern "C" {
     X(DEM_OUT_OF_MEMORY, "out of memory")                                                                                                  \
     X(DEM_NOT_FINITE, "a particle's force or position is not finite")                                                                      \
     X(DEM_TOO_FAST, "a particle moves more than half its radius in one step")                                                              \
-    X(DEM_TOO_MANY, "more walls, materials or particles than this header counts")                                                          \
+    X(DEM_TOO_MANY, "more walls, materials or particles than this header counts, or more mass than a region can hold")                     \
     X(DEM_BAD_DATA, "neither a whole saved world of this version nor an STL file with triangles")                                          \
     X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or links have no law: call "  \
                         "dem_set_links after dem_load")                                                                                    \
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")                                   \
     X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")                          \
-    X(DEM_BUSY, "the world is running: a law's hook may read it, set states of contacts and add links, nothing else")                      \
+    X(DEM_BUSY, "the world is running: a law's hooks may read it, set states of contacts and (born) add links, nothing else")               \
     X(DEM_POLYHEDRON, "polyhedra take no links, and run with DEM_FRICTION only (a coefficient of 0 takes it out)")                         \
     X(DEM_PAIR_NOT_SET, "two different materials touch whose pair was never set: call dem_pair() or dem_set_pair()")
 #define DEM__NAME(name, text) name,
@@ -797,8 +797,9 @@ DEM_API dem_feed dem_default_feed(void); /* one size of 1 mm in a cube of 0.1 m 
 
 /* Places a number of spheres, or as many as come nearest to `mass` [kg], at random, the largest first. They touch neither spheres nor
    enabled walls, and are in no solid wall (dem_set_solid). Spheres without a place are dropped and counted in missed; random places fill up
-   to about 0.3 of a volume within reasonable time. Statuses: DEM_BAD_ARGUMENT, DEM_OUT_OF_MEMORY, DEM_TOO_MANY; then nothing has
-   changed. */
+   to about 0.3 of a volume within reasonable time. At most feed->tries places are tried for each sphere. Statuses: DEM_BAD_ARGUMENT,
+   DEM_OUT_OF_MEMORY, DEM_TOO_MANY (more than 2e8 spheres; more mass than the density times the volume of the region or, of a mesh, of the
+   box around it); then nothing has changed. */
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count);
 DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass);
 /* Places what falls due within duration [s] >= 0 at a rate [1/s] or [kg/s] >= 0. Call it before every dem_run of that duration, which is no
@@ -915,7 +916,7 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
    DEM_LAW_MISMATCH if there are links with another number of states. */
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near);
 /* Links particle i with j (a particle, or -1 - wall at an element of it). state: [law->states]. From a law's born hook, or between runs.
-   When a particle leaves, ended is called for its links, and they are gone. */
+   When a particle leaves, ended is called for its links, and they are gone. From the hook ended: DEM_BUSY. */
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state);
 DEM_API ptrdiff_t dem_link_count(const dem_world *world);
 
@@ -1065,7 +1066,7 @@ DEM_API double dem_ball_in_box(double radius, dem_vec low, dem_vec high);
 DEM_API uint64_t dem_hash(const dem_world *world);
 
 /* Saves everything that the future depends on, little-endian, with version and checksum. Returns the size in bytes; writes only if capacity
-   is enough (call it with NULL, 0 first). */
+   is enough (call it with NULL, 0 first). 0 for what is no world, and from hooks: a step is half done there. */
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
 /* Makes a world from saved bytes; its runs continue with the same bits. As for dem_init, *world must not be in use. allocator may be NULL.
    DEM_BAD_DATA, DEM_OUT_OF_MEMORY: nothing is allocated then. */
@@ -2405,7 +2406,8 @@ typedef struct dem__run {
     int needs_forces; /* forces must be found before the first step */
     int needs_lists;  /* near pairs and timers must be built anew */
     int leaving;      /* a particle passed an exit in this step */
-    int running;      /* a run is in progress: hooks of laws may not change the world */
+    int running;      /* a run or a removal is in progress: functions of the caller may not change the world */
+    int ending;       /* the law's hook ended is being called: it may not add links either */
     int keeps_wrenches;
     double stiffest;     /* greatest k dt^2/m_eff of the contacts for which the law has computed constants */
     int has_unset_pairs; /* some pair of different materials was never set */
@@ -4041,11 +4043,18 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
 /* Motion of walls that the caller prescribes, and walls driven by forces. Relies on shapes.h, which places a wall at a time.
    May be changed here alone: what is refused; how a driven wall is integrated. */
 
+/* Places a wall of the world, or a copy of one, where it is now. Its function may not change the world. */
+static inline void dem__place_wall(dem_world *w, dem_wall *a) {
+    w->engine->run.running = 1;
+    dem__move_wall(a, w->time);
+    w->engine->run.running = 0;
+}
+
 /* Begins a new kinematic motion where the wall is. Returns NULL if there is no such wall. */
 static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     if (!w || wall < 0 || wall >= w->walls) return NULL;
     dem_wall *a = &w->wall[wall];
-    dem__move_wall(a, w->time);
+    dem__place_wall(w, a);
     a->asked.origin = a->position;
     for (int k = 0; k < 3; k++) a->asked.rest_axis[k] = a->axis[k];
     a->asked.spin_centre = dem__add(a->asked.spin_centre, dem__scale(w->time - a->asked.motion_start, a->asked.drift));
@@ -4131,7 +4140,7 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
     probe.asked.spin_centre = centre;
     probe.asked.motion = motion, probe.asked.motion_user = user;
     probe.asked.interval = world->engine->run.dt;
-    dem__move_wall(&probe, world->time);
+    dem__place_wall(world, &probe);
     if (!dem__wall_is_finite(&probe)) return DEM_BAD_ARGUMENT;
     if (before.asked.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->asked.interval = world->engine->run.dt;
     a->asked.spin_centre = centre;
@@ -4148,7 +4157,7 @@ static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, d
     if (!w || wall < 0 || wall >= w->walls || !dem__is_place(centre) || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
         !dem__positive(inertia) || !dem__moderate(load / inertia) || !(damping >= 0.0 && dem__moderate(damping / inertia)))
         return DEM_BAD_ARGUMENT;
-    dem__move_wall(&w->wall[wall], w->time);
+    dem__place_wall(w, &w->wall[wall]);
     const dem_vec spin = dem__scale(w->wall[wall].spin, w->wall[wall].spin_axis);
     const double rate = dem__dot(drive == DEM_FORCE_CONTROLLED ? w->wall[wall].velocity : spin, unit);
     dem_wall *a = dem__drive(w, wall, drive);
@@ -7733,10 +7742,18 @@ static inline int32_t dem__last_link(const dem_world *w, ptrdiff_t i) {
     return last;
 }
 
+/* Calls the law's hook for a contact or a link that has ended. */
+static inline void dem__report_end(dem_world *w, const dem_law *law, int32_t k) {
+    if (!law || !law->ended) return;
+    w->engine->run.ending = 1;
+    law->ended(w, k, w->user);
+    w->engine->run.ending = 0;
+}
+
 /* Ends link k; the last link takes its slot. Its force acts until links are evaluated next. */
 static inline void dem__cut_link(dem_world *w, int32_t k) {
     const int32_t i = w->engine->links.i[k], j = w->engine->links.j[k], last = (int32_t)w->engine->links.count - 1;
-    if (w->engine->links.law && w->engine->links.law->ended) w->engine->links.law->ended(w, k, w->user);
+    dem__report_end(w, w->engine->links.law, k);
     dem__unlist_link(w, k, i, -1);
     if (j >= 0) {
         const int32_t p = dem__near_pair(w, i, j);
@@ -8078,7 +8095,7 @@ DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
 static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32_t c, int64_t step) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const int32_t near_pair = w->engine->contacts.near[c];
-    if (w->engine->run.law && w->engine->run.law->ended) w->engine->run.law->ended(w, dem__number_of(w, c), w->user);
+    dem__report_end(w, w->engine->run.law, dem__number_of(w, c));
     dem__count_contact(w, i, -1);
     dem__mark_to_check(w, i);
     dem__book_contact_end(w, c);
@@ -8226,8 +8243,10 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!dem__is_present(w, i)) return DEM_BAD_ARGUMENT;
+    w->engine->run.running = 1;
     dem__detach_particle(w, i);
     dem__end_contacts_of_removed(w);
+    w->engine->run.running = 0;
     return DEM_OK;
 }
 
@@ -9821,6 +9840,7 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
 
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state) {
     dem_world *w = world;
+    if (w && w->engine && w->engine->run.ending) return DEM_BUSY;
     if (!dem__is_present(w, i) || !w->engine->links.law || (!state && w->engine->links.states > 0) || i == j) return DEM_BAD_ARGUMENT;
     if (dem__shape_of(w, i) || (j >= 0 && j < w->count && dem__shape_of(w, j))) return DEM_POLYHEDRON;
     if (j >= 0 && j < w->count && dem__rigid_of(w, i) && dem__rigid_of(w, i) == dem__rigid_of(w, j)) return DEM_BAD_ARGUMENT;
@@ -13542,8 +13562,25 @@ DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
     if (!dem__is_feed(world, feed) || count < 0) return DEM_BAD_ARGUMENT;
     return dem__insert(world, feed, (double)count, HUGE_VAL, 1);
 }
+/* Returns a volume [m3] that the bodies placed in a region cannot exceed; of a mesh, that of the box around it. Where the region is flat,
+   bodies stand out of it. */
+static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) {
+    dem_region r = feed->region;
+    double smallest, diameter;
+    dem__are_sizes(&feed->sizes, &smallest, &diameter);
+    if (feed->polyhedron) diameter = dem__convex_diameter(dem__feed_shape(w, feed));
+    diameter *= dem__feed_reach(w, feed);
+    if (r.kind == DEM_REGION_MESH) r.kind = DEM_REGION_BOX;
+    if (r.kind == DEM_REGION_CYLINDER && r.length == 0.0) r.length = diameter;
+    for (int a = 0; a < 3 && r.kind == DEM_REGION_BOX; a++) {
+        if (!(dem_axis(r.high, a) > dem_axis(r.low, a))) *dem_axis_of(&r.low, a) = 0.0, *dem_axis_of(&r.high, a) = diameter;
+    }
+    return dem_region_volume(&r);
+}
 DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass) {
     if (!dem__is_feed(world, feed) || !dem__not_negative(mass)) return DEM_BAD_ARGUMENT;
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (mass > world->def.material[feed->material].density * dem__most_volume(world, feed)) return DEM_TOO_MANY;
     return dem__insert(world, feed, HUGE_VAL, mass, 1);
 }
 
@@ -13583,6 +13620,7 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
     dem_world *w = world;
     ptrdiff_t removed = 0;
     if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    w->engine->run.running = 1;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem__rigid *r = dem__rigid_of(w, i);
         if (r && r->first != i) continue;
@@ -13591,6 +13629,7 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
         removed++;
     }
     if (removed > 0) dem__end_contacts_of_removed(w);
+    w->engine->run.running = 0;
     return removed;
 }
 
@@ -14638,7 +14677,7 @@ static inline void dem__write_world(dem__stream *s, dem_world *w) {
 
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
     dem__stream s = {NULL, NULL, 0};
-    if (!world || !world->def.allocator.fn) return 0;
+    if (!world || !world->def.allocator.fn || dem__is_running(world)) return 0;
     dem_world w = *world; /* shares the arrays: tables of fields hold writable addresses, but nothing is written */
     dem__write_world(&s, &w);
     const size_t size = s.at + 8;

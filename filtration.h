@@ -25,7 +25,8 @@
    Units: SI. Fractions and numbers without unit [-].
 
    Memory, threads: filtration_bed_init and filtration_fluid_init allocate, through a hook, and a step when spheres are added: 160 bytes a
-   node (80 in floats). No object is shared; a fluid's step runs def.threads threads.
+   node (80 in floats). No object is shared; a fluid's step runs def.threads threads. Functions of yours that are called (threads, a solid's
+   distance, a flow, streams) may read the fluid, and change nothing of it.
 
    Determinism: same input, same bits on every machine and compiler, for any number of threads (without fused multiply-add:
    -ffp-contract=off).
@@ -589,7 +590,7 @@ FILTRATION_API double filtration_fluid_bytes(const filtration_fluid_def *def);
    tests the flow that it begins with: what a force, a face or a sphere makes of it in this step is told by the next one. After an error the
    fluid can be read, saved and freed. */
 FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, const filtration_spheres *spheres);
-/* Takes steps with spheres whose centres stay (their surfaces may move: velocity and spin hold). */
+/* Takes steps >= 0 with spheres whose centres stay (their surfaces may move: velocity and spin hold). */
 FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, int64_t steps, const filtration_spheres *spheres);
 
 /* ---- changes during a run: BAD_ARGUMENT, and nothing changes, where a value is out of range. Velocities of faces [voxel / dt], pressures
@@ -645,7 +646,7 @@ typedef struct filtration_motion_def {
     double modulus;     /* reduced modulus E* of two spheres in contact [Pa] > 0; default 1e8 (softened; docs/filtration.md) */
     double restitution; /* coefficient of restitution of a dry contact [-], above 0 .. 1; default 0.5 */
     double friction;    /* Coulomb coefficient [-] >= 0; default 0.3 */
-    int sub_steps;      /* contact steps in a fluid step, >= 1; default 10 */
+    int sub_steps;      /* contact steps in a fluid step, 1 .. 1000000; default 10 */
     int lubrication;    /* 1: adds the force of films thinner than 2/3 voxel, for pairs, the solid and walls; default 1 */
     double least_gap;   /* smallest gap of lubrication, over the diameter [-] > 0; default 1e-3: roughness */
     int fixed_axes[3];  /* 1: no motion along this axis (symmetry); default 0 */
@@ -1617,6 +1618,7 @@ FILTRATION_API filtration_status filtration_predict(const filtration_curve *curv
    1971). */
 FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const double fluid[3], const double in_solid[3]) {
     double low = 0.0, high = 1.0, point[3];
+    if (!solid || !solid->distance || !fluid || !in_solid) return (double)NAN;
     double at_low = solid->distance(solid->self, fluid), at_high = solid->distance(solid->self, in_solid);
     if (!(at_low > 0.0 && at_high <= 0.0)) return (double)NAN;
     int side = 0;
@@ -1725,6 +1727,7 @@ static inline double filtration__wires_distance(const filtration_cloth *cloth, i
 }
 
 FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, const double point[3]) {
+    if (!cloth || !point) return (double)NAN;
     const double z = point[2] - cloth->centre, above = fabs(z) - cloth->wire, pitch = cloth->wire + cloth->opening;
     const double far = fabs(point[0]) > fabs(point[1]) ? fabs(point[0]) : fabs(point[1]);
     if (!(far < 1e9 * pitch && pitch < 1e100 && fabs(z) < 1e100 && cloth->reach <= 4.0 * pitch))
@@ -1877,6 +1880,7 @@ FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdif
 }
 
 FILTRATION_API double filtration_bed_distance(const filtration_bed *bed, const double point[3]) {
+    if (!bed || !point) return (double)NAN;
     double inside[3], nearest = bed->reach;
     int cell[3];
     if (!bed->entry) return nearest;
@@ -1938,6 +1942,7 @@ static inline double filtration__cube_distance(const double p[3], const int c[3]
 }
 
 FILTRATION_API double filtration_image_distance(const filtration_image *m, const double point[3]) {
+    if (!m || !point) return (double)NAN;
     double p[3];
     int home[3], c[3];
     for (int k = 0; k < 3; k++) {
@@ -3466,6 +3471,7 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
 
 FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, int64_t steps, const filtration_spheres *spheres) {
     filtration_status status = FILTRATION_OK;
+    if (!fluid || !fluid->lattice || steps < 0) return FILTRATION_BAD_ARGUMENT;
     for (int64_t n = 0; n < steps && status == FILTRATION_OK; n++) status = filtration_fluid_step(fluid, spheres);
     return status;
 }
@@ -3527,11 +3533,14 @@ static inline void filtration__sum_all(const filtration__lattice *l, double sum[
 
 FILTRATION_API void filtration_fluid_mean_velocity(const filtration_fluid *fluid, double velocity[3]) {
     double sum[6];
+    for (int a = 0; a < 3 && velocity; a++) velocity[a] = (double)NAN;
+    if (!fluid || !fluid->lattice || !velocity) return;
     filtration__sum_all(fluid->lattice, sum);
     for (int a = 0; a < 3; a++) velocity[a] = sum[a + 1] * fluid->lattice->to_velocity / (double)filtration__nodes(fluid->lattice);
 }
 
 FILTRATION_API double filtration_fluid_flux(const filtration_fluid *fluid, int axis, int slab) {
+    if (!fluid || !fluid->lattice) return (double)NAN;
     const filtration__lattice *l = fluid->lattice;
     int low[3] = {0, 0, 0}, high[3] = {l->nx, l->ny, l->nz};
     double sum[6];
@@ -3543,12 +3552,14 @@ FILTRATION_API double filtration_fluid_flux(const filtration_fluid *fluid, int a
 }
 
 FILTRATION_API double filtration_fluid_mass(const filtration_fluid *fluid) {
+    if (!fluid || !fluid->lattice) return (double)NAN;
     double sum[6], dx = fluid->def.voxel;
     filtration__sum_all(fluid->lattice, sum);
     return (sum[0] + sum[4]) * fluid->def.density * dx * dx * dx;
 }
 
 FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid) {
+    if (!fluid || !fluid->lattice) return (double)NAN;
     double fluid_nodes = 0.0;
     size_t nodes = filtration__nodes(fluid->lattice);
     for (size_t k = 0; k < nodes; k++) fluid_nodes += fluid->lattice->owner[k] == FILTRATION__FLUID;
@@ -3557,11 +3568,14 @@ FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid) {
 
 FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid) {
     double sum[6];
+    if (!fluid || !fluid->lattice) return (double)NAN;
     filtration__sum_all(fluid->lattice, sum);
     return sqrt(sum[5]) * fluid->lattice->to_velocity;
 }
 
 FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, double force[3]) {
+    for (int a = 0; a < 3 && force; a++) force[a] = (double)NAN;
+    if (!fluid || !fluid->lattice || !force) return;
     filtration__solid_force(fluid->lattice, force);
     for (int a = 0; a < 3; a++) force[a] *= fluid->lattice->to_force;
 }
@@ -3899,7 +3913,7 @@ static inline const char *filtration__bad_motion(const filtration_motion_def *d)
     if (!filtration__is_positive(d->modulus)) return "modulus";
     if (!(d->restitution > 0.0 && d->restitution <= 1.0)) return "restitution";
     if (!(d->friction >= 0.0 && d->friction < HUGE_VAL)) return "friction";
-    if (d->sub_steps < 1) return "sub_steps";
+    if (d->sub_steps < 1 || d->sub_steps > 1000000) return "sub_steps";
     if (d->lubrication != 0 && d->lubrication != 1) return "lubrication";
     if (!filtration__is_positive(d->least_gap)) return "least_gap";
     if (d->spin != 0 && d->spin != 1) return "spin";

@@ -475,7 +475,8 @@ static inline granulation_estimate granulation_estimate_of(const double *values,
 
 /* ==== >>balance: population balances ==== */
 
-/* Rate constant of coalescence of two granules [m3/s]; symmetric, >= 0. The granules are the means of their cells. */
+/* Rate constant of coalescence of two granules [m3/s]; symmetric, >= 0. The granules are the means of their cells. Kernels and rates of
+   breakage must not change the balance. */
 typedef double (*granulation_kernel)(const granulation_granule *i, const granulation_granule *j, const void *user);
 
 /* Data of the kernels below, passed as `data` (def.kernel_user of a balance). Made by granulation_default_kernel_data(). A kernel that
@@ -571,7 +572,8 @@ GRANULATION_API void granulation_balance_free(granulation_balance *b);
 /* Adds `number` >= 0 granules; they are shared between neighbouring pivots so that number and every volume is kept. A granule on a pivot
    goes to that cell alone. Outside the pivots: BAD_ARGUMENT. */
 GRANULATION_API granulation_status granulation_balance_add(granulation_balance *b, const granulation_granule *g, double number);
-/* Runs to the time b->time + duration [s], duration >= 0. GEL, STEP, KERNEL: stopped at b->time with a whole state. */
+/* Runs to the time b->time + duration [s], duration >= 0. GEL, STEP, KERNEL: stopped at b->time with a whole state. However
+   late the time, all of the duration is run. */
 GRANULATION_API granulation_status granulation_balance_run(granulation_balance *b, double duration);
 GRANULATION_API granulation_status granulation_balance_set(granulation_balance *b,
                                                            const granulation_balance_def *def); /* a change in mid-run; not the memory */
@@ -606,7 +608,7 @@ GRANULATION_API granulation_status granulation_montecarlo_init(granulation_monte
                                                                const granulation_memory *memory);
 GRANULATION_API void granulation_montecarlo_free(granulation_montecarlo *mc);
 /* Runs to the time mc->time + duration [s], duration >= 0. BAD_ARGUMENT, KERNEL, STEP: more than 1e9 pairs would have to be drawn (told
-   before they are). */
+   before they are). However late the time, all of the duration is run. */
 GRANULATION_API granulation_status granulation_montecarlo_run(granulation_montecarlo *mc, double duration);
 /* Returns the moment sum V^p / volume [m3^p per m3]; V: whole volumes. */
 GRANULATION_API double granulation_montecarlo_moment(const granulation_montecarlo *mc, double p);
@@ -3044,26 +3046,27 @@ static inline double granulation__error(const granulation_balance *b, const doub
    companion as error estimate. Each stage is a mean of Euler steps, so that no cell can become negative while step times loss stays below
    1; this is checked, and the step halved otherwise. */
 GRANULATION_API granulation_status granulation_balance_run(granulation_balance *b, double duration) {
-    if (!b || !b->state || !(duration >= 0.0 && duration < HUGE_VAL)) return GRANULATION_BAD_ARGUMENT;
+    if (!b || !b->state || !(duration >= 0.0 && b->time + duration < HUGE_VAL)) return GRANULATION_BAD_ARGUMENT;
     size_t length = granulation__length(b);
     double *base = b->work, *stage = base + length, *two = stage + length, *rate = two + length, *y = b->state;
-    double end = b->time + duration, allowed = b->def.most_lost * b->total.s;
+    const double start = b->time; /* a late clock rounds: what is left is counted from here */
+    double gone = 0.0, allowed = b->def.most_lost * b->total.s;
     bool stale = b->next_step < 0.0 || b->def.kernel_changes;
     if (stale) {
         granulation_status status = granulation__evaluate_kernel(b);
         if (status != GRANULATION_OK) return status;
         if (b->next_step < 0.0) b->next_step = 0.0;
     }
-    for (int tries = 0; b->time < end; tries++) {
+    for (int tries = 0; gone < duration; tries++) {
         if (tries >= b->def.most_steps) return GRANULATION_STEP;
-        double left = end - b->time, fastest = granulation__rates(b, y, rate), h = b->next_step;
+        double left = duration - gone, fastest = granulation__rates(b, y, rate), h = b->next_step;
         if (!(h > 0.0)) h = fastest > 0.0 ? 0.01 / fastest : left;
         if (h * fastest > 0.9) h = 0.9 / fastest;
         if (h > b->def.longest_step) h = b->def.longest_step;
         bool last = h >= left;
         if (last) h = left;
         if (!last && h > 0.5 * left) h = 0.5 * left; /* no sliver at the end */
-        if (!last && b->time + h == b->time) return GRANULATION_STEP;
+        if (!last && gone + h == gone) return GRANULATION_STEP;
         double half = b->def.consolidation > 0.0 ? riddle_exp(-0.5 * b->def.consolidation * h) : 1.0;
         memcpy(base, y, length * sizeof(double));
         if (half < 1.0) {
@@ -3096,11 +3099,12 @@ GRANULATION_API granulation_status granulation_balance_run(granulation_balance *
         b->lost.s = y[length - 3];
         b->lost.l = y[length - 2];
         b->lost.a = y[length - 1];
-        b->time = last ? end : b->time + h;
+        gone = last ? duration : gone + h;
+        b->time = start + gone;
         b->steps++;
         if (!last || h * factor < b->next_step || b->next_step == 0.0) b->next_step = h * factor;
         if (b->lost.s > allowed) return GRANULATION_GEL;
-        if (b->def.kernel_changes && b->time < end) {
+        if (b->def.kernel_changes && gone < duration) {
             granulation_status status = granulation__evaluate_kernel(b);
             if (status != GRANULATION_OK) return status;
         }
@@ -3198,16 +3202,17 @@ GRANULATION_API void granulation_montecarlo_free(granulation_montecarlo *mc) {
 }
 
 GRANULATION_API granulation_status granulation_montecarlo_run(granulation_montecarlo *mc, double duration) {
-    if (!mc || !mc->granules || !(duration >= 0.0 && duration < HUGE_VAL)) return GRANULATION_BAD_ARGUMENT;
-    const double most = 1e9, n = mc->n;
-    double end = mc->time + duration;
+    if (!mc || !mc->granules || !(duration >= 0.0 && mc->time + duration < HUGE_VAL)) return GRANULATION_BAD_ARGUMENT;
+    const double most = 1e9, n = mc->n, start = mc->time;
+    double gone = 0.0;
     for (int64_t proposals = 0; mc->bound > 0.0; proposals++) {
         const double rate = mc->bound * (0.5 * n * (n - 1.0) / mc->volume);
-        if (!((end - mc->time) * rate <= most)) return GRANULATION_STEP; /* too many proposals: refused before any is drawn */
+        if (!((duration - gone) * rate <= most)) return GRANULATION_STEP; /* too many proposals: refused before any is drawn */
         if (proposals > INT64_C(1000000000)) return GRANULATION_STEP;
         double wait = -riddle_log(1.0 - granulation_random_uniform(&mc->random)) / rate;
-        if (!(mc->time + wait < end)) break;
-        mc->time += wait;
+        if (!(gone + wait < duration)) break;
+        gone += wait;
+        mc->time = start + gone;
         int i = (int)(n * granulation_random_uniform(&mc->random)), j = (int)((n - 1.0) * granulation_random_uniform(&mc->random));
         if (j >= i) j++;
         double k = mc->kernel(mc->granules + i, mc->granules + j, mc->user);
@@ -3227,7 +3232,7 @@ GRANULATION_API granulation_status granulation_montecarlo_run(granulation_montec
         if (!(mc->volume < HUGE_VAL)) return GRANULATION_STEP;
         if (!granulation__bound(mc, mc->granules + i)) return GRANULATION_KERNEL;
     }
-    mc->time = end;
+    mc->time = start + duration;
     return GRANULATION_OK;
 }
 

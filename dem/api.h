@@ -142,8 +142,9 @@ DEM_API dem_feed dem_default_feed(void); /* one size of 1 mm in a cube of 0.1 m 
 
 /* Places a number of spheres, or as many as come nearest to `mass` [kg], at random, the largest first. They touch neither spheres nor
    enabled walls, and are in no solid wall (dem_set_solid). Spheres without a place are dropped and counted in missed; random places fill up
-   to about 0.3 of a volume within reasonable time. Statuses: DEM_BAD_ARGUMENT, DEM_OUT_OF_MEMORY, DEM_TOO_MANY; then nothing has
-   changed. */
+   to about 0.3 of a volume within reasonable time. At most feed->tries places are tried for each sphere. Statuses: DEM_BAD_ARGUMENT,
+   DEM_OUT_OF_MEMORY, DEM_TOO_MANY (more than 2e8 spheres; more mass than the density times the volume of the region or, of a mesh, of the
+   box around it); then nothing has changed. */
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count);
 DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass);
 /* Places what falls due within duration [s] >= 0 at a rate [1/s] or [kg/s] >= 0. Call it before every dem_run of that duration, which is no
@@ -260,7 +261,7 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
    DEM_LAW_MISMATCH if there are links with another number of states. */
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near);
 /* Links particle i with j (a particle, or -1 - wall at an element of it). state: [law->states]. From a law's born hook, or between runs.
-   When a particle leaves, ended is called for its links, and they are gone. */
+   When a particle leaves, ended is called for its links, and they are gone. From the hook ended: DEM_BUSY. */
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state);
 DEM_API ptrdiff_t dem_link_count(const dem_world *world);
 
@@ -410,7 +411,7 @@ DEM_API double dem_ball_in_box(double radius, dem_vec low, dem_vec high);
 DEM_API uint64_t dem_hash(const dem_world *world);
 
 /* Saves everything that the future depends on, little-endian, with version and checksum. Returns the size in bytes; writes only if capacity
-   is enough (call it with NULL, 0 first). */
+   is enough (call it with NULL, 0 first). 0 for what is no world, and from hooks: a step is half done there. */
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
 /* Makes a world from saved bytes; its runs continue with the same bits. As for dem_init, *world must not be in use. allocator may be NULL.
    DEM_BAD_DATA, DEM_OUT_OF_MEMORY: nothing is allocated then. */

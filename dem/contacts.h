@@ -283,7 +283,7 @@ DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
 static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32_t c, int64_t step) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const int32_t near_pair = w->engine->contacts.near[c];
-    if (w->engine->run.law && w->engine->run.law->ended) w->engine->run.law->ended(w, dem__number_of(w, c), w->user);
+    dem__report_end(w, w->engine->run.law, dem__number_of(w, c));
     dem__count_contact(w, i, -1);
     dem__mark_to_check(w, i);
     dem__book_contact_end(w, c);

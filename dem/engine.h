@@ -134,7 +134,8 @@ typedef struct dem__run {
     int needs_forces; /* forces must be found before the first step */
     int needs_lists;  /* near pairs and timers must be built anew */
     int leaving;      /* a particle passed an exit in this step */
-    int running;      /* a run is in progress: hooks of laws may not change the world */
+    int running;      /* a run or a removal is in progress: functions of the caller may not change the world */
+    int ending;       /* the law's hook ended is being called: it may not add links either */
     int keeps_wrenches;
     double stiffest;     /* greatest k dt^2/m_eff of the contacts for which the law has computed constants */
     int has_unset_pairs; /* some pair of different materials was never set */

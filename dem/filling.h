@@ -428,8 +428,25 @@ DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
     if (!dem__is_feed(world, feed) || count < 0) return DEM_BAD_ARGUMENT;
     return dem__insert(world, feed, (double)count, HUGE_VAL, 1);
 }
+/* Returns a volume [m3] that the bodies placed in a region cannot exceed; of a mesh, that of the box around it. Where the region is flat,
+   bodies stand out of it. */
+static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) {
+    dem_region r = feed->region;
+    double smallest, diameter;
+    dem__are_sizes(&feed->sizes, &smallest, &diameter);
+    if (feed->polyhedron) diameter = dem__convex_diameter(dem__feed_shape(w, feed));
+    diameter *= dem__feed_reach(w, feed);
+    if (r.kind == DEM_REGION_MESH) r.kind = DEM_REGION_BOX;
+    if (r.kind == DEM_REGION_CYLINDER && r.length == 0.0) r.length = diameter;
+    for (int a = 0; a < 3 && r.kind == DEM_REGION_BOX; a++) {
+        if (!(dem_axis(r.high, a) > dem_axis(r.low, a))) *dem_axis_of(&r.low, a) = 0.0, *dem_axis_of(&r.high, a) = diameter;
+    }
+    return dem_region_volume(&r);
+}
 DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass) {
     if (!dem__is_feed(world, feed) || !dem__not_negative(mass)) return DEM_BAD_ARGUMENT;
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (mass > world->def.material[feed->material].density * dem__most_volume(world, feed)) return DEM_TOO_MANY;
     return dem__insert(world, feed, HUGE_VAL, mass, 1);
 }
 
@@ -469,6 +486,7 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
     dem_world *w = world;
     ptrdiff_t removed = 0;
     if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    w->engine->run.running = 1;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem__rigid *r = dem__rigid_of(w, i);
         if (r && r->first != i) continue;
@@ -477,5 +495,6 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
         removed++;
     }
     if (removed > 0) dem__end_contacts_of_removed(w);
+    w->engine->run.running = 0;
     return removed;
 }

@@ -123,6 +123,7 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
 
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state) {
     dem_world *w = world;
+    if (w && w->engine && w->engine->run.ending) return DEM_BUSY;
     if (!dem__is_present(w, i) || !w->engine->links.law || (!state && w->engine->links.states > 0) || i == j) return DEM_BAD_ARGUMENT;
     if (dem__shape_of(w, i) || (j >= 0 && j < w->count && dem__shape_of(w, j))) return DEM_POLYHEDRON;
     if (j >= 0 && j < w->count && dem__rigid_of(w, i) && dem__rigid_of(w, i) == dem__rigid_of(w, j)) return DEM_BAD_ARGUMENT;

@@ -1,11 +1,18 @@
 /* Motion of walls that the caller prescribes, and walls driven by forces. Relies on shapes.h, which places a wall at a time.
    May be changed here alone: what is refused; how a driven wall is integrated. */
 
+/* Places a wall of the world, or a copy of one, where it is now. Its function may not change the world. */
+static inline void dem__place_wall(dem_world *w, dem_wall *a) {
+    w->engine->run.running = 1;
+    dem__move_wall(a, w->time);
+    w->engine->run.running = 0;
+}
+
 /* Begins a new kinematic motion where the wall is. Returns NULL if there is no such wall. */
 static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     if (!w || wall < 0 || wall >= w->walls) return NULL;
     dem_wall *a = &w->wall[wall];
-    dem__move_wall(a, w->time);
+    dem__place_wall(w, a);
     a->asked.origin = a->position;
     for (int k = 0; k < 3; k++) a->asked.rest_axis[k] = a->axis[k];
     a->asked.spin_centre = dem__add(a->asked.spin_centre, dem__scale(w->time - a->asked.motion_start, a->asked.drift));
@@ -91,7 +98,7 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
     probe.asked.spin_centre = centre;
     probe.asked.motion = motion, probe.asked.motion_user = user;
     probe.asked.interval = world->engine->run.dt;
-    dem__move_wall(&probe, world->time);
+    dem__place_wall(world, &probe);
     if (!dem__wall_is_finite(&probe)) return DEM_BAD_ARGUMENT;
     if (before.asked.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->asked.interval = world->engine->run.dt;
     a->asked.spin_centre = centre;
@@ -108,7 +115,7 @@ static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, d
     if (!w || wall < 0 || wall >= w->walls || !dem__is_place(centre) || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
         !dem__positive(inertia) || !dem__moderate(load / inertia) || !(damping >= 0.0 && dem__moderate(damping / inertia)))
         return DEM_BAD_ARGUMENT;
-    dem__move_wall(&w->wall[wall], w->time);
+    dem__place_wall(w, &w->wall[wall]);
     const dem_vec spin = dem__scale(w->wall[wall].spin, w->wall[wall].spin_axis);
     const double rate = dem__dot(drive == DEM_FORCE_CONTROLLED ? w->wall[wall].velocity : spin, unit);
     dem_wall *a = dem__drive(w, wall, drive);

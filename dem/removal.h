@@ -17,10 +17,18 @@ static inline int32_t dem__last_link(const dem_world *w, ptrdiff_t i) {
     return last;
 }
 
+/* Calls the law's hook for a contact or a link that has ended. */
+static inline void dem__report_end(dem_world *w, const dem_law *law, int32_t k) {
+    if (!law || !law->ended) return;
+    w->engine->run.ending = 1;
+    law->ended(w, k, w->user);
+    w->engine->run.ending = 0;
+}
+
 /* Ends link k; the last link takes its slot. Its force acts until links are evaluated next. */
 static inline void dem__cut_link(dem_world *w, int32_t k) {
     const int32_t i = w->engine->links.i[k], j = w->engine->links.j[k], last = (int32_t)w->engine->links.count - 1;
-    if (w->engine->links.law && w->engine->links.law->ended) w->engine->links.law->ended(w, k, w->user);
+    dem__report_end(w, w->engine->links.law, k);
     dem__unlist_link(w, k, i, -1);
     if (j >= 0) {
         const int32_t p = dem__near_pair(w, i, j);

@@ -37,7 +37,9 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!dem__is_present(w, i)) return DEM_BAD_ARGUMENT;
+    w->engine->run.running = 1;
     dem__detach_particle(w, i);
     dem__end_contacts_of_removed(w);
+    w->engine->run.running = 0;
     return DEM_OK;
 }

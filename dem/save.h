@@ -101,7 +101,7 @@ static inline void dem__write_world(dem__stream *s, dem_world *w) {
 
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
     dem__stream s = {NULL, NULL, 0};
-    if (!world || !world->def.allocator.fn) return 0;
+    if (!world || !world->def.allocator.fn || dem__is_running(world)) return 0;
     dem_world w = *world; /* shares the arrays: tables of fields hold writable addresses, but nothing is written */
     dem__write_world(&s, &w);
     const size_t size = s.at + 8;

@@ -31,13 +31,13 @@
     X(DEM_OUT_OF_MEMORY, "out of memory")                                                                                                  \
     X(DEM_NOT_FINITE, "a particle's force or position is not finite")                                                                      \
     X(DEM_TOO_FAST, "a particle moves more than half its radius in one step")                                                              \
-    X(DEM_TOO_MANY, "more walls, materials or particles than this header counts")                                                          \
+    X(DEM_TOO_MANY, "more walls, materials or particles than this header counts, or more mass than a region can hold")                     \
     X(DEM_BAD_DATA, "neither a whole saved world of this version nor an STL file with triangles")                                          \
     X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or links have no law: call "  \
                         "dem_set_links after dem_load")                                                                                    \
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")                                   \
     X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")                          \
-    X(DEM_BUSY, "the world is running: a law's hook may read it, set states of contacts and add links, nothing else")                      \
+    X(DEM_BUSY, "the world is running: a law's hooks may read it, set states of contacts and (born) add links, nothing else")               \
     X(DEM_POLYHEDRON, "polyhedra take no links, and run with DEM_FRICTION only (a coefficient of 0 takes it out)")                         \
     X(DEM_PAIR_NOT_SET, "two different materials touch whose pair was never set: call dem_pair() or dem_set_pair()")
 #define DEM__NAME(name, text) name,

@@ -127,7 +127,7 @@ FILTRATION_API double filtration_fluid_bytes(const filtration_fluid_def *def);
    tests the flow that it begins with: what a force, a face or a sphere makes of it in this step is told by the next one. After an error the
    fluid can be read, saved and freed. */
 FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, const filtration_spheres *spheres);
-/* Takes steps with spheres whose centres stay (their surfaces may move: velocity and spin hold). */
+/* Takes steps >= 0 with spheres whose centres stay (their surfaces may move: velocity and spin hold). */
 FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, int64_t steps, const filtration_spheres *spheres);
 
 /* ---- changes during a run: BAD_ARGUMENT, and nothing changes, where a value is out of range. Velocities of faces [voxel / dt], pressures
@@ -183,7 +183,7 @@ typedef struct filtration_motion_def {
     double modulus;     /* reduced modulus E* of two spheres in contact [Pa] > 0; default 1e8 (softened; docs/filtration.md) */
     double restitution; /* coefficient of restitution of a dry contact [-], above 0 .. 1; default 0.5 */
     double friction;    /* Coulomb coefficient [-] >= 0; default 0.3 */
-    int sub_steps;      /* contact steps in a fluid step, >= 1; default 10 */
+    int sub_steps;      /* contact steps in a fluid step, 1 .. 1000000; default 10 */
     int lubrication;    /* 1: adds the force of films thinner than 2/3 voxel, for pairs, the solid and walls; default 1 */
     double least_gap;   /* smallest gap of lubrication, over the diameter [-] > 0; default 1e-3: roughness */
     int fixed_axes[3];  /* 1: no motion along this axis (symmetry); default 0 */

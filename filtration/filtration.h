@@ -24,7 +24,8 @@
    Units: SI. Fractions and numbers without unit [-].
 
    Memory, threads: filtration_bed_init and filtration_fluid_init allocate, through a hook, and a step when spheres are added: 160 bytes a
-   node (80 in floats). No object is shared; a fluid's step runs def.threads threads.
+   node (80 in floats). No object is shared; a fluid's step runs def.threads threads. Functions of yours that are called (threads, a solid's
+   distance, a flow, streams) may read the fluid, and change nothing of it.
 
    Determinism: same input, same bits on every machine and compiler, for any number of threads (without fused multiply-add:
    -ffp-contract=off).

@@ -55,11 +55,14 @@ static inline void filtration__sum_all(const filtration__lattice *l, double sum[
 
 FILTRATION_API void filtration_fluid_mean_velocity(const filtration_fluid *fluid, double velocity[3]) {
     double sum[6];
+    for (int a = 0; a < 3 && velocity; a++) velocity[a] = (double)NAN;
+    if (!fluid || !fluid->lattice || !velocity) return;
     filtration__sum_all(fluid->lattice, sum);
     for (int a = 0; a < 3; a++) velocity[a] = sum[a + 1] * fluid->lattice->to_velocity / (double)filtration__nodes(fluid->lattice);
 }
 
 FILTRATION_API double filtration_fluid_flux(const filtration_fluid *fluid, int axis, int slab) {
+    if (!fluid || !fluid->lattice) return (double)NAN;
     const filtration__lattice *l = fluid->lattice;
     int low[3] = {0, 0, 0}, high[3] = {l->nx, l->ny, l->nz};
     double sum[6];
@@ -71,12 +74,14 @@ FILTRATION_API double filtration_fluid_flux(const filtration_fluid *fluid, int a
 }
 
 FILTRATION_API double filtration_fluid_mass(const filtration_fluid *fluid) {
+    if (!fluid || !fluid->lattice) return (double)NAN;
     double sum[6], dx = fluid->def.voxel;
     filtration__sum_all(fluid->lattice, sum);
     return (sum[0] + sum[4]) * fluid->def.density * dx * dx * dx;
 }
 
 FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid) {
+    if (!fluid || !fluid->lattice) return (double)NAN;
     double fluid_nodes = 0.0;
     size_t nodes = filtration__nodes(fluid->lattice);
     for (size_t k = 0; k < nodes; k++) fluid_nodes += fluid->lattice->owner[k] == FILTRATION__FLUID;
@@ -85,11 +90,14 @@ FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid) {
 
 FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid) {
     double sum[6];
+    if (!fluid || !fluid->lattice) return (double)NAN;
     filtration__sum_all(fluid->lattice, sum);
     return sqrt(sum[5]) * fluid->lattice->to_velocity;
 }
 
 FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, double force[3]) {
+    for (int a = 0; a < 3 && force; a++) force[a] = (double)NAN;
+    if (!fluid || !fluid->lattice || !force) return;
     filtration__solid_force(fluid->lattice, force);
     for (int a = 0; a < 3; a++) force[a] *= fluid->lattice->to_force;
 }

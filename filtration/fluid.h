@@ -348,6 +348,7 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
 
 FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, int64_t steps, const filtration_spheres *spheres) {
     filtration_status status = FILTRATION_OK;
+    if (!fluid || !fluid->lattice || steps < 0) return FILTRATION_BAD_ARGUMENT;
     for (int64_t n = 0; n < steps && status == FILTRATION_OK; n++) status = filtration_fluid_step(fluid, spheres);
     return status;
 }

@@ -37,7 +37,7 @@ static inline const char *filtration__bad_motion(const filtration_motion_def *d)
     if (!filtration__is_positive(d->modulus)) return "modulus";
     if (!(d->restitution > 0.0 && d->restitution <= 1.0)) return "restitution";
     if (!(d->friction >= 0.0 && d->friction < HUGE_VAL)) return "friction";
-    if (d->sub_steps < 1) return "sub_steps";
+    if (d->sub_steps < 1 || d->sub_steps > 1000000) return "sub_steps";
     if (d->lubrication != 0 && d->lubrication != 1) return "lubrication";
     if (!filtration__is_positive(d->least_gap)) return "least_gap";
     if (d->spin != 0 && d->spin != 1) return "spin";

@@ -8,6 +8,7 @@
    1971). */
 FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const double fluid[3], const double in_solid[3]) {
     double low = 0.0, high = 1.0, point[3];
+    if (!solid || !solid->distance || !fluid || !in_solid) return (double)NAN;
     double at_low = solid->distance(solid->self, fluid), at_high = solid->distance(solid->self, in_solid);
     if (!(at_low > 0.0 && at_high <= 0.0)) return (double)NAN;
     int side = 0;
@@ -116,6 +117,7 @@ static inline double filtration__wires_distance(const filtration_cloth *cloth, i
 }
 
 FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, const double point[3]) {
+    if (!cloth || !point) return (double)NAN;
     const double z = point[2] - cloth->centre, above = fabs(z) - cloth->wire, pitch = cloth->wire + cloth->opening;
     const double far = fabs(point[0]) > fabs(point[1]) ? fabs(point[0]) : fabs(point[1]);
     if (!(far < 1e9 * pitch && pitch < 1e100 && fabs(z) < 1e100 && cloth->reach <= 4.0 * pitch))
@@ -268,6 +270,7 @@ FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdif
 }
 
 FILTRATION_API double filtration_bed_distance(const filtration_bed *bed, const double point[3]) {
+    if (!bed || !point) return (double)NAN;
     double inside[3], nearest = bed->reach;
     int cell[3];
     if (!bed->entry) return nearest;
@@ -329,6 +332,7 @@ static inline double filtration__cube_distance(const double p[3], const int c[3]
 }
 
 FILTRATION_API double filtration_image_distance(const filtration_image *m, const double point[3]) {
+    if (!m || !point) return (double)NAN;
     double p[3];
     int home[3], c[3];
     for (int k = 0; k < 3; k++) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes a C program that calls every public function of a header with hostile numbers: in each argument, and in each field of each
-structure that it takes, one at a time. Everything is read off the declarations (python/generate.py), so that a new function or field is
+"""Writes a C program that calls every public function of a header with hostile numbers and null pointers: in each argument, and in each
+field of each structure that it takes, one at a time. Everything is read off the declarations (python/generate.py), so that a new function or field is
 tried without being named.
 
     tests/hostile.py HEADER >FILE.c        the program prints how many calls it made; a sanitizer and an alarm are the judges
@@ -72,15 +72,24 @@ static void make_model(classifier_model *m) {
     classifier_init(m, &def, NULL);
 }
 """,
-    "filtration_": "",
+    "filtration_": """
+static void make_fluid(filtration_fluid *f) {
+    filtration_fluid_def def = filtration_fluid_default_def();
+    for (int a = 0; a < 3; a++) def.nodes[a] = 8;
+    filtration_fluid_init(f, &def);
+}
+""",
 }
 # Defaults that take long, made short.
 SHORTER = {
     "classifier_def": "{a}.points = 64;",
+    "filtration_fluid_def": "for (int q = 0; q < 3; q++) {a}.nodes[q] = 8;",
     "dem_feed": "{a}.region = dem_box_region(dem_vec3(0, 0, 0), dem_vec3(8e-3, 8e-3, 8e-3)), {a}.sizes = dem_one_size(4e-3), {a}.tries = 20;",
 }
-# Not called: they want what no number is (a hook that is always there), or own what others made.
-SKIPPED = re.compile(r"_free$|_load$|^dem_force_|^dem_prepare_|^dem_read_stl$|^dem_save$|_save$|^dem_run_law$|^dem_set_links$|^dem_free_mesh$|^filtration_solid_cut$|^filtration_image_(?!check)")
+# Called with null pointers only: they own what others made, want a hook that is always there, or read bytes.
+NULL_ONLY = re.compile(r"_free$|_load$|_save$|^dem_read_stl$|^dem_run_law$|^dem_set_links$|^dem_free_mesh$|^filtration_solid_cut$|^filtration_image_(?!check)")
+# Not called: what a kernel calls with what it has made, and an accessor.
+SKIPPED = re.compile(r"^dem_force_|^dem_prepare_|^dem_axis_of$")
 REALS, WHOLES = {"double", "float"}, {"int", "int32_t", "int64_t", "uint32_t", "uint64_t", "size_t", "ptrdiff_t", "unsigned int", "uint8_t", "unsigned char", "int16_t", "long"}
 
 
@@ -127,6 +136,14 @@ class Caller:
             elif inner in WHOLES or inner in self.enums:
                 yield at, "whole", d.name in lengths or d.name in ("count", "n")
 
+    def pointers(self, name, path=""):
+        """Every pointer in a structure, functions too."""
+        for d in self.structs[name]:
+            if isinstance(d.type, c_ast.PtrDecl):
+                yield path + d.name
+            elif self.name_of(d.type) in self.structs:
+                yield from self.pointers(self.name_of(d.type), path + d.name + ".")
+
     def fill(self, name, variable, lines):
         """Assigns something to the numbers and arrays of a structure that has no default function."""
         for path, kind, _ in self.leaves(name):
@@ -161,10 +178,8 @@ class Caller:
             return self.several(inner, k, lines), list(self.leaves(inner))
         if inner in MAKERS:
             make, free = MAKERS[inner]
-            if inner == "filtration_fluid":
-                return None, []
             lines += [f"static {inner} a{k};", f"memset(&a{k}, 0, sizeof a{k});"]
-            lines += [] if self.naming.endswith("_init") else [make.format(p=f"&a{k}")]
+            lines += [] if self.naming.endswith(("_init", "_load")) else [make.format(p=f"&a{k}")]
             after.append(free.format(p=f"&a{k}"))
             return f"&a{k}", []
         if inner == "double":
@@ -194,30 +209,42 @@ class Caller:
         return f"a{k}"
 
     def function(self, name, declaration):
-        lines, after, passed, targets = [], [], [], []
+        lines, after, passed, targets, null_only = [], [], [], [], NULL_ONLY.search(name)
+        is_law = "static" in declaration.storage and not self.h.functions[name]["returns"].endswith("_status")  # trusts its pointers
         self.naming = name
-        lengths = self.lengths(name) | {"n", "count", "bins", "capacity", "rows", "columns", "classes", "cells", "l_cells", "steps", "capacity", "threads"}
+        lengths = self.lengths(name) | {"n", "count", "bins", "capacity", "rows", "columns", "classes", "cells", "l_cells", "steps", "max_steps", "threads"}
         for k, p in enumerate(declaration.type.args.params if declaration.type.args else []):
             if isinstance(p, c_ast.Typename):
                 continue
             text, within = self.argument(p, k, lines, after)
             if text is None:
                 return None
-            passed.append(text)
-            for path, kind, is_length in within:
+            is_pointer = isinstance(p.type, (c_ast.PtrDecl, c_ast.ArrayDecl)) and text != "NULL" and not is_law
+            passed.append(f"(nulled == {k} ? NULL : {text})" if is_pointer else text)
+            if is_pointer:
+                targets.append((f"nulled = {k}", "null", False, p.name))
+            inner = self.name_of(p.type.type if isinstance(p.type, (c_ast.PtrDecl, c_ast.ArrayDecl)) else p.type)
+            for path in self.pointers(inner) if inner in self.structs and not is_law else []:
+                targets.append((f"a{k}.{path} = NULL", "null", False, f"{p.name}.{path}"))
+            for path, kind, is_length in within if not null_only else []:
                 short = p.name in lengths if is_length is None else is_length
                 at = f"a{k}.{path}" if path else f"a{k}"
                 targets.append((at, kind, short, f"{p.name}.{path}" if path else p.name))
         void = self.h.functions[name]["returns"] == "void"
         code = [f"static int call_{name}(int target, int value) {{"]
         code += ["    reset();"] + ["    " + line for line in lines] + [f'    where = "{name}";']
+        if null_only:
+            code.append("    if (target < 0) { %s }" % " ".join(after + ["return 1;"]))
         code.append("    switch (target) {")
         for t, (at, kind, short, told) in enumerate(targets):
+            if kind == "null":
+                code.append(f'    case {t}: if (value > 0) {{ {" ".join(after + ["return 1;"])} }} field = "{told} (null)"; {at}; break;')
+                continue
             put = "hostile[value]" if kind == "real" else "lengths[value] > 0 ? lengths[value] : -(lengths[value] < 0 && (typeof(%s))-1 < 0)" % at if short else "wholes[value]"
             leave = " ".join(after + ["return 1;"])
             code.append(f'    case {t}: if (value >= {"REALS" if kind == "real" else "LENGTHS" if short else "WHOLES"}) {{ {leave} }} field = "{told}"; {at} = {put}; break;')
         code += ["    default: break;", "    }"]
-        code += [f"    b{k}[0] = a{k};" for k, text in enumerate(passed) if text == f"b{k}"]
+        code += [f"    b{k}[0] = a{k};" for k, text in enumerate(passed) if text.endswith(f" b{k})")]
         code += [f"    {'' if void else '(void)'}{name}({', '.join(passed)});"] + ["    " + line for line in after] + ["    return 0;", "}"]
         return code, len(targets)
 
@@ -245,6 +272,7 @@ PROGRAM = r"""/* Generated by tests/hostile.py. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include "HEADER"
@@ -256,7 +284,9 @@ enum { REALS = sizeof hostile / sizeof *hostile, WHOLES = sizeof wholes / sizeof
 static double numbers[1 << 16];
 static int32_t indices[1 << 12];
 static const char *where = "", *volatile field = "";
+static int nulled; /* the argument that is a null pointer, or -1 */
 static void reset(void) {
+    nulled = -1;
     for (int k = 0; k < (1 << 10); k++) numbers[k] = 1e-3 * (k + 1), indices[k] = 0;
 }
 static void too_long(int signal) {
@@ -266,6 +296,10 @@ static void too_long(int signal) {
     if (write(2, text, (size_t)n) < 0) _exit(3);
     _exit(2);
 }
+static void limit_time(void) { /* a minute of processor time */
+    const struct itimerval minute = {{0, 0}, {60, 0}};
+    setitimer(ITIMER_VIRTUAL, &minute, NULL);
+}
 HELPERS
 CALLS
 static const struct { const char *name; int (*call)(int, int); int targets; } table[] = {
@@ -273,16 +307,16 @@ ROWS
 };
 int main(int argc, char **argv) {
     long calls = 0;
-    signal(SIGALRM, too_long);
+    signal(SIGVTALRM, too_long);
     for (size_t k = 0; k < sizeof table / sizeof *table; k++) {
         if (argc > 1 && strcmp(argv[1], table[k].name) != 0) continue;
         if (argc > 2) fprintf(stderr, "%s\n", table[k].name);
         field = "as it is";
-        alarm(60);
+        limit_time();
         table[k].call(-1, 0), calls++;
         for (int t = 0; t < table[k].targets; t++) {
             for (int v = 0;; v++) {
-                alarm(60);
+                limit_time();
                 if (argc > 2) fprintf(stderr, "    %d %d %s\n", t, v, field);
                 if (table[k].call(t, v)) break;
                 calls++;

@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "classifier.h"
+#include "dem_changes.h"
 #include "dem_scenes.h"
 #include "failing_allocator.h"
 
@@ -241,7 +242,7 @@ static void test_time_steps(void **state) {
 DEM_INLINE dem_vec weak_pull(const dem_force_point *at) { return dem__scale(-at->mass, at->position); }
 DEM_FORCE_FIELD(weak_field, weak_pull)
 
-enum { RICH_SPHERES, RICH_BODIES, RICH_FIELD, RICH_SCENES };
+enum { RICH_SPHERES, RICH_BODIES, RICH_FIELD, RICH_SOURCES, RICH_SCENES };
 static const double rich_run = 1.2e-3; /* [s] */
 
 static dem_status from_wall(int wall) { return wall >= 0 ? DEM_OK : (dem_status)-wall; }
@@ -292,7 +293,7 @@ static dem_status rich_action(dem_world *w, dem_feed *feed, int scene, int k, do
     *over = k == 20;
     if (k < 9) return rich_wall(w, k);
     switch (k) {
-    case 9: return dem_fill(w, feed, 40);
+    case 9: return dem_fill(w, feed, scene == RICH_SOURCES ? 8 : 40);
     case 10: return scene == RICH_BODIES ? rich_bodies(w) : DEM_OK;
     case 11: return scene == RICH_BODIES ? rich_bricks(w, 0) : DEM_OK;
     case 12: return scene == RICH_BODIES ? rich_bricks(w, 2) : DEM_OK;
@@ -320,6 +321,18 @@ static void can_be_saved(const dem_world *w) {
     free(bytes);
 }
 
+/* Sources of clumps within a mesh. */
+static void feed_clumps(dem_feed *feed) {
+    static double vertex[12] = {-0.02, -0.02, 2e-3, 0.02, -0.02, 2e-3, 0.0, 0.02, 2e-3, 0.0, 0.0, 0.03};
+    static int32_t triangle[12] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2};
+    static dem_mesh mesh;
+    static dem_clump clump;
+    const double centre[6] = {0, 0, 0, 1.5e-3, 0, 0}, d[2] = {2e-3, 2e-3};
+    mesh.vertices = 4, mesh.triangles = 4, mesh.vertex = vertex, mesh.triangle = triangle;
+    assert_int_equal(dem_make_clump(2, centre, d, &clump), DEM_OK);
+    feed->region = dem_mesh_region(&mesh), feed->clump = &clump;
+}
+
 /* The scene with allocation fail_at failing, `times` in a row (negative: until it is mended); the hash of its end. */
 static uint64_t rich_scene(int scene, failing_allocator *memory, int fail_at, int times) {
     dem_def def = scene_def(4e-6);
@@ -331,6 +344,7 @@ static uint64_t rich_scene(int scene, failing_allocator *memory, int fail_at, in
     dem_pair(&def, 0, 0)->stiffness = dem_pair(&def, 0, 1)->stiffness = 500.0, *dem_pair(&def, 1, 1) = *dem_pair(&def, 0, 0);
     feed.sizes = dem_uniform_sizes(1.5e-3, 3e-3, 1), feed.velocity = dem_vec3(0, 0, -0.5);
     feed.region = dem_box_region(dem_vec3(-9e-3, -9e-3, 2e-3), dem_vec3(9e-3, 9e-3, 0.02));
+    if (scene == RICH_SOURCES) feed_clumps(&feed);
     if (dem_init(&w, &def, NULL) == DEM_OUT_OF_MEMORY) {
         assert_int_equal(failing_live(memory), 0);
         memory->fail_at = -1;
@@ -409,11 +423,6 @@ static void test_field_after_bodies(void **state) {
     dem_free(&w), dem_free(&twin);
 }
 
-/* A sphere that leaves in the very step in which its energy overflows is a failure, as one that stays is. */
-DEM_INLINE void exploding_force(const dem_contact *c, double *state, dem_response *r) {
-    dem_force_linear(c, state, r); /* fills the whole answer */
-    r->normal = c->gap < -1e-4 ? 1e200 : 0.0;
-}
 /* A body whose rotation no number of strides follows is too fast; a spin of some radians a step is followed. */
 static void test_spin_without_end(void **state) {
     (void)state;
@@ -434,9 +443,14 @@ static void test_spin_without_end(void **state) {
     }
 }
 
+DEM_INLINE void exploding_force(const dem_contact *c, double *state, dem_response *r) {
+    dem_force_linear(c, state, r); /* fills the whole answer */
+    r->normal = c->gap < -1e-4 ? 1e200 : 0.0;
+}
 static const dem_law exploding = {"exploding", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, exploding_force, NULL, NULL};
 DEM_KERNEL(exploding_kernel, exploding, DEM_LINEAR)
 
+/* A sphere that leaves in the very step in which its energy overflows is a failure, as one that stays is. */
 static void test_infinite_energy_does_not_leave(void **state) {
     (void)state;
     const double at[3] = {0, 0, 1.0735e-3}, d = 2e-3, exit_at = 1e-3 - 1e-4;
@@ -601,6 +615,157 @@ static void test_terse_law(void **state) {
     }
 }
 
+/* ---- what a caller can mend is asked again ---- */
+
+/* Links that reach too far for the lists are refused by every run until dem_set_links mends it; then the world goes on as one that never
+   asked for it. */
+static void test_links_too_near_are_mended(void **state) {
+    (void)state;
+    const double at[9] = {0, 0, 0, 0, 1e-3, 2.1e-3, 5e-3, 0, 0}, d[3] = {2e-3, 2e-3, 2e-3}, weak[SPRING_STATES] = {0.05, 1.0, 0.0};
+    uint64_t expected = 0;
+    for (int asks = 0; asks < 2; asks++) {
+        dem_def def = scene_def(4e-6);
+        dem_world w;
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        assert_int_equal(dem_add_spheres(&w, 3, at, d, 0, 0), DEM_OK);
+        assert_int_equal(dem_set_motion(&w, 1, dem_vec3(0, 0, -0.3), dem_vec3(0, 0, 0)), DEM_OK);
+        assert_int_equal(dem_set_links(&w, &spring_kernel, 2e-5, 1e-7), DEM_OK);
+        assert_int_equal(dem_add_link(&w, 0, 1, 0, weak), DEM_OK);
+        assert_int_equal(dem_run(&w, 1e-3, DEM_LINEAR | DEM_ENERGY), DEM_OK);
+        if (asks) {
+            const uint64_t was = dem_hash(&w);
+            assert_int_equal(dem_set_links(&w, &spring_kernel, 2e-5, 1e-3), DEM_OK);
+            for (int k = 0; k < 3; k++) assert_int_equal(dem_run(&w, 1e-3, DEM_LINEAR | DEM_ENERGY), DEM_BAD_DEFINITION);
+            assert_true(dem_hash(&w) == was && w.owed == 0.0);
+            assert_int_equal(dem_set_links(&w, &spring_kernel, 2e-5, 1e-7), DEM_OK);
+        }
+        assert_int_equal(dem_run(&w, 5e-3, DEM_LINEAR | DEM_ENERGY), DEM_OK);
+        assert_true(dem_link_count(&w) == 1 && fabs(dem_energy(&w).error) < 1e-9);
+        if (asks) assert_true(dem_hash(&w) == expected);
+        else expected = dem_hash(&w);
+        dem_free(&w);
+    }
+}
+
+/* However late the clock, a run of one step makes one step, and the motion has the same bits. */
+static void test_late_clock(void **state) {
+    (void)state;
+    static const double late[] = {0.0, 1e9, 1e12, 4e15};
+    const double at[3] = {0, 0, 1.5e-3}, d = 2e-3;
+    dem_vec x = dem_vec3(0, 0, 0), v = x;
+    for (int k = 0; k < 4; k++) {
+        dem_def def = scene_def(5e5);
+        dem_world w;
+        def.gravity = dem_vec3(0, 0, 0);
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        assert_int_equal(dem_run(&w, late[k] < 1e10 ? late[k] : 1e10, DEM_LINEAR), DEM_OK);
+        if (late[k] > 1e10) w.time = late[k], w.engine->run.start_time = late[k], w.engine->run.start_step = w.step; /* nobody waits so long */
+        assert_true(w.time >= 0.999 * late[k]);
+        assert_int_equal(dem_set_time_step(&w, 4e-6), DEM_OK);
+        assert_int_equal(dem_set_gravity(&w, dem_vec3(0, 0, -9.81)), DEM_OK);
+        assert_true(dem_add_plane(&w, 1, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) >= 0);
+        assert_int_equal(dem_add_spheres(&w, 1, at, &d, 0, 0), DEM_OK);
+        const int64_t before = w.step;
+        for (int n = 1; n <= 5000; n++) {
+            assert_int_equal(dem_run(&w, 4e-6, DEM_LINEAR | DEM_FRICTION), DEM_OK);
+            assert_true(w.step == before + n);
+        }
+        if (k == 0) x = dem_position(&w, 0), v = dem_velocity(&w, 0);
+        assert_true(v.z > 0.0 && dem_position(&w, 0).z == x.z && dem_velocity(&w, 0).z == v.z);
+        dem_free(&w);
+    }
+}
+
+/* ---- functions of the caller find a world that cannot be changed ---- */
+
+static int accepted, hook_calls, may_add_links; /* by the hooks below */
+static void try_to_change(dem_world *w) {
+    const double weak[SPRING_STATES] = {0.05, 1.0, 0.0};
+    const int k = dem_first_accepted(w, &dem__kernel_linear, &spring_kernel);
+    if (k >= 0) print_message("    call %d was not refused\n", k), accepted++;
+    if (dem_save(w, NULL, 0) != 0) print_message("    a step half done was saved\n"), accepted++;
+    if (!may_add_links && dem_add_link(w, 0, 1, 0, weak) == DEM_OK) print_message("    a link was added\n"), accepted++;
+    hook_calls++;
+}
+static void busy_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user) {
+    (void)slots, (void)n, (void)user;
+    may_add_links = 1, try_to_change(w), may_add_links = 0;
+}
+static void busy_ended(dem_world *w, int32_t slot, void *user) {
+    (void)slot, (void)user;
+    try_to_change(w);
+}
+static const dem_law busy = {"busy", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear, busy_born, busy_ended};
+DEM_KERNEL(busy_kernel, busy, DEM_LINEAR)
+static const dem_law busy_spring = {"busy spring", 1, SPRING_STATES, 0, 0, 0, NULL, scene_spring_force, NULL, busy_ended};
+DEM_LINK_KERNEL(busy_link_kernel, busy_spring)
+static void busy_motion(void *user, double time, dem_pose *pose) {
+    pose->shift.z = 1e-3 * time;
+    if (user) try_to_change((dem_world *)user);
+}
+DEM_INLINE dem_vec busy_law(const dem_force_point *at) {
+    try_to_change((dem_world *)(uintptr_t)at->user);
+    return dem__scale(-at->mass, at->position);
+}
+DEM_FORCE_FIELD(busy_field, busy_law)
+static void busy_threads(void *user, int tasks, void (*task)(void *context, int index), void *context) {
+    try_to_change((dem_world *)user);
+    for (int k = 0; k < tasks; k++) task(context, k);
+}
+#define HOOKS_WERE_REFUSED(least) (assert_true(accepted == 0 && hook_calls >= (least)), hook_calls = 0)
+
+static void test_hooks_change_nothing(void **state) {
+    (void)state;
+    const double at[12] = {0, 0, 0, 0, 0, 1.999e-3, 0, 0, 6e-3, 0, 0, 9e-3}, d[4] = {2e-3, 2e-3, 2e-3, 2e-3};
+    const double weak[SPRING_STATES] = {0.05, 1.0, 0.0}, torn[SPRING_STATES] = {0.05, 1e-9, 0.0};
+    const dem_vec none = dem_vec3(0, 0, 0), up = dem_vec3(0, 0, 1);
+    const dem_region low = dem_box_region(dem_vec3(-1, -1, -1), dem_vec3(1, 1, 1e-3));
+    dem_def def = scene_def(4e-6);
+    dem_world w;
+    accepted = hook_calls = 0;
+    def.gravity = none, dem_pair(&def, 0, 0)->stiffness = 100.0;
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    assert_int_equal(dem_add_spheres(&w, 4, at, d, 0, 0), DEM_OK);
+    assert_int_equal(dem_set_links(&w, &busy_link_kernel, 2e-5, 0.0), DEM_OK);
+    for (int k = 1; k < 4; k++) assert_int_equal(dem_add_link(&w, 0, k, 0, weak), DEM_OK);
+    assert_int_equal(dem_add_link(&w, 2, 3, 0, torn), DEM_OK);
+    assert_int_equal(dem_run_law(&w, 4e-5, &busy_kernel), DEM_OK); /* a contact is born, a link tears */
+    HOOKS_WERE_REFUSED(2);
+    assert_true(dem_contact_count(&w) == 1 && dem_link_count(&w) == 3);
+    assert_int_equal(dem_remove(&w, 3), DEM_OK); /* ends a link, outside a run */
+    HOOKS_WERE_REFUSED(1);
+    assert_true(dem_remove_region(&w, &low) == 1); /* ends a contact and two links */
+    HOOKS_WERE_REFUSED(3);
+    assert_true(dem_contact_count(&w) == 0 && dem_link_count(&w) == 0 && dem_remove(&w, 1) == DEM_OK);
+    const int wall = dem_add_plane(&w, 0, dem_vec3(0, 0, -1), up);
+    assert_int_equal(dem_prescribe(&w, wall, none, busy_motion, &w), DEM_OK);
+    HOOKS_WERE_REFUSED(1);
+    assert_int_equal(dem_run(&w, 2e-5, DEM_LINEAR), DEM_OK);
+    HOOKS_WERE_REFUSED(5);
+    assert_int_equal(dem_vibrate(&w, wall, none, none, 1.0), DEM_OK); /* takes over from where the function has moved it */
+    HOOKS_WERE_REFUSED(1);
+    assert_int_equal(dem_prescribe(&w, wall, none, busy_motion, &w), DEM_OK);
+    assert_int_equal(dem_control_force(&w, wall, up, 1.0, 0.0, 0.0), DEM_OK);
+    HOOKS_WERE_REFUSED(2);
+    dem_free(&w);
+
+    const dem_force_field field = dem_default_force_field(busy_field, &w);
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    assert_int_equal(dem_add_spheres(&w, 2, at, d, 0, 0), DEM_OK);
+    assert_int_equal(dem_set_force_field(&w, &field), DEM_OK);
+    assert_int_equal(dem_run(&w, 4e-5, DEM_LINEAR | DEM_ENERGY), DEM_OK);
+    HOOKS_WERE_REFUSED(2);
+    dem_free(&w);
+
+    scene_random r = {1};
+    def.parallel = busy_threads, def.parallel_user = &w, def.threads = 2;
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    assert_int_equal(scene_fill(&w, &r, 10, 10, 10, none, 1.9e-3, d, 1, 0.1), DEM_OK);
+    assert_int_equal(dem_run(&w, 2e-5, DEM_LINEAR | DEM_FRICTION), DEM_OK);
+    HOOKS_WERE_REFUSED(1);
+    dem_free(&w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_memory_of_rich_scenes),
@@ -621,6 +786,9 @@ int main(void) {
         cmocka_unit_test(test_threads_set_later),
         cmocka_unit_test(test_worlds_in_used_memory),
         cmocka_unit_test(test_terse_law),
+        cmocka_unit_test(test_links_too_near_are_mended),
+        cmocka_unit_test(test_late_clock),
+        cmocka_unit_test(test_hooks_change_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -640,6 +640,45 @@ static void test_bad_feeds(void **state) {
     dem_free(&w);
 }
 
+/* A mass that no region of this size can hold is refused before anything is drawn; one that fits only just is tried. In a face, a disc and
+   on a line, centres lie there and spheres stand out. */
+static void test_mass_beyond_the_room(void **state) {
+    (void)state;
+    const double d = 0.01, density = 1000.0, one = density * RIDDLE_PI / 6.0 * d * d * d;
+    double vertex[12] = {0, 0, 0, 0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.1};
+    int32_t triangle[12] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2};
+    dem_mesh mesh;
+    memset(&mesh, 0, sizeof mesh);
+    mesh.vertices = 4, mesh.triangles = 4, mesh.vertex = vertex, mesh.triangle = triangle;
+    const struct {
+        dem_region region;
+        double most; /* volume [m3] */
+    } list[] = {{dem_box_region(v3(0, 0, 0), v3(0.1, 0.05, 0.02)), 1e-4},
+                {dem_box_region(v3(0, 0, 3), v3(0.1, 0.1, 3)), 0.01 * d},
+                {dem_box_region(v3(1, 0, 3), v3(1, 0.1, 3)), 0.1 * d * d},
+                {dem_box_region(v3(1, 2, 3), v3(1, 2, 3)), d * d * d},
+                {dem_sphere_region(v3(0, 0, 0), 0.03), 4.0 / 3.0 * RIDDLE_PI * 2.7e-5},
+                {dem_cylinder_region(v3(0, 0, 0), v3(1, 1, 0), 0.1, 0.02), RIDDLE_PI * 4e-5},
+                {dem_cylinder_region(v3(0, 0, 0), v3(0, 0, 1), 0.0, 0.02), RIDDLE_PI * 4e-4 * d},
+                {dem_mesh_region(&mesh), 1e-3}};
+    dem_def def = dem_default_def();
+    dem_add_material(&def, density, 1e7, 0.3);
+    for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
+        dem_feed feed = dem_default_feed(), before;
+        dem_world w;
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        feed.region = list[k].region, feed.sizes = dem_one_size(d), feed.tries = 10;
+        before = feed;
+        assert_int_equal(dem_fill_mass(&w, &feed, 1e6), DEM_TOO_MANY);
+        assert_int_equal(dem_fill_mass(&w, &feed, 1.001 * density * list[k].most), DEM_TOO_MANY);
+        assert_true(w.count == 0 && feed.random == before.random && feed.missed == 0 && feed.waiting == 0.0);
+        const double mass = 0.999 * density * list[k].most;
+        assert_int_equal(dem_fill_mass(&w, &feed, mass), DEM_OK);
+        assert_true(w.count > 0 && fabs((double)(feed.placed + feed.missed) - mass / one) <= 0.5);
+        dem_free(&w);
+    }
+}
+
 /* A region may lie boxes away from a periodic box. */
 static void test_fill_outside_a_box(void **state) {
     (void)state;
@@ -783,6 +822,7 @@ int main(void) {
         cmocka_unit_test(test_remove_and_ledger),
         cmocka_unit_test(test_regions),
         cmocka_unit_test(test_bad_feeds),
+        cmocka_unit_test(test_mass_beyond_the_room),
         cmocka_unit_test(test_memory),
         cmocka_unit_test(test_start_from_a_table),
     };

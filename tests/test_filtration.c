@@ -641,7 +641,11 @@ static void test_bad_input(void **state) {
     assert_int_equal(filtration_fluid_step(&fluid, &s), FILTRATION_TOO_FAST);
     s.n = 0;
     assert_int_equal(filtration_fluid_step(&fluid, &s), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_run(&fluid, -1, NULL), FILTRATION_BAD_ARGUMENT);
+    assert_int_equal(filtration_fluid_run(&fluid, 0, NULL), FILTRATION_OK);
     filtration_fluid_free(&fluid);
+    assert_int_equal(filtration_fluid_run(&fluid, 0, NULL), FILTRATION_BAD_ARGUMENT);
+    assert_int_equal(filtration_fluid_run(NULL, 0, NULL), FILTRATION_BAD_ARGUMENT);
     assert_true(filtration_fluid_bytes(&def) > 12.0 * 12 * 12 * 19 * 8);
     assert_true(filtration_lubrication_force(1e-5, HUGE_VAL, 1e-7, 1e-3, 1e-3, 1e-6, 1e-8) > 0.0);
     assert_true(isnan(filtration_lubrication_force(1e-5, HUGE_VAL, (double)NAN, 1e-3, 1e-3, 1e-6, 1e-8)));

@@ -1572,6 +1572,34 @@ static void test_monte_carlo_statuses(void **state) {
     granulation_montecarlo_free(&mc);
 }
 
+/* However late the clock, all of a duration is run: the same as at its start. */
+static void test_late_clocks(void **state) {
+    (void)state;
+    const double edges[5] = {0.5, 1.5, 2.5, 3.5, 4.5}, late[] = {0.0, 1e9, 1e15, 1e300};
+    const granulation_granule one = {1.0, 0.0, 0.0};
+    const granulation_balance_def def = granulation_balance_default_def();
+    double moment = 0.0;
+    int64_t steps = 0, events = 0;
+    for (int k = 0; k < 4; k++) {
+        granulation_balance b;
+        assert_int_equal(granulation_balance_init(&b, &def, 4, edges, NULL, 0, NULL, NULL), GRANULATION_OK);
+        assert_int_equal(granulation_balance_add(&b, &one, 1.0), GRANULATION_OK);
+        b.time = late[k];
+        for (int n = 0; n < 5; n++) assert_int_equal(granulation_balance_run(&b, 1e-2), GRANULATION_OK);
+        if (k == 0) moment = granulation_balance_moment(&b, 0.0, 0.0), steps = b.steps;
+        assert_true(moment < 0.99 && granulation_balance_moment(&b, 0.0, 0.0) == moment && b.steps == steps);
+        granulation_balance_free(&b);
+        granulation_montecarlo mc;
+        const granulation_granule sample[8] = {one, one, one, one, one, one, one, one};
+        assert_int_equal(granulation_montecarlo_init(&mc, sample, 8, 8.0, granulation_constant_kernel, NULL, 1, NULL), GRANULATION_OK);
+        mc.time = late[k];
+        for (int n = 0; n < 50; n++) assert_int_equal(granulation_montecarlo_run(&mc, 0.1), GRANULATION_OK);
+        if (k == 0) events = mc.events;
+        assert_true(events > 3 && mc.events == events);
+        granulation_montecarlo_free(&mc);
+    }
+}
+
 /* ---- memory that runs out, at every place ---- */
 
 static granulation_status simulate(failing_allocator *memory) {
@@ -1710,6 +1738,7 @@ int main(void) {
         cmocka_unit_test(test_monte_carlo_against_balance),
         cmocka_unit_test(test_kernels),
         cmocka_unit_test(test_monte_carlo_statuses),
+        cmocka_unit_test(test_late_clocks),
         cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
