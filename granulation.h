@@ -1688,22 +1688,14 @@ static inline bool granulation__sort(granulation_sim *sim, int *cells_used) {
 
 /* ---- placement ---- */
 
-static inline granulation_status granulation__place(granulation_sim *sim, const granulation_granule *granules, int n, bool same) {
-    if (!sim || !granules || n < 0 || !(sim->def.box > 0.0)) return GRANULATION_BAD_ARGUMENT;
-    double box = sim->def.box, largest = 0.0;
-    for (int i = 0; i < (same ? 1 : n); i++) {
-        if (!granulation__is_granule(granules + i)) return GRANULATION_BAD_ARGUMENT;
-        double d = granulation_diameter(granulation_volume(granules + i));
-        if (!(d < 0.5 * box)) return GRANULATION_TOO_LARGE;
-        if (d > largest) largest = d;
-    }
-    for (int i = 0; i < sim->n; i++) largest = sim->body[i].diameter > largest ? sim->body[i].diameter : largest;
-    if (n == 0) return GRANULATION_OK;
-    int64_t all = (int64_t)sim->n + n;
-    granulation_status status = granulation__reserve(sim, all);
-    if (status != GRANULATION_OK) return status;
-    /* chains of granules by cell, cells no smaller than the largest diameter: 27 cells hold every neighbour */
-    double most = floor(box / largest);
+/* Chains of granules by cell. Cells are no smaller than the largest diameter, so that 27 of them hold every neighbour; fewer than 3 an axis
+   become one. */
+typedef struct granulation__chains {
+    int cells, *head, *next; /* cells along an axis; first granule of a cell, next granule of a chain, or -1 */
+} granulation__chains;
+
+static inline granulation_status granulation__make_chains(granulation_sim *sim, int64_t all, double largest, granulation__chains *chains) {
+    double most = floor(sim->def.box / largest);
     int cells = granulation__cells_for((int)all);
     if (most < cells) cells = (int)most;
     if (cells < 3) cells = 1;
@@ -1712,52 +1704,79 @@ static inline granulation_status granulation__place(granulation_sim *sim, const 
     if (!granulation__grow(&sim->def.memory, &block, &sim->cells, total, sizeof(int))) return GRANULATION_NO_MEMORY;
     sim->cell_start = (int *)block;
     if (!granulation__grow(&sim->def.memory, &sim->hits, &sim->hit_capacity, all, sizeof(int))) return GRANULATION_NO_MEMORY;
-    int *head = sim->cell_start, *next = (int *)sim->hits;
-    for (int c = 0; c < total; c++) head[c] = -1;
-    int done = 0;
-    for (int i = 0; done < n; i++) {
-        double centre[3] = {0.0, 0.0, 0.0};
-        int at[3] = {0, 0, 0};
-        if (i < sim->n) { /* one that stands already */
-            centre[0] = sim->x[i];
-            centre[1] = sim->y[i];
-            centre[2] = sim->z[i];
-        } else {
-            const granulation_granule *g = granules + (same ? 0 : done);
-            double diameter = granulation_diameter(granulation_volume(g));
-            int attempt = 0;
-            for (; attempt < sim->def.place_attempts; attempt++) {
-                bool free_place = true;
-                for (int k = 0; k < 3; k++) {
-                    centre[k] = box * granulation_random_uniform(&sim->random);
-                    at[k] = (int)(centre[k] / box * cells);
-                }
-                int width = cells < 3 ? 1 : 27;
-                for (int c = 0; c < width && free_place; c++) {
-                    int cx = (at[0] + c % 3 - 1 + cells) % cells, cy = (at[1] + c / 3 % 3 - 1 + cells) % cells,
-                        cz = (at[2] + c / 9 - 1 + cells) % cells;
-                    for (int j = head[(cz * cells + cy) * cells + cx]; j >= 0 && free_place; j = next[j]) {
-                        double dx = granulation__nearest(sim->x[j] - centre[0], box), dy = granulation__nearest(sim->y[j] - centre[1], box),
-                               dz = granulation__nearest(sim->z[j] - centre[2], box), touch = 0.5 * (diameter + sim->body[j].diameter);
-                        free_place = dx * dx + dy * dy + dz * dz > touch * touch;
-                    }
-                }
-                if (free_place) break;
-            }
-            if (attempt == sim->def.place_attempts) return GRANULATION_NO_ROOM;
-            double velocity[3];
-            granulation__draw_velocity(sim, velocity);
-            status = granulation_sim_put(sim, g, centre, velocity);
-            if (status != GRANULATION_OK) return status;
-            done++;
+    chains->cells = cells;
+    chains->head = sim->cell_start;
+    chains->next = (int *)sim->hits;
+    for (int c = 0; c < total; c++) chains->head[c] = -1;
+    return GRANULATION_OK;
+}
+
+/* Puts granule i into the chain of its cell. */
+static inline void granulation__link(const granulation_sim *sim, const granulation__chains *chains, int i) {
+    const double centre[3] = {sim->x[i], sim->y[i], sim->z[i]};
+    int at[3], cells = chains->cells;
+    for (int k = 0; k < 3; k++) {
+        at[k] = (int)(centre[k] / sim->def.box * cells);
+        at[k] = at[k] < cells ? at[k] : cells - 1;
+    }
+    int c = (at[2] * cells + at[1]) * cells + at[0];
+    chains->next[i] = chains->head[c];
+    chains->head[c] = i;
+}
+
+/* Returns whether a sphere at a centre within the box overlaps no granule of the chains. */
+static inline bool granulation__is_free(const granulation_sim *sim, const granulation__chains *chains, const double *centre,
+                                        double diameter) {
+    double box = sim->def.box;
+    int cells = chains->cells, at[3], width = cells < 3 ? 1 : 27;
+    for (int k = 0; k < 3; k++) at[k] = (int)(centre[k] / box * cells);
+    for (int c = 0; c < width; c++) {
+        int cx = (at[0] + c % 3 - 1 + cells) % cells, cy = (at[1] + c / 3 % 3 - 1 + cells) % cells,
+            cz = (at[2] + c / 9 - 1 + cells) % cells;
+        for (int j = chains->head[(cz * cells + cy) * cells + cx]; j >= 0; j = chains->next[j]) {
+            double dx = granulation__nearest(sim->x[j] - centre[0], box), dy = granulation__nearest(sim->y[j] - centre[1], box),
+                   dz = granulation__nearest(sim->z[j] - centre[2], box), touch = 0.5 * (diameter + sim->body[j].diameter);
+            if (!(dx * dx + dy * dy + dz * dz > touch * touch)) return false;
         }
-        for (int k = 0; k < 3; k++) {
-            at[k] = (int)(centre[k] / box * cells);
-            at[k] = at[k] < cells ? at[k] : cells - 1;
-        }
-        int c = (at[2] * cells + at[1]) * cells + at[0];
-        next[i] = head[c];
-        head[c] = i;
+    }
+    return true;
+}
+
+/* Puts one granule at a random place without overlap, with a velocity of the distribution. */
+static inline granulation_status granulation__place_one(granulation_sim *sim, const granulation__chains *chains,
+                                                        const granulation_granule *g) {
+    double centre[3], velocity[3], diameter = granulation_diameter(granulation_volume(g));
+    for (int attempt = 0; attempt < sim->def.place_attempts; attempt++) {
+        for (int k = 0; k < 3; k++) centre[k] = sim->def.box * granulation_random_uniform(&sim->random);
+        if (!granulation__is_free(sim, chains, centre, diameter)) continue;
+        granulation__draw_velocity(sim, velocity);
+        return granulation_sim_put(sim, g, centre, velocity);
+    }
+    return GRANULATION_NO_ROOM;
+}
+
+/* Places n granules, all like the first one if `same`. */
+static inline granulation_status granulation__place(granulation_sim *sim, const granulation_granule *granules, int n, bool same) {
+    if (!sim || !granules || n < 0 || !(sim->def.box > 0.0)) return GRANULATION_BAD_ARGUMENT;
+    double largest = 0.0;
+    for (int i = 0; i < (same ? 1 : n); i++) {
+        if (!granulation__is_granule(granules + i)) return GRANULATION_BAD_ARGUMENT;
+        double d = granulation_diameter(granulation_volume(granules + i));
+        if (!(d < 0.5 * sim->def.box)) return GRANULATION_TOO_LARGE;
+        if (d > largest) largest = d;
+    }
+    for (int i = 0; i < sim->n; i++) largest = sim->body[i].diameter > largest ? sim->body[i].diameter : largest;
+    if (n == 0) return GRANULATION_OK;
+    granulation__chains chains;
+    int64_t all = (int64_t)sim->n + n;
+    granulation_status status = granulation__reserve(sim, all);
+    if (status == GRANULATION_OK) status = granulation__make_chains(sim, all, largest, &chains);
+    if (status != GRANULATION_OK) return status;
+    for (int i = 0; i < sim->n; i++) granulation__link(sim, &chains, i);
+    for (int i = 0; i < n; i++) {
+        status = granulation__place_one(sim, &chains, granules + (same ? 0 : i));
+        if (status != GRANULATION_OK) return status;
+        granulation__link(sim, &chains, sim->n - 1);
     }
     return GRANULATION_OK;
 }
@@ -2838,12 +2857,12 @@ static inline granulation_status granulation__evaluate_kernel(granulation_balanc
 
 /* One evaluation of the rates: the state, and arrays of b->work, all [n]. */
 typedef struct granulation__flow {
-    const double *y, *y_liquid, *y_air; /* number, liquid (NULL with two components) and air of each cell */
-    double *rate, *lost;                /* dy/dt, and its last four numbers: what grows beyond the last pivot */
-    double *loss, *selection;           /* share that coalescence takes from a cell per second; rate of breakage */
-    double *active;                     /* y of the cells that coalesce, 0 of the others */
+    const double *y, *y_liquid, *y_air;        /* number, liquid (NULL with two components) and air of each cell */
+    double *rate, *lost;                       /* dy/dt, and its last four numbers: what grows beyond the last pivot */
+    double *loss, *selection;                  /* share that coalescence takes from a cell per second; rate of breakage */
+    double *active;                            /* y of the cells that coalesce, 0 of the others */
     double *born, *key0, *key1, *liquid, *air; /* sums over what forms in a cell: number, keys, liquid, air; cell average only */
-    bool one, fixed, carries;           /* one component; fixed pivot; there is liquid or air to be carried */
+    bool one, fixed, carries;                  /* one component; fixed pivot; there is liquid or air to be carried */
 } granulation__flow;
 
 static inline granulation__flow granulation__flow_of(const granulation_balance *b, const double *y, double *rate) {

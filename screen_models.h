@@ -1373,79 +1373,112 @@ static inline screen_status screen__sweep(const screen_def *def, screen_bed *bed
     return status;
 }
 
+/* Joins what is left of top layers with the bottom layer, since B = Y - U. Returns 1 if a step of any length is exact: all is stratified,
+   and the bottom layer holds it. */
+static inline int screen__is_stratified(const screen_def *def, screen_bed *bed) {
+    double top = 0.0, bottom = 0.0;
+    for (int i = 0; i < def->classes; i++) {
+        screen__layer *own = &bed[i].own;
+        if (own->u[0] < 1e-18 * own->scale) own->u[0] = 0.0;
+        top += own->u[0];
+        bottom += own->y[0] - own->u[0];
+    }
+    return top == 0.0 && !(bottom > def->bottom_limit);
+}
+
+/* Makes one step of length h without error control. */
+static inline screen_status screen__plain_step(const screen_def *def, screen_bed *bed, double h) {
+    screen_status status = screen__sweep(def, bed, 1, h);
+    for (int i = 0; i < def->classes && !status; i++) {
+        bed[i].own.u[0] = bed[i].own.u[1];
+        bed[i].own.y[0] = bed[i].own.y[1];
+    }
+    return status;
+}
+
+enum { SCREEN__ORDERS = 5 };
+
+/* Extrapolates the results of 1 to k + 1 steps to order 2 k + 2: the errors in h^2, h^4, .. cancel. Returns the difference from the order
+   before, over the scale of a class; infinite for k = 0. */
+static inline double screen__extrapolate(screen_bed *bed, int n, int k) {
+    const double weight[SCREEN__ORDERS][SCREEN__ORDERS] = {{1.0, 0.0, 0.0, 0.0, 0.0},
+                                                           {-1.0 / 3, 4.0 / 3, 0.0, 0.0, 0.0},
+                                                           {1.0 / 24, -16.0 / 15, 81.0 / 40, 0.0, 0.0},
+                                                           {-1.0 / 360, 16.0 / 45, -729.0 / 280, 1024.0 / 315, 0.0},
+                                                           {1.0 / 8640, -64.0 / 945, 6561.0 / 4480, -16384.0 / 2835, 390625.0 / 72576}};
+    double error = 0.0;
+    for (int i = 0; i < n; i++) {
+        screen__layer *own = &bed[i].own;
+        double x = 0.0, y = 0.0, ignored;
+        own->x_of[k] = own->decrement;
+        own->y_of[k] = own->y[1];
+        for (int m = 0; m <= k; m++) {
+            x += weight[k][m] * own->x_of[m];
+            y += weight[k][m] * own->y_of[m];
+        }
+        /* what is wrong with U reaches Y at the rate b until U is gone, at the rate c */
+        double reach = own->b < own->c[0] ? own->b / own->c[0] : 1.0;
+        double u = x >= 0.0 ? own->u[0] * screen__decay(x, &ignored) : own->u[1];
+        double e_u = k > 0 ? fabs(u - own->u_best) * (reach > 1e-3 ? reach : 1e-3) : HUGE_VAL,
+               e_y = k > 0 ? fabs(y - own->y_best) : HUGE_VAL;
+        if (!(e_u <= error * own->scale)) error = e_u / own->scale;
+        if (!(e_y <= error * own->scale)) error = e_y / own->scale;
+        own->u_best = u;
+        own->y_best = y;
+    }
+    return error;
+}
+
+/* Tries a step of length h with as many orders as the tolerance needs. *ratio: error over tolerance, accepted up to 1. *grow: factor by
+   which the next step may be longer. */
+static inline screen_status screen__try_step(const screen_def *def, screen_bed *bed, double h, double *ratio, double *grow) {
+    int k = 0;
+    *ratio = HUGE_VAL;
+    for (; k < SCREEN__ORDERS && !(*ratio <= 1.0); k++) {
+        screen_status status = screen__sweep(def, bed, k + 1, h);
+        if (status) return status;
+        *ratio = screen__extrapolate(bed, def->classes, k) / def->tolerance;
+    }
+    /* the error went as h^(2k - 1); where orders are left the next step may well be longer */
+    double g = *ratio <= 1e-8 ? 10.0 : 0.9 * riddle_exp(riddle_log(*ratio) * (-1.0 / (2 * k - 1)));
+    if (k < SCREEN__ORDERS && g < 2.0) g = 2.0;
+    *grow = !(g > 0.1) ? 0.1 : g < 10.0 ? g : 10.0;
+    return SCREEN_OK;
+}
+
+/* Returns the fastest stratification of a class that still has a top layer [1/s]. */
+static inline double screen__fastest(const screen_bed *bed, int n) {
+    double fastest = 0.0;
+    for (int i = 0; i < n; i++)
+        if (bed[i].own.u[0] > 0.0 && bed[i].own.c[0] > fastest) fastest = bed[i].own.c[0];
+    return fastest;
+}
+
 /* Advances slot 0 by a duration. *hint carries the step size from call to call; 0 at first. */
 static inline screen_status screen__advance(const screen_def *def, screen_bed *bed, double duration, double *hint) {
-    /* 1 to 5 steps extrapolated to order 2 to 10: the errors in h^2, h^4, .. cancel */
-    enum { ORDERS = 5 };
-    const double weight[ORDERS][ORDERS] = {{1.0, 0.0, 0.0, 0.0, 0.0},
-                                           {-1.0 / 3, 4.0 / 3, 0.0, 0.0, 0.0},
-                                           {1.0 / 24, -16.0 / 15, 81.0 / 40, 0.0, 0.0},
-                                           {-1.0 / 360, 16.0 / 45, -729.0 / 280, 1024.0 / 315, 0.0},
-                                           {1.0 / 8640, -64.0 / 945, 6561.0 / 4480, -16384.0 / 2835, 390625.0 / 72576}};
-    int n = def->classes;
     double left = duration, fastest = HUGE_VAL;
     for (long tries = 0; left > 0.0; tries++) {
-        double top = 0.0, bottom = 0.0, before = fastest;
         if (tries > 1000000) return SCREEN_TOO_MANY_STEPS;
-        for (int i = 0; i < n; i++) {
-            screen__layer *own = &bed[i].own;
-            if (own->u[0] < 1e-18 * own->scale) own->u[0] = 0.0; /* joins the bottom layer, since B = Y - U */
-            top += own->u[0];
-            bottom += own->y[0] - own->u[0];
-        }
-        int exact = top == 0.0 && !(bottom > def->bottom_limit); /* then one step of any length is */
+        int exact = screen__is_stratified(def, bed);
         screen_status status = screen__stratification(def, bed, 0);
         if (status) return status;
         if (exact || def->fixed_step > 0.0) {
             double h = !exact && def->fixed_step < left ? def->fixed_step : left;
-            status = screen__sweep(def, bed, 1, h);
+            status = screen__plain_step(def, bed, h);
             if (status) return status;
-            for (int i = 0; i < n; i++) {
-                bed[i].own.u[0] = bed[i].own.u[1];
-                bed[i].own.y[0] = bed[i].own.y[1];
-            }
             left -= h;
             continue;
         }
-        fastest = 0.0;
-        for (int i = 0; i < n; i++)
-            if (bed[i].own.u[0] > 0.0 && bed[i].own.c[0] > fastest) fastest = bed[i].own.c[0];
+        double before = fastest, ratio, grow;
+        fastest = screen__fastest(bed, def->classes);
         if (!(*hint > 0.0)) *hint = fastest > 0.0 ? 0.3 / fastest : left;
         else if (fastest > before) *hint *= before / fastest; /* faster rates need a shorter step */
-        double h = *hint < left ? *hint : left, ratio = HUGE_VAL;
-        int k = 0;
-        for (; k < ORDERS && !(ratio <= 1.0); k++) { /* as many orders as the tolerance needs */
-            double error = 0.0;
-            status = screen__sweep(def, bed, k + 1, h);
-            if (status) return status;
-            for (int i = 0; i < n; i++) {
-                screen__layer *own = &bed[i].own;
-                double x = 0.0, y = 0.0, ignored;
-                own->x_of[k] = own->decrement;
-                own->y_of[k] = own->y[1];
-                for (int m = 0; m <= k; m++) {
-                    x += weight[k][m] * own->x_of[m];
-                    y += weight[k][m] * own->y_of[m];
-                }
-                /* what is wrong with U reaches Y at the rate b until U is gone, at the rate c */
-                double reach = own->b < own->c[0] ? own->b / own->c[0] : 1.0;
-                double u = x >= 0.0 ? own->u[0] * screen__decay(x, &ignored) : own->u[1];
-                double e_u = k > 0 ? fabs(u - own->u_best) * (reach > 1e-3 ? reach : 1e-3) : HUGE_VAL,
-                       e_y = k > 0 ? fabs(y - own->y_best) : HUGE_VAL;
-                if (!(e_u <= error * own->scale)) error = e_u / own->scale;
-                if (!(e_y <= error * own->scale)) error = e_y / own->scale;
-                own->u_best = u;
-                own->y_best = y;
-            }
-            ratio = error / def->tolerance;
-        }
-        /* the error went as h^(2k - 1); where orders are left the next step may well be longer */
-        double grow = ratio <= 1e-8 ? 10.0 : 0.9 * riddle_exp(riddle_log(ratio) * (-1.0 / (2 * k - 1)));
-        if (k < ORDERS && grow < 2.0) grow = 2.0;
-        grow = !(grow > 0.1) ? 0.1 : grow < 10.0 ? grow : 10.0;
+        double h = *hint < left ? *hint : left;
+        status = screen__try_step(def, bed, h, &ratio, &grow);
+        if (status) return status;
         if (!(h < *hint && ratio <= 1.0 && h * grow < *hint)) *hint = h * grow;
         if (!(ratio <= 1.0)) continue;
-        for (int i = 0; i < n; i++) {
+        for (int i = 0; i < def->classes; i++) {
             screen__layer *own = &bed[i].own;
             double u = own->u_best, y = own->y_best <= own->y[0] ? own->y_best : own->y[1]; /* extrapolation must stay in bounds */
             own->y[0] = y > u ? y : u;
