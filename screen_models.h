@@ -3043,25 +3043,33 @@ static inline double screen__try_opposed_rates(screen__problem *p, double best, 
     return best;
 }
 
-/* Descends from random starts with each parameter at each of its bounds, in small problems. */
-static inline double screen__try_borders_anew(screen__problem *p, uint64_t seed, double best, double *q) {
-    const double last_time = screen__last_time(p);
-    for (int j = 0; j < p->parameters && screen__is_small(p, best); j++) {
-        const double low = p->low[j], high = p->high[j];
-        uint64_t state = seed;
-        for (int k = 0; k < 12 && low < high; k++) {
-            double trial[SCREEN_MAX_PARAMETERS];
-            p->low[j] = p->high[j] = k % 2 ? high : low;
-            screen__random_start(p, last_time, &state, trial);
-            if (screen__rates(p->model) == 2) {
-                int left = 300;
-                const double loss = screen__descend(p, trial, screen__rounding(0), 150, &left);
-                screen__second_try(p, trial, loss, screen__rounding(0), &left);
-            }
-            best = screen__try_at(p, trial, best, q);
+/* Descends from `starts` random starts with parameter j at a bound. */
+static inline double screen__try_border_anew(screen__problem *p, int j, double bound, int starts, uint64_t *state, double best, double *q) {
+    const double low = p->low[j], high = p->high[j], last_time = screen__last_time(p);
+    p->low[j] = p->high[j] = bound;
+    for (int k = 0; k < starts; k++) {
+        double trial[SCREEN_MAX_PARAMETERS];
+        screen__random_start(p, last_time, state, trial);
+        if (screen__rates(p->model) == 2) {
+            int left = 300;
+            const double loss = screen__descend(p, trial, screen__rounding(0), 150, &left);
+            screen__second_try(p, trial, loss, screen__rounding(0), &left);
         }
-        p->low[j] = low;
-        p->high[j] = high;
+        best = screen__try_at(p, trial, best, q);
+    }
+    p->low[j] = low, p->high[j] = high;
+    return best;
+}
+
+/* The same with each parameter at each of its bounds, in small problems; more often where the best so far stands at that bound. */
+static inline double screen__try_borders_anew(screen__problem *p, uint64_t seed, double best, double *q) {
+    for (int j = 0; j < p->parameters && screen__is_small(p, best); j++) {
+        uint64_t state = seed;
+        if (!(p->low[j] < p->high[j])) continue;
+        for (int side = 0; side < 2; side++) {
+            const double bound = side ? p->high[j] : p->low[j];
+            best = screen__try_border_anew(p, j, bound, q[j] == bound ? 24 : 6, &state, best, q);
+        }
     }
     return best;
 }
