@@ -345,6 +345,7 @@ typedef struct filtration_curve {
     double correlation;                           /* of neighbouring residuals [-] */
     unsigned remarks;                             /* bits of filtration_remark */
     double pressure, viscosity, area, confidence; /* of the definition */
+    double smallest, largest;                     /* filtrate volume of the first and of the last reading used [m3] */
 } filtration_curve;
 
 FILTRATION_API filtration_curve_def filtration_curve_default_def(void);
@@ -363,6 +364,16 @@ FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curv
    above (0 for the measured pressure), with the interval that follows from slope and intercept. */
 FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area, double compressibility,
                                                     double V, filtration_estimate *time);
+/* What of a prediction lies outside the readings. */
+#define FILTRATION_OUTSIDES(X)                                                                                                             \
+    X(FILTRATION_OUTSIDE_MORE, 1u, "more filtrate on an area than any reading: a thicker cake")                                            \
+    X(FILTRATION_OUTSIDE_LESS, 2u, "less filtrate on an area than any reading of the straight stretch")                                    \
+    X(FILTRATION_OUTSIDE_PRESSURE, 4u, "another pressure: the cake's compressibility is not measured")
+#define FILTRATION__OUTSIDE(name, bit, text) name = bit,
+enum filtration_outside_flag { FILTRATION_OUTSIDES(FILTRATION__OUTSIDE) FILTRATION_OUTSIDE_NOTHING = 0 };
+/* Returns the flags of a prediction, by more than 1 %: arguments as above. 0 for NULL. */
+FILTRATION_API unsigned filtration_outside(const filtration_curve *curve, double pressure, double area, double V);
+FILTRATION_API const char *filtration_outside_text(unsigned flag); /* of one flag; never NULL; static storage */
 
 /* solids_api.h: solids at rest as a signed distance: woven wire cloth, beds of spheres and fibres, voxel images.
    Relies on base.h.
@@ -1563,6 +1574,7 @@ FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def 
     if (!(line.sxx > 0.0 && filtration__is_finite(line.sxy) && filtration__is_finite(line.squares))) return FILTRATION_NO_SOLUTION;
     if (!filtration__is_straight(&r, &line)) result->remarks |= FILTRATION_REMARK_BENT;
     result->first = first, result->last = last;
+    result->smallest = volume[first], result->largest = volume[last];
     filtration__intervals(&r, &line, result);
     filtration__resistances(def, result);
     if (!(result->slope.low > 0.0)) result->remarks |= FILTRATION_REMARK_SLOPE;
@@ -1606,6 +1618,23 @@ FILTRATION_API filtration_status filtration_predict(const filtration_curve *curv
     *time = filtration__estimate(square * curve->slope.value + linear * curve->intercept.value, sqrt(variance > 0.0 ? variance : 0.0),
                                  filtration_student(curve->confidence, curve->freedom));
     return filtration__is_finite(time->value) && filtration__is_finite(time->error) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
+}
+
+FILTRATION_API unsigned filtration_outside(const filtration_curve *curve, double pressure, double area, double V) {
+    unsigned flags = FILTRATION_OUTSIDE_NOTHING;
+    if (!curve) return flags;
+    const double as_measured = V * (curve->area / area), other = pressure / curve->pressure;
+    if (!(as_measured <= 1.01 * curve->largest)) flags |= FILTRATION_OUTSIDE_MORE;
+    if (!(as_measured >= 0.99 * curve->smallest)) flags |= FILTRATION_OUTSIDE_LESS;
+    if (!(other >= 0.99 && other <= 1.01)) flags |= FILTRATION_OUTSIDE_PRESSURE;
+    return flags;
+}
+
+FILTRATION_API const char *filtration_outside_text(unsigned flag) {
+#define FILTRATION__OUTSIDE_TEXT(name, bit, text)                                                                                          \
+    if (flag == bit) return text;
+    FILTRATION_OUTSIDES(FILTRATION__OUTSIDE_TEXT)
+    return "unknown flag";
 }
 
 /* solids.h: signed distances of woven cloth, beds and voxel images. Relies on base.h, solids_api.h, process.h (filtration__is_finite), the

@@ -32,6 +32,8 @@
 
    Determinism: same def, same calls, same bits on every machine and compiler (without fused multiply-add: -ffp-contract=off).
 
+   Validity: the material's constants are a fit. granulation_sim_outside() tells what lies outside its data.
+
    Which order: a step consolidates, breaks, stirs, moves and collides. Indices of granules hold until the next step.
 
    What it does not do: no contact forces and no rotation (collisions are instantaneous), no attrition, no layering, no drying, no flow
@@ -453,6 +455,29 @@ GRANULATION_API granulation_status granulation_sim_map(const granulation_sim *si
                                                        int columns, granulation_reason *reasons);
 /* Finds the deepest overlap of a pair over the sum of its radii [-]; 0: none. */
 GRANULATION_API granulation_status granulation_sim_overlap(granulation_sim *sim, double *deepest);
+
+/* ---- the range of the fit ---- */
+/* clang-format off */
+/* Material and rules of granulation_paper_def were fitted to the paper's Tables 2 and 3. Elsewhere a result is an extrapolation, in: */
+#define GRANULATION_OUTSIDES(X)                                                                       \
+    X(GRANULATION_OUTSIDE_SPEED, 1, "mean velocity outside the fitted 1 .. 7 m/s, 120 .. 840 1/min")  \
+    X(GRANULATION_OUTSIDE_BINDER, 2, "binder outside the fitted 15 .. 33 % of the feed")              \
+    X(GRANULATION_OUTSIDE_SIZE, 4, "mean size d43 outside the fitted 180 .. 245 um")                  \
+    X(GRANULATION_OUTSIDE_FILL, 8, "granules fill less than 6 or more than 9 % of the box")           \
+    X(GRANULATION_OUTSIDE_TIME, 16, "longer than the fitted 100 s")                                   \
+    X(GRANULATION_OUTSIDE_MATERIAL, 32, "another material than the fitted one")                       \
+    X(GRANULATION_OUTSIDE_RULES, 64, "other rules of motion and contact than the fitted ones")
+/* clang-format on */
+enum granulation_outside_flag {
+#define GRANULATION__FLAG(name, value, text) name = value,
+    GRANULATION_OUTSIDES(GRANULATION__FLAG)
+#undef GRANULATION__FLAG
+        GRANULATION_OUTSIDE_NOTHING = 0
+};
+/* Returns the flags of what lies outside the fit now, by more than 1 % of the border. The share of binder is that of l / (s + l), which
+   consolidation keeps. Without granules: speed, time, material and rules only. 0 for NULL. */
+GRANULATION_API unsigned granulation_sim_outside(const granulation_sim *sim);
+GRANULATION_API const char *granulation_outside_text(unsigned flag); /* of one flag; never NULL; static storage */
 
 /* ---- ensembles ---- */
 /* One replicate in numbers. */
@@ -2572,6 +2597,66 @@ GRANULATION_API granulation_status granulation_sim_overlap(granulation_sim *sim,
             }
     }
     return GRANULATION_OK;
+}
+
+GRANULATION_API const char *granulation_outside_text(unsigned flag) {
+    switch (flag) {
+#define GRANULATION__OUTSIDE_TEXT(name, value, text)                                                                                       \
+    case value: return text;
+        GRANULATION_OUTSIDES(GRANULATION__OUTSIDE_TEXT)
+#undef GRANULATION__OUTSIDE_TEXT
+    }
+    return "unknown flag";
+}
+
+/* Returns whether x is within low .. high; 1 % beyond is allowed. NaN is not. */
+static inline bool granulation__within(double x, double low, double high) { return x >= 0.99 * low && x <= 1.01 * high; }
+
+/* Returns whether two materials are the same. */
+static inline bool granulation__same_material(const granulation_def *a, const granulation_def *b) {
+    const granulation_laws *p = &a->laws, *q = &b->laws;
+    const double both[][2] = {
+        {p->viscosity, q->viscosity}, {p->solid_density, q->solid_density}, {p->liquid_density, q->liquid_density},
+        {p->air_density, q->air_density}, {p->surface_tension, q->surface_tension}, {p->contact_angle, q->contact_angle},
+        {p->grain_diameter, q->grain_diameter}, {p->shape_factor, q->shape_factor}, {p->asperity_factor, q->asperity_factor},
+        {p->poisson, q->poisson}, {p->critical_saturation, q->critical_saturation}, {p->yield_ratio, q->yield_ratio},
+        {p->limit_diameter, q->limit_diameter}, {p->limit_moisture, q->limit_moisture}, {p->breakage_stokes, q->breakage_stokes},
+        {p->flow_consistency, q->flow_consistency}, {a->consolidation, b->consolidation},
+    };
+    bool same = p->convention == q->convention && p->stiffness == q->stiffness && p->pair_yield == q->pair_yield &&
+                p->elastic_rule == q->elastic_rule && p->dry_rule == q->dry_rule && p->deep_film == q->deep_film &&
+                p->limit == q->limit && p->limit_type_one == q->limit_type_one;
+    for (size_t k = 0; k < sizeof both / sizeof *both; k++) same = same && both[k][0] == both[k][1];
+    return same;
+}
+
+/* Returns whether two simulations move granules and find contacts by the same rules. */
+static inline bool granulation__same_rules(const granulation_def *a, const granulation_def *b) {
+    bool same = a->step == b->step && a->dilation == b->dilation && a->signs == b->signs && a->detection == b->detection &&
+                a->contact == b->contact && a->bounce == b->bounce && a->approaching_only == b->approaching_only &&
+                a->stirring == b->stirring && a->breakage == b->breakage && a->breakage_least_volume == b->breakage_least_volume &&
+                a->breakage_rest == b->breakage_rest;
+    for (int k = 0; k < 3; k++) same = same && a->velocity_deviation[k] == b->velocity_deviation[k];
+    return same;
+}
+
+GRANULATION_API unsigned granulation_sim_outside(const granulation_sim *sim) {
+    if (!sim) return GRANULATION_OUTSIDE_NOTHING;
+    const granulation_def fitted = granulation_paper_def();
+    unsigned flags = GRANULATION_OUTSIDE_NOTHING;
+    for (int k = 0; k < 3; k++)
+        if (!granulation__within(fabs(sim->def.velocity_mean[k]), 1.0, 7.0)) flags |= GRANULATION_OUTSIDE_SPEED;
+    if (!(sim->time <= 100.0 * (1.0 + 1e-9))) flags |= GRANULATION_OUTSIDE_TIME;
+    if (!granulation__same_material(&sim->def, &fitted)) flags |= GRANULATION_OUTSIDE_MATERIAL;
+    if (!granulation__same_rules(&sim->def, &fitted)) flags |= GRANULATION_OUTSIDE_RULES;
+    if (sim->n == 0) return flags;
+    granulation_granule all;
+    granulation_sim_totals(sim, &all, NULL, NULL);
+    const double box = sim->def.box;
+    if (!granulation__within(all.l / (all.s + all.l), 0.15 / 0.85, 0.33 / 0.85)) flags |= GRANULATION_OUTSIDE_BINDER;
+    if (!granulation__within(granulation_sim_mean(sim, 4, 3), 180e-6, 245e-6)) flags |= GRANULATION_OUTSIDE_SIZE;
+    if (!granulation__within(granulation_volume(&all) / (box * box * box), 0.06, 0.09)) flags |= GRANULATION_OUTSIDE_FILL;
+    return flags;
 }
 
 /* ==== >>balance ==== */

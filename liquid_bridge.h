@@ -312,6 +312,24 @@ BRIDGE_API void bridge_volume_range(const bridge_pair *pair, double radius_i, do
 /* Returns 1 while the liquid is pendular (see pendular_volume), 0 beyond: forces are then those of an isolated bridge, an overestimate. */
 BRIDGE_API int bridge_is_pendular(const bridge_pair *pair, const bridge *b);
 
+/* What lies outside the range of a fit or of a table: there a law extrapolates. */
+#define BRIDGE_OUTSIDES(X)                                                                                                                 \
+    X(BRIDGE_OUTSIDE_WILLETT, 1, "bridge_force_willett: fitted for a mean contact angle to 50 degrees and V/R_h^3 from 5e-5 to 0.2")       \
+    X(BRIDGE_OUTSIDE_UNEQUAL, 2, "bridge_rupture_gap_unequal: fitted for contact angles to 45 degrees and V/R_h^3 from 1e-6 to 0.1")       \
+    X(BRIDGE_OUTSIDE_TABLE, 4, "bridge_form: the volume is outside the prepared table")                                                    \
+    X(BRIDGE_OUTSIDE_RADII, 8, "bridge_form: the ratio of the radii is off that of the prepared pair by more than 4 %")                    \
+    X(BRIDGE_OUTSIDE_PENDULAR, 16, "every law: bridges of three touching spheres would meet")
+enum bridge_outside_flag {
+#define BRIDGE__FLAG(name, value, text) name = value,
+    BRIDGE_OUTSIDES(BRIDGE__FLAG)
+#undef BRIDGE__FLAG
+        BRIDGE_OUTSIDE_NOTHING = 0
+};
+/* Returns the flags for a bridge of `volume` [m3] between solids of these radii [m], which are the pair's i and j, and its contact angles.
+   0 for an unprepared pair. */
+BRIDGE_API unsigned bridge_outside(const bridge_pair *pair, double radius_i, double radius_j, double volume);
+BRIDGE_API const char *bridge_outside_text(unsigned flag); /* of one flag; never NULL; static storage */
+
 /* >>step-list: what a time step calls ----------------------------------------------------------------------------------------------- */
 
 /* Returns the capillary attraction [N] at gap S [m] (any; S <= 0 is contact). Beyond the static rupture gap, on the way to dynamic rupture,
@@ -1578,6 +1596,39 @@ BRIDGE_API bridge_status bridge_form_printed(const bridge_pair *pair, double rad
 BRIDGE_API int bridge_is_pendular(const bridge_pair *pair, const bridge *b) {
     if (!(pair && b)) return 0;
     return b->volume <= pair->pendular_volume * b->radius * b->radius * b->radius;
+}
+
+BRIDGE_API const char *bridge_outside_text(unsigned flag) {
+    switch (flag) {
+#define BRIDGE__TEXT(name, value, text)                                                                                                    \
+    case value: return text;
+        BRIDGE_OUTSIDES(BRIDGE__TEXT)
+#undef BRIDGE__TEXT
+    }
+    return "unknown flag";
+}
+
+/* Returns whether two solids have the same ratio of radii, to 4 %; a plate, of infinite radius, only another plate. */
+static inline int bridge__same_ratio(double ri, double rj, double wanted_i, double wanted_j) {
+    if (ri == HUGE_VAL || rj == HUGE_VAL || wanted_i == HUGE_VAL || wanted_j == HUGE_VAL)
+        return (ri == HUGE_VAL) == (wanted_i == HUGE_VAL) && (rj == HUGE_VAL) == (wanted_j == HUGE_VAL);
+    const double off = (ri / rj) / (wanted_i / wanted_j);
+    return off <= 1.04 && off >= 1.0 / 1.04;
+}
+
+BRIDGE_API unsigned bridge_outside(const bridge_pair *pair, double radius_i, double radius_j, double volume) {
+    const double degree = RIDDLE_PI / 180.0;
+    if (!pair || pair->cookie != BRIDGE__COOKIE) return BRIDGE_OUTSIDE_NOTHING;
+    const bridge_pair_def *d = &pair->def;
+    const double R = bridge_harmonic_radius(radius_i, radius_j), reduced = volume / (R * R * R);
+    const double mean = bridge_effective_angle(d->angle_i, d->angle_j), larger = d->angle_i > d->angle_j ? d->angle_i : d->angle_j;
+    unsigned flags = BRIDGE_OUTSIDE_NOTHING;
+    if (!(mean <= 50.0 * degree && reduced >= 5e-5 && reduced <= 0.2)) flags |= BRIDGE_OUTSIDE_WILLETT;
+    if (!(larger <= 45.0 * degree && reduced >= 1e-6 && reduced <= 0.1)) flags |= BRIDGE_OUTSIDE_UNEQUAL;
+    if (!(reduced >= d->volume_min * (1.0 - 1e-12) && reduced <= d->volume_max * (1.0 + 1e-12))) flags |= BRIDGE_OUTSIDE_TABLE;
+    if (!bridge__same_ratio(radius_i, radius_j, d->radius_i, d->radius_j)) flags |= BRIDGE_OUTSIDE_RADII;
+    if (!(reduced <= pair->pendular_volume)) flags |= BRIDGE_OUTSIDE_PENDULAR;
+    return flags;
 }
 
 BRIDGE_API double bridge_work(const bridge *b, double from, double to) {

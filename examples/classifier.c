@@ -424,7 +424,8 @@ static void draw_separation(const program *self, const classifier_def defs[3], c
         classifier_model model;
         if (prepare(self, &model, d)) break;
         for (int i = 0; i < SIZES; i++) t[i] = classifier_tromp(&model, x[i], NULL);
-        snprintf(label, sizeof label, "%.0f 1/min: x50 = %.1f µm", d->rpm, 1e6 * classifier_quantile(&model, 0.5));
+        snprintf(label, sizeof label, "%.0f 1/min%s: x50 = %.1f µm", d->rpm, d->rpm < 3000.0 || d->rpm > 15000.0 ? " (not measured)" : "",
+                 1e6 * classifier_quantile(&model, 0.5));
         plot_line(figure, label, um, t, SIZES);
         plot_style(figure, 0, k);
         double line_x[2], line_y[2] = {0.0, 1.0};

@@ -236,6 +236,9 @@ static void predict(const program *self, json *report, const settings *s, const 
     if (at_pressure && c->medium.value >= 0.0) common_print(" (%.4g .. %.4g s by the fit)", time.low, time.high);
     common_print("; at the end %.3g mL/s, %.4g Pa in all, %.4g Pa in the cake\n", 1e6 * end.flow, end.pressure, end.cake);
     if (c->medium.value < 0.0) common_print("R_M was taken as 0 for it.\n");
+    const unsigned outside = filtration_outside(c, o.pressure, o.area, s->new_volume);
+    for (unsigned flag = 1; flag <= FILTRATION_OUTSIDE_PRESSURE; flag *= 2)
+        if (outside & flag) common_print("An extrapolation: %s.\n", filtration_outside_text(flag));
     json_object_begin(report, "prediction");
     json_number(report, "area_m2", o.area);
     json_number(report, "pressure_pa", o.pressure);
@@ -247,6 +250,7 @@ static void predict(const program *self, json *report, const settings *s, const 
     json_number(report, "flow_m3_per_s", end.flow);
     json_number(report, "pressure_end_pa", end.pressure);
     json_number(report, "pressure_in_cake_pa", end.cake);
+    json_integer(report, "outside_flags", outside);
     json_object_end(report);
 
     double t[CURVE], V[CURVE], low[CURVE], high[CURVE], flow[CURVE], pressure[CURVE];
@@ -260,10 +264,11 @@ static void predict(const program *self, json *report, const settings *s, const 
         csv_row(file, cells, 5);
     }
     csv_close(file);
-    plot *figure = plot_new("Prediction", 1, 3);
+    plot *figure = plot_new(outside ? "Prediction, outside the readings" : "Prediction", 1, 3);
     plot_panel(figure, 0, 0, "filtrate V [mL]", "time [s]");
     if (at_pressure) plot_band(figure, "interval of the fit", V, low, high, CURVE);
     plot_line(figure, "time", V, t, CURVE);
+    if (outside & FILTRATION_OUTSIDE_MORE) plot_vertical(figure, "as thick a cake as measured", 1e6 * c->largest * o.area / c->area);
     plot_panel(figure, 0, 1, "time [s]", "filtrate flow [mL/s]");
     plot_line(figure, "", t, flow, CURVE);
     plot_panel(figure, 0, 2, "time [s]", "pressure difference [Pa]");

@@ -44,6 +44,7 @@ typedef struct record {
     double *q;              /* [4][steps+1][CLASSES]: count, solid, liquid, air */
     double *size, *number;  /* [steps+1] d43 [m], granules */
     double *film, *success; /* [steps+1] mean film [m], share of the step's interactions that coalesced */
+    unsigned outside;       /* flags of what was outside the fit at the start or at the end */
 } record;
 
 typedef struct ensemble {
@@ -60,6 +61,36 @@ typedef struct ensemble {
 static double speed_of(double rpm) {
     return granulation_tip_speed(GRANULATION_PRINTED, rpm / 60.0, 1.0);
 } /* (33) as the paper uses it, 1 m */
+
+/* Swept contacts at the sum of the radii, momentum conserved, two velocities of three drawn anew each step (the impeller acts all the
+   time), half of the granules moving against the other half. Four numbers refitted to the same 12 percentages and 6 sizes. */
+static granulation_def sound_def(void) {
+    granulation_def def = granulation_default_def();
+    def.stirring = 1.0;
+    def.signs = GRANULATION_TWO_STREAMS;
+    def.laws.viscosity = 0.0496;
+    def.laws.yield_ratio = 0.0366;
+    def.laws.limit_diameter = 2.26e-4;
+    def.dilation = 1.03e5;
+    return def;
+}
+
+/* Returns what lies outside the fit. The sound readings have a fit of their own, to the same tables. */
+static unsigned outside_of(const granulation_sim *sim) {
+    const granulation_def sound = sound_def(), paper = granulation_paper_def();
+    granulation_sim fitted = *sim;
+    granulation_def *d = &fitted.def;
+    if (d->stirring == sound.stirring && d->signs == sound.signs && d->dilation == sound.dilation &&
+        d->laws.viscosity == sound.laws.viscosity && d->laws.yield_ratio == sound.laws.yield_ratio &&
+        d->laws.limit_diameter == sound.laws.limit_diameter && d->detection == sound.detection && d->contact == sound.contact &&
+        d->bounce == sound.bounce && d->approaching_only == sound.approaching_only) {
+        d->stirring = paper.stirring, d->signs = paper.signs, d->dilation = paper.dilation;
+        d->laws.viscosity = paper.laws.viscosity, d->laws.yield_ratio = paper.laws.yield_ratio;
+        d->laws.limit_diameter = paper.laws.limit_diameter, d->detection = paper.detection, d->contact = paper.contact;
+        d->bounce = paper.bounce, d->approaching_only = paper.approaching_only;
+    }
+    return granulation_sim_outside(&fitted);
+}
 
 static condition condition_of(granulation_def def, double rpm, double liquid) {
     condition c = {rpm, liquid, false, 192, def};
@@ -147,7 +178,7 @@ static int one_replicate(int index, void *user) {
     granulation_sim sim;
     r->status = start(&sim, e->c, program_seed_of(e->seed, (uint64_t)index));
     granulation_tally before = sim.tally;
-    if (r->status == GRANULATION_OK) note(&sim, e, r, 0, &before);
+    if (r->status == GRANULATION_OK) note(&sim, e, r, 0, &before), r->outside = outside_of(&sim);
     for (int step = 0; step < e->steps && r->status == GRANULATION_OK; step++) {
         if (e->change) r->status = apply(&sim, e->change, step);
         before = sim.tally;
@@ -155,6 +186,7 @@ static int one_replicate(int index, void *user) {
         if (r->status == GRANULATION_OK) note(&sim, e, r, step + 1, &before);
     }
     r->result = granulation_replicate_of(&sim);
+    if (r->status == GRANULATION_OK) r->outside |= outside_of(&sim);
     granulation_sim_free(&sim);
     if (e->bar) progress_add(e->bar, 1.0);
     return r->status != GRANULATION_OK;
@@ -198,6 +230,30 @@ static granulation_estimate result_of(const ensemble *e, int k) {
     return granulation_estimate_of(&values[0][k], e->replicates, GRANULATION_REPLICATE_FIELDS);
 }
 
+/* The flags of what lies outside the fit in most replicates, and in words; "" for nothing. */
+static unsigned outside_in_most(const ensemble *e) {
+    unsigned flags = 0;
+    for (unsigned flag = 1; flag <= GRANULATION_OUTSIDE_RULES; flag *= 2) {
+        int n = 0;
+        for (int i = 0; i < e->replicates; i++) n += (e->records[i].outside & flag) != 0;
+        if (2 * n > e->replicates) flags |= flag;
+    }
+    return flags;
+}
+static const char *outside_text(char *words, size_t size, unsigned flags) {
+    *words = '\0';
+    for (unsigned flag = 1; flag <= GRANULATION_OUTSIDE_RULES; flag *= 2) {
+        const size_t used = strlen(words);
+        if (flags & flag) snprintf(words + used, size - used, "%s%s", used ? "; " : "", granulation_outside_text(flag));
+    }
+    return words;
+}
+/* Says after a table what lies outside the fit in one of its rows. */
+static void say_outside(const char *name, unsigned flags) {
+    char words[500];
+    if (flags) common_print("%s: an extrapolation; %s.\n", name, outside_text(words, sizeof words, flags));
+}
+
 /* mean and confidence of one number of each record: base of the first, the others at the same offset */
 static granulation_estimate over(const ensemble *e, const double *first) {
     size_t each = 4 * (size_t)(e->steps + 1) * CLASSES + 4 * (size_t)(e->steps + 1);
@@ -230,12 +286,14 @@ static void write_row(json *report, const char *study, const ensemble *e) {
     static const char *const keys[GRANULATION_REPLICATE_FIELDS] = {"type1_pct",    "type2_pct", "rebound_pct", "both_pct", "mean_size_m",
                                                                    "interactions", "breakages", "granules",    "d10_m",    "d30_m",
                                                                    "d32_m",        "x10_m",     "x50_m",       "x90_m",    "span"};
-    char key[40];
+    char key[40], words[500];
     json_object_begin(report, NULL);
     json_string(report, "study", study);
     json_number(report, "rpm", e->c->rpm);
     json_number(report, "binder", e->c->liquid);
     json_integer(report, "replicates", e->replicates);
+    json_integer(report, "outside_flags", outside_in_most(e));
+    json_string(report, "outside", outside_text(words, sizeof words, outside_in_most(e)));
     for (int k = 0; k < GRANULATION_REPLICATE_FIELDS; k++) {
         granulation_estimate x = result_of(e, k);
         json_number(report, keys[k], x.mean);
@@ -311,6 +369,8 @@ static int study_rows(const program *self, json *report, const char *name, const
     bool impeller = !strcmp(name, "impeller");
     char file_name[60];
     double edges[CLASSES + 1], at[4], mean[3][4], bar_of[3][4], paper[3][4]; /* Type I, Type II [%], d43 [um] */
+    unsigned outside[4] = {0};
+    char titles[4][60];
     table1_classes(edges);
     table t = begin_rows();
     snprintf(file_name, sizeof file_name, impeller ? "table2.csv" : "table3.csv");
@@ -337,10 +397,11 @@ static int study_rows(const program *self, json *report, const char *name, const
             paper[0][i] = p ? p->type1 : (double)NAN;
             paper[1][i] = p ? p->type2 : (double)NAN;
             paper[2][i] = p ? p->size_um : (double)NAN;
-            char title[60];
-            snprintf(title, sizeof title, impeller ? "%g rpm" : "%g %% binder", impeller ? e.c->rpm : 100.0 * e.c->liquid);
+            outside[i] = outside_in_most(&e);
+            snprintf(titles[i], sizeof titles[i], impeller ? "%g rpm%s" : "%g %% binder%s", impeller ? e.c->rpm : 100.0 * e.c->liquid,
+                     outside[i] ? " (outside the fit)" : "");
             plot_panel(figure, i / 2, i % 2, "volume at the feed's air content [10⁻¹² m³]", "share of the solid volume [-]");
-            plot_title(figure, title);
+            plot_title(figure, titles[i]);
             for (int k = 0; k < 4; k++) {
                 int step = k == 3 ? steps : k * steps / 4;
                 double x[CLASSES], y[CLASSES], all = 0.0;
@@ -367,6 +428,7 @@ static int study_rows(const program *self, json *report, const char *name, const
     }
     table_end(&t);
     csv_close(file);
+    for (int i = 0; i < n; i++) say_outside(titles[i], outside[i]);
     plot_write(figure, self->out, impeller ? "figure8.svg" : "figure9.svg");
     figure = plot_new(
         impeller ? "Gantt & Gatzke, Table 2: what becomes of collisions" : "Gantt & Gatzke, Table 3: what becomes of collisions", 1, 3);
@@ -374,8 +436,13 @@ static int study_rows(const program *self, json *report, const char *name, const
                                             "mean size d43 [µm]"};
     for (int q = 0; q < 3; q++) {
         plot_panel(figure, 0, q, impeller ? "impeller speed [1/min]" : "binder [%]", y_labels[q]);
+        double beyond_at[4], beyond[4];
+        int beyonds = 0;
+        for (int i = 0; i < n; i++)
+            if (outside[i]) beyond_at[beyonds] = at[i], beyond[beyonds++] = mean[q][i];
         plot_error_bars(figure, "granulation.h, 95 %", at, mean[q], bar_of[q], n);
         plot_points(figure, "paper", at, paper[q], n);
+        if (beyonds > 0) plot_points(figure, "outside the fit", beyond_at, beyond, beyonds);
     }
     return plot_write(figure, self->out, impeller ? "table2.svg" : "table3.svg");
 }
@@ -787,7 +854,8 @@ static int study_midbatch(const program *self, json *report, granulation_def def
                                {steps * 3 / 10, -1, -1, 0.06, 0, 0},
                                {-1, steps / 2, -1, 0, 120.0, 0},
                                {steps * 3 / 10, steps / 2, steps * 7 / 10, 0.06, 120.0, 290.0}};
-    char texts[4][40] = {"unchanged, 360 rpm"};
+    char texts[4][60] = {"unchanged, 360 rpm"};
+    unsigned outside[4] = {0};
     const char *names[4] = {texts[0], texts[1], texts[2], texts[3]};
     snprintf(texts[1], sizeof texts[1], "+ 6 %% binder at %d s", changes[1].spray_step);
     snprintf(texts[2], sizeof texts[2], "120 rpm from %d s", changes[2].impeller_step);
@@ -804,6 +872,7 @@ static int study_midbatch(const program *self, json *report, granulation_def def
             .c = &c, .change = changes + k, .edges = edges, .steps = steps, .replicates = replicates, .seed = self->seed, .bar = &bar};
         bad = ensemble_run(&e, self);
         if (!bad) {
+            outside[k] = outside_in_most(&e);
             write_row(report, names[k], &e);
             table_cell(&t, "%s", names[k]);
             table_cell(&t, "%.1f", result_of(&e, 0).mean);
@@ -827,6 +896,10 @@ static int study_midbatch(const program *self, json *report, granulation_def def
     progress_end(&bar);
     table_end(&t);
     if (bad) return bad;
+    for (int k = 0; k < 4; k++) {
+        say_outside(texts[k], outside[k]);
+        if (outside[k]) strncat(texts[k], " (outside the fit)", sizeof texts[k] - strlen(texts[k]) - 1);
+    }
     plot *figure = plot_new("Operating conditions that change in mid-batch", 2, 2);
     const char *const labels[4] = {"mean size d43 [µm]", "granules [-]", "mean binder film [nm]", "coalescing collisions [%]"};
     for (int p = 0; p < 4; p++) {
@@ -847,19 +920,6 @@ static int study_midbatch(const program *self, json *report, granulation_def def
 }
 
 /* ---- sound: physically sounder readings ---- */
-
-/* Swept contacts at the sum of the radii, momentum conserved, two velocities of three drawn anew each step (the impeller acts all the
-   time), half of the granules moving against the other half. Four numbers refitted to the same 12 percentages and 6 sizes. */
-static granulation_def sound_def(void) {
-    granulation_def def = granulation_default_def();
-    def.stirring = 1.0;
-    def.signs = GRANULATION_TWO_STREAMS;
-    def.laws.viscosity = 0.0496;
-    def.laws.yield_ratio = 0.0366;
-    def.laws.limit_diameter = 2.26e-4;
-    def.dilation = 1.03e5;
-    return def;
-}
 
 enum { READINGS = 8 };
 
@@ -996,8 +1056,12 @@ static int study_custom(const program *self, json *report, granulation_def def, 
     table t = begin_rows();
     table_row(&t, &e);
     table_end(&t);
+    const unsigned outside = outside_in_most(&e);
+    say_outside("This case", outside);
     csv *file = csv_open(self->out, "custom.csv", "step,d43_m,d43_ci95,granules,granules_ci95,film_m,coalescing_share");
-    plot *figure = plot_new("Mean over the replicates with its 95 % interval", 1, 3);
+    plot *figure = plot_new(outside ? "Mean over the replicates with its 95 % interval: an extrapolation, outside the data of the fit"
+                                    : "Mean over the replicates with its 95 % interval",
+                            1, 3);
     static const char *const labels[3] = {"mean size d43 [µm]", "granules [-]", "mean binder film [nm]"};
     static const double units[3] = {1e6, 1.0, 1e9};
     for (int p = 0; p < 3; p++) {

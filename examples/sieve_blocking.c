@@ -564,7 +564,7 @@ static void draw_polynomials(const program *self, json *report, double K, double
         plot_line(figure, "cubic = 1", x, y, contour_of_one(raw, x, y, (int)(sizeof x / sizeof *x)));
         plot_style(figure, 0, PLOT_BLACK);
         if (K >= 0.6 && K <= 5.0) {
-            plot_points(figure, "yours", &K, &x_h, 1);
+            plot_points(figure, a.flags & BLOCKING_FLAG_BOX ? "yours, outside the measured" : "yours", &K, &x_h, 1);
             plot_style(figure, 0, 1);
         }
     }

@@ -47,7 +47,7 @@ static double damping_share(double e) {
 
 /* ---- pulled ---- */
 
-enum { GAPS = 120, LAWS = 5 };
+enum { GAPS = 120, LAWS = 5, WILLETT = 2 };
 
 static const char *const law_names[LAWS] = {"table of the header", "energy form (12a)", "Willett, full fit", "eq 12 / 13, corrected",
                                             "eq 12 / 13, as printed"};
@@ -59,7 +59,7 @@ static double law_force(int law, const bridge_pair *pair, const bridge *b, doubl
     switch (law) {
     case 0: return bridge_attraction(b, gap);
     case 1: return bridge_force_energy(gap, b->volume, b->radius, d->angle_i, d->angle_j, sigma);
-    case 2: return bridge_force_willett(gap, b->volume, b->radius, bridge_effective_angle(d->angle_i, d->angle_j), sigma);
+    case WILLETT: return bridge_force_willett(gap, b->volume, b->radius, bridge_effective_angle(d->angle_i, d->angle_j), sigma);
     case 3:
         return plate ? bridge_force_tension_plate(gap, b->volume, d->radius_i, d->angle_i, d->angle_j, sigma)
                      : bridge_force_tension(gap, b->volume, b->radius, d->angle_i, d->angle_j, sigma);
@@ -119,7 +119,12 @@ static void draw_laws(const program *self, const scene *s, const bridge_pair *pa
     csv_close(file);
     plot *figure = plot_new(solids(&pair->def, text, sizeof text), 1, 2);
     plot_panel(figure, 0, 0, "gap [mm]", "attraction [mN]");
-    for (int law = LAWS - 1; law >= 0; law--) plot_line(figure, law_names[law], mm, force[law], GAPS);
+    const unsigned outside = bridge_outside(pair, pair->def.radius_i, pair->def.radius_j, s->volume);
+    for (int law = LAWS - 1; law >= 0; law--) {
+        const bool beyond = law == WILLETT && (outside & BRIDGE_OUTSIDE_WILLETT);
+        snprintf(text, sizeof text, "%s%s", law_names[law], beyond ? ", outside its fit" : "");
+        plot_line(figure, text, mm, force[law], GAPS);
+    }
     double few_mm[GAPS / 6], few[GAPS / 6];
     for (int k = 0; k < GAPS / 6; k++) {
         few_mm[k] = mm[6 * k];
@@ -140,6 +145,9 @@ static void draw_laws(const program *self, const scene *s, const bridge_pair *pa
         table_cell(&t, "%.3g", worst[law]);
     }
     table_end(&t);
+    for (unsigned flag = 1; flag <= BRIDGE_OUTSIDE_PENDULAR; flag *= 2)
+        if (outside & flag) common_print("Outside its range, %s.\n", bridge_outside_text(flag));
+    json_integer(report, "outside_flags", outside);
     json_number(report, "bridge_volume_m3", b.volume);
     json_number(report, "rupture_gap_m", b.rupture_gap);
     json_number(report, "force_contact_N", bridge_attraction(&b, 0.0));

@@ -267,6 +267,7 @@ FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def 
     if (!(line.sxx > 0.0 && filtration__is_finite(line.sxy) && filtration__is_finite(line.squares))) return FILTRATION_NO_SOLUTION;
     if (!filtration__is_straight(&r, &line)) result->remarks |= FILTRATION_REMARK_BENT;
     result->first = first, result->last = last;
+    result->smallest = volume[first], result->largest = volume[last];
     filtration__intervals(&r, &line, result);
     filtration__resistances(def, result);
     if (!(result->slope.low > 0.0)) result->remarks |= FILTRATION_REMARK_SLOPE;
@@ -310,4 +311,21 @@ FILTRATION_API filtration_status filtration_predict(const filtration_curve *curv
     *time = filtration__estimate(square * curve->slope.value + linear * curve->intercept.value, sqrt(variance > 0.0 ? variance : 0.0),
                                  filtration_student(curve->confidence, curve->freedom));
     return filtration__is_finite(time->value) && filtration__is_finite(time->error) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
+}
+
+FILTRATION_API unsigned filtration_outside(const filtration_curve *curve, double pressure, double area, double V) {
+    unsigned flags = FILTRATION_OUTSIDE_NOTHING;
+    if (!curve) return flags;
+    const double as_measured = V * (curve->area / area), other = pressure / curve->pressure;
+    if (!(as_measured <= 1.01 * curve->largest)) flags |= FILTRATION_OUTSIDE_MORE;
+    if (!(as_measured >= 0.99 * curve->smallest)) flags |= FILTRATION_OUTSIDE_LESS;
+    if (!(other >= 0.99 && other <= 1.01)) flags |= FILTRATION_OUTSIDE_PRESSURE;
+    return flags;
+}
+
+FILTRATION_API const char *filtration_outside_text(unsigned flag) {
+#define FILTRATION__OUTSIDE_TEXT(name, bit, text)                                                                                          \
+    if (flag == bit) return text;
+    FILTRATION_OUTSIDES(FILTRATION__OUTSIDE_TEXT)
+    return "unknown flag";
 }

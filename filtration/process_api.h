@@ -155,6 +155,7 @@ typedef struct filtration_curve {
     double correlation;                           /* of neighbouring residuals [-] */
     unsigned remarks;                             /* bits of filtration_remark */
     double pressure, viscosity, area, confidence; /* of the definition */
+    double smallest, largest;                     /* filtrate volume of the first and of the last reading used [m3] */
 } filtration_curve;
 
 FILTRATION_API filtration_curve_def filtration_curve_default_def(void);
@@ -173,3 +174,13 @@ FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curv
    above (0 for the measured pressure), with the interval that follows from slope and intercept. */
 FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area, double compressibility,
                                                     double V, filtration_estimate *time);
+/* What of a prediction lies outside the readings. */
+#define FILTRATION_OUTSIDES(X)                                                                                                             \
+    X(FILTRATION_OUTSIDE_MORE, 1u, "more filtrate on an area than any reading: a thicker cake")                                            \
+    X(FILTRATION_OUTSIDE_LESS, 2u, "less filtrate on an area than any reading of the straight stretch")                                    \
+    X(FILTRATION_OUTSIDE_PRESSURE, 4u, "another pressure: the cake's compressibility is not measured")
+#define FILTRATION__OUTSIDE(name, bit, text) name = bit,
+enum filtration_outside_flag { FILTRATION_OUTSIDES(FILTRATION__OUTSIDE) FILTRATION_OUTSIDE_NOTHING = 0 };
+/* Returns the flags of a prediction, by more than 1 %: arguments as above. 0 for NULL. */
+FILTRATION_API unsigned filtration_outside(const filtration_curve *curve, double pressure, double area, double V);
+FILTRATION_API const char *filtration_outside_text(unsigned flag); /* of one flag; never NULL; static storage */

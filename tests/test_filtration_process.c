@@ -445,6 +445,17 @@ static void test_exact_line(void **state) {
     assert_true(c.first == 11);
     assert_close(c.product.value, product, 1e-11);
     assert_close(c.medium.value, medium, 1e-9);
+    assert_true(c.smallest == V[c.first] && c.largest == V[c.last]);
+    assert_int_equal(filtration_outside(&c, dp, A, c.largest), 0);
+    assert_int_equal(filtration_outside(&c, dp, 3 * A, 3 * c.largest), 0);
+    assert_int_equal(filtration_outside(&c, dp, A, 1.02 * c.largest), FILTRATION_OUTSIDE_MORE);
+    assert_int_equal(filtration_outside(&c, dp, 3 * A, 3.06 * c.largest), FILTRATION_OUTSIDE_MORE);
+    assert_int_equal(filtration_outside(&c, dp, A, 0.97 * c.smallest), FILTRATION_OUTSIDE_LESS);
+    assert_int_equal(filtration_outside(&c, 2 * dp, A, c.largest), FILTRATION_OUTSIDE_PRESSURE);
+    assert_int_equal(filtration_outside(&c, (double)NAN, A, (double)NAN), 7);
+    assert_int_equal(filtration_outside(NULL, dp, A, c.largest), 0);
+    assert_string_equal(filtration_outside_text(3), "unknown flag");
+    assert_string_not_equal(filtration_outside_text(4), "unknown flag");
     filtration_estimate time;
     assert_int_equal(filtration_predict(&c, dp, A, 0.0, 1e-5, &time), FILTRATION_OK);
     assert_close(time.value, filtration_time_of_volume(slope, intercept, 1e-5), 1e-10);

@@ -1705,6 +1705,55 @@ static void test_kernels_without_data(void **state) {
     assert_true(zeros.state[0] | zeros.state[1]);
 }
 
+/* What lies outside the fitted tables is told, each thing by its flag. */
+static void test_outside_the_fit(void **state) {
+    (void)state;
+    const granulation_granule feed = {1.04e-12, 0.66e-12, 0.30e-12}, wet = {0.9e-12, 0.8e-12, 0.30e-12}, large = {2e-11, 1.27e-11, 6e-12};
+    struct {
+        granulation_granule g;
+        int n;
+        double speed, viscosity, box;
+        int steps;
+        unsigned flags;
+    } cases[] = {
+        {feed, 310, 3.0, 0.035, 2e-3, 0, 0},
+        {feed, 310, 7.0, 0.035, 2e-3, 100, 0},
+        {feed, 310, 3.0, 0.035, 2e-3, 101, GRANULATION_OUTSIDE_TIME},
+        {feed, 310, 7.2, 0.035, 2e-3, 0, GRANULATION_OUTSIDE_SPEED},
+        {feed, 310, -3.0, 0.035, 2e-3, 0, 0},
+        {feed, 310, 0.0, 0.035, 2e-3, 0, GRANULATION_OUTSIDE_SPEED},
+        {wet, 310, 3.0, 0.035, 2e-3, 0, GRANULATION_OUTSIDE_BINDER},
+        {large, 16, 3.0, 0.035, 2e-3, 0, GRANULATION_OUTSIDE_SIZE},
+        {feed, 310, 3.0, 0.035, 4e-3, 0, GRANULATION_OUTSIDE_FILL},
+        {feed, 310, 3.0, 0.04, 2e-3, 0, GRANULATION_OUTSIDE_MATERIAL},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        granulation_def def = granulation_paper_def();
+        granulation_sim sim;
+        for (int a = 0; a < 3; a++) def.velocity_mean[a] = cases[k].speed;
+        def.laws.viscosity = cases[k].viscosity, def.box = cases[k].box;
+        assert_int_equal(granulation_sim_init(&sim, &def), GRANULATION_OK);
+        assert_int_equal(granulation_sim_outside(&sim),
+                         cases[k].flags & (GRANULATION_OUTSIDE_SPEED | GRANULATION_OUTSIDE_MATERIAL)); /* empty */
+        assert_int_equal(granulation_sim_add(&sim, &cases[k].g, cases[k].n), GRANULATION_OK);
+        if (cases[k].g.s != large.s) /* equal granules of the feed's smallest class lie below the range of d43 */
+            cases[k].flags |= granulation_sim_mean(&sim, 4, 3) < 178e-6 ? GRANULATION_OUTSIDE_SIZE : 0u;
+        if (cases[k].steps > 0) assert_int_equal(granulation_sim_run(&sim, cases[k].steps), GRANULATION_OK);
+        assert_int_equal(granulation_sim_outside(&sim) & ~(unsigned)GRANULATION_OUTSIDE_SIZE,
+                         cases[k].flags & ~(unsigned)GRANULATION_OUTSIDE_SIZE);
+        if (cases[k].steps == 0) assert_int_equal(granulation_sim_outside(&sim), cases[k].flags);
+        granulation_sim_free(&sim);
+    }
+    granulation_def def = granulation_default_def();
+    granulation_sim sim;
+    assert_int_equal(granulation_sim_init(&sim, &def), GRANULATION_OK);
+    assert_int_equal(granulation_sim_outside(&sim), GRANULATION_OUTSIDE_RULES);
+    granulation_sim_free(&sim);
+    assert_int_equal(granulation_sim_outside(NULL), 0);
+    for (unsigned flag = 1; flag <= GRANULATION_OUTSIDE_RULES; flag *= 2)
+        assert_string_not_equal(granulation_outside_text(flag), granulation_outside_text(3));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_stop_is_at_one_time),
@@ -1739,6 +1788,7 @@ int main(void) {
         cmocka_unit_test(test_kernels),
         cmocka_unit_test(test_monte_carlo_statuses),
         cmocka_unit_test(test_late_clocks),
+        cmocka_unit_test(test_outside_the_fit),
         cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

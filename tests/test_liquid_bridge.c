@@ -1128,6 +1128,41 @@ static void test_null_pointers_and_broken_books(void **state) {
     assert_true(film[0] == 1e-10);
 }
 
+/* Which laws extrapolate is told: by angles, volume and radii. */
+static void test_outside(void **state) {
+    (void)state;
+    const double degree = RIDDLE_PI / 180.0;
+    bridge_pair_def def = bridge_pair_default_def();
+    bridge_pair pair;
+    const double r = def.radius_i, R3 = r * r * r;
+    assert_int_equal(bridge_pair_prepare(&pair, &def), BRIDGE_OK);
+    assert_int_equal(bridge_outside(&pair, r, r, 1e-3 * R3), 0);
+    assert_int_equal(bridge_outside(&pair, 7.0 * r, 7.0 * r, 1e-3 * 343.0 * R3), 0); /* lengths scale */
+    assert_int_equal(bridge_outside(&pair, r, 1.03 * r, 1e-3 * R3), 0);
+    assert_int_equal(bridge_outside(&pair, r, 1.05 * r, 1e-3 * R3), BRIDGE_OUTSIDE_RADII);
+    assert_int_equal(bridge_outside(&pair, r, (double)INFINITY, 1e-3 * R3), BRIDGE_OUTSIDE_RADII);
+    assert_int_equal(bridge_outside(&pair, r, r, 1e-5 * R3), BRIDGE_OUTSIDE_WILLETT);
+    assert_int_equal(bridge_outside(&pair, r, r, 0.5e-6 * R3), BRIDGE_OUTSIDE_WILLETT | BRIDGE_OUTSIDE_UNEQUAL | BRIDGE_OUTSIDE_TABLE);
+    assert_int_equal(bridge_outside(&pair, r, r, 0.09 * R3), BRIDGE_OUTSIDE_PENDULAR);
+    assert_int_equal(bridge_outside(&pair, r, r, 0.11 * R3), BRIDGE_OUTSIDE_PENDULAR | BRIDGE_OUTSIDE_UNEQUAL | BRIDGE_OUTSIDE_TABLE);
+    assert_int_equal(bridge_outside(&pair, r, r, (double)NAN), 1 | 2 | 4 | 16);
+    def.angle_j = 55.0 * degree;
+    assert_int_equal(bridge_pair_prepare(&pair, &def), BRIDGE_OK);
+    assert_int_equal(bridge_outside(&pair, r, r, 1e-3 * R3), BRIDGE_OUTSIDE_UNEQUAL);
+    def.angle_i = 52.0 * degree;
+    assert_int_equal(bridge_pair_prepare(&pair, &def), BRIDGE_OK);
+    assert_int_equal(bridge_outside(&pair, r, r, 1e-3 * R3), BRIDGE_OUTSIDE_UNEQUAL | BRIDGE_OUTSIDE_WILLETT);
+    def.angle_i = def.angle_j = 15.0 * degree, def.radius_j = (double)INFINITY;
+    assert_int_equal(bridge_pair_prepare(&pair, &def), BRIDGE_OK);
+    assert_int_equal(bridge_outside(&pair, r, (double)INFINITY, 8e-3 * R3) & BRIDGE_OUTSIDE_RADII, 0);
+    assert_int_equal(bridge_outside(&pair, r, r, 1e-3 * R3) & BRIDGE_OUTSIDE_RADII, BRIDGE_OUTSIDE_RADII);
+    pair.cookie = 0;
+    assert_int_equal(bridge_outside(&pair, r, r, 1e-3 * R3), 0);
+    assert_int_equal(bridge_outside(NULL, r, r, 1e-3 * R3), 0);
+    for (unsigned flag = 1; flag <= BRIDGE_OUTSIDE_PENDULAR; flag *= 2)
+        assert_string_not_equal(bridge_outside_text(flag), bridge_outside_text(3));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_null_pointers_and_broken_books),
@@ -1150,6 +1185,7 @@ int main(void) {
         cmocka_unit_test(test_law_is_passive_and_objective),
         cmocka_unit_test(test_free_doublet),
         cmocka_unit_test(test_liquid_is_conserved),
+        cmocka_unit_test(test_outside),
         cmocka_unit_test(test_allocation),
         cmocka_unit_test(test_golden_bits),
     };
