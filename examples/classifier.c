@@ -1,7 +1,7 @@
 /* Air classification in a deflector wheel by classifier.h, after Weers et al., Minerals 12 (2022) 480, "the paper".
 
-   Draws, for one material and speed (the curves also for the other two speeds), its inputs: fig07_rebound_angle, fig09_restitution (with the
-   bars of Thornton & Ning), fig11_contacts; and the counterparts of its results: fig08_rebound_on_wheel, fig10_impact_radius,
+   Draws, for one material and speed (the curves also for the other two speeds), its inputs: fig07_rebound_angle, fig09_restitution (with
+   the bars of Thornton & Ning), fig11_contacts; and the counterparts of its results: fig08_rebound_on_wheel, fig10_impact_radius,
    fig12_case_weights, fig13_separation, figA4_contacts_fixed; paths.svg: the balance at the hit against the whole path; circuit.svg:
    the effect of a second stage with recycle. tromp.csv has the separation curve. Inputs that the paper only draws are replaced by plausible
    values (docs/classifier.md).
@@ -545,6 +545,146 @@ static void draw_paths(const program *self, const classifier_def *def, const cla
     plot_write(figure, self->out, "paths.svg");
 }
 
+/* ---- the program ---- */
+
+/* What the model gives for the wanted speed. */
+typedef struct outcome {
+    classifier_def def;
+    classifier_result r;
+    unsigned flags;                          /* of the inputs of that speed */
+    double x[SIZES], t[SIZES];               /* the curve [m], [-] */
+    double eq3, eq6, eq6_projected, seconds; /* cut sizes of the balances [m]; what the curve took */
+} outcome;
+
+/* A file that is a distribution, but not of that quantity; or --contacts for something odd. */
+static void refuse_definition(const program *self, const classifier_def *def) {
+    const char *field;
+    if (classifier_check_def(def, &field) == CLASSIFIER_OK) return;
+    const char *option_name = !strcmp(field, "sphericity_2d")          ? "sphericity"
+                              : !strcmp(field, "tangential_velocity")  ? "tangential"
+                              : !strcmp(field, "radial_velocity")      ? "radial"
+                              : !strcmp(field, "particle_restitution") ? "restitution"
+                                                                       : field;
+    program_refuse(self, option_name, NULL,
+                   "values in its range: restitution and sphericity 0 .. 1, inward velocity >= 0, angles with rebounds off the face");
+}
+
+/* Scales the gas velocities so that the wanted speed has this cut size: the paper's proposal, one point serves all speeds. */
+static void calibrate_to(const program *self, double x50_um, classifier_def *def, classifier_def defs[3]) {
+    classifier_def calibrated;
+    if (classifier_calibrate(def, 1e-6 * x50_um, NULL, &calibrated) != CLASSIFIER_OK)
+        program_refuse(self, "x50-um", NULL, "a cut size that some gas velocity gives");
+    double ratio = calibrated.radial_factor / def->radial_factor;
+    *def = calibrated;
+    for (int k = 0; k < 3; k++) defs[k].radial_factor *= ratio;
+    common_print("Calibrated to %.2f um: gas velocity factor %.3f (before: %.3f)\n", x50_um, def->radial_factor,
+                 def->radial_factor / ratio);
+}
+
+static classifier_status evaluate(const classifier_model *model, outcome *o) {
+    double centre = classifier_quantile(model, 0.5);
+    if (!(centre > 0.0)) centre = eq6(&o->def, CLASSIFIER_EQUIVALENT, false);
+    size_grid(o->x, 0.1 * centre, 10.0 * centre);
+    o->eq3 = eq6(&o->def, CLASSIFIER_EQUIVALENT, true);
+    o->eq6 = eq6(&o->def, CLASSIFIER_EQUIVALENT, false);
+    o->eq6_projected = eq6(&o->def, CLASSIFIER_PROJECTED, false);
+    return classifier_separate(model, o->x, o->t, SIZES, &o->r);
+}
+
+static void write_curve(const program *self, const classifier_model *model, const double *x) {
+    csv *file = csv_open(self->out, "tromp.csv",
+                         "# share of a size that is rejected to the coarse product, half width of its 95 % interval, cases "
+                         "alone\nsize_m,t,t_error,t_a,t_b,t_c");
+    for (int i = 0; i < SIZES; i++) {
+        double error;
+        const double share = classifier_tromp(model, x[i], &error);
+        double line[6] = {x[i], share, error};
+        classifier_tromp_cases(model, x[i], line + 3);
+        csv_row(file, line, 6);
+    }
+    csv_close(file);
+}
+
+static void print_outcome(const outcome *o, const char *material) {
+    const classifier_def *def = &o->def;
+    const classifier_result *r = &o->r;
+    const double undisturbed = classifier_radial_velocity(&def->wheel, def->air_flow, def->wheel.outer_radius);
+    common_print("%s, %.0f 1/min, %g m3/h, rim %.2f m/s, gas %.2f m/s (undisturbed %.2f)\n\n", material, def->rpm, 3600.0 * def->air_flow,
+                 def->rpm * RIDDLE_PI / 30.0 * def->wheel.outer_radius, def->radial_factor * undisturbed, undisturbed);
+    table out = table_begin("x25 [um]|x50 [um]|x75 [um]|sharpness [-]|error of T [-]|Re at x50|eq 3 [um]|eq 6 [um]|eq 6, projected [um]");
+    table_cell(&out, "%.2f", 1e6 * r->x25);
+    table_cell(&out, "%.2f", 1e6 * r->x50);
+    table_cell(&out, "%.2f", 1e6 * r->x75);
+    table_cell(&out, "%.3f", r->sharpness);
+    table_cell(&out, "%.1e", r->t_error);
+    table_cell(&out, "%.0f", r->re50);
+    table_cell(&out, "%.2f", 1e6 * o->eq3);
+    table_cell(&out, "%.2f", 1e6 * o->eq6);
+    table_cell(&out, "%.2f", 1e6 * o->eq6_projected);
+    table_end(&out);
+    common_print("\nCases: clean %.3f, thrown by a particle %.3f, hit again %.3f. Model and curve: %.1f ms.\n", r->weights.clean,
+                 r->weights.thrown, r->weights.again, 1e3 * o->seconds);
+    if (o->flags & CLASSIFIER_EXTRAPOLATED)
+        common_print("Note: the paper measured 3000 .. 15000 1/min; inputs that depend on the speed are held at the end.\n");
+    if (r->flags & CLASSIFIER_CUT_OUTSIDE)
+        common_print("Note: a cut lies outside %g .. %g um.\n", 1e6 * def->size_low, 1e6 * def->size_high);
+    if (r->flags & CLASSIFIER_MISSED)
+        common_print("Note: %.1f %% of the particles pass between the paddles untouched.\n", 100.0 * r->missed);
+    if (r->clamped > 1e-3)
+        common_print("Note: %.1f %% of the sphericities lie outside the conversion's range and were set to its end.\n", 100.0 * r->clamped);
+}
+
+static void print_fit(const classifier_fit_result *fit) {
+    char range[3][40];
+    common_print("Measured curve: x50 %.2f%s um, slope %.2f%s, bypass %.3f%s, rms %.3f (+- 95 %% range by Student's t, %.0f "
+                 "degrees of freedom)\n",
+                 1e6 * fit->curve.size, range_of(range[0], sizeof *range, fit, 1e6 * fit->size_sd, false, 2), fit->curve.slope,
+                 range_of(range[1], sizeof *range, fit, fit->slope_sd, (fit->at_border & CLASSIFIER_SLOPE) != 0, 2), fit->curve.bypass,
+                 range_of(range[2], sizeof *range, fit, fit->bypass_sd, (fit->at_border & CLASSIFIER_FREE_BYPASS) != 0, 3), fit->rms,
+                 fit->dof);
+}
+
+static void report_outcome(json *report, const outcome *o, const char *material) {
+    const classifier_result *r = &o->r;
+    const double weights[3] = {r->weights.clean, r->weights.thrown, r->weights.again};
+    json_string(report, "material", material);
+    json_number(report, "rpm", o->def.rpm);
+    json_number(report, "air_m3_per_s", o->def.air_flow);
+    json_string(report, "basis", o->def.basis == CLASSIFIER_PROJECTED ? "projected" : "equivalent");
+    json_number(report, "radial_factor", o->def.radial_factor);
+    json_number(report, "x25_m", r->x25);
+    json_number(report, "x50_m", r->x50);
+    json_number(report, "x75_m", r->x75);
+    json_number(report, "x50_error_m", r->x50_error);
+    json_number(report, "sharpness", r->sharpness);
+    json_number(report, "ecart_probable_m", r->ecart_probable);
+    json_number(report, "t_error", r->t_error);
+    json_number(report, "eq3_m", o->eq3);
+    json_number(report, "eq6_m", o->eq6);
+    json_number(report, "eq6_projected_m", o->eq6_projected);
+    json_number(report, "re50", r->re50);
+    json_array(report, "case_weights", weights, 3);
+    json_array(report, "x_m", o->x, SIZES);
+    json_array(report, "tromp", o->t, SIZES);
+    json_bool(report, "cut_outside", (r->flags & CLASSIFIER_CUT_OUTSIDE) != 0);
+    json_bool(report, "extrapolated", (o->flags & CLASSIFIER_EXTRAPOLATED) != 0);
+    json_number(report, "missed", r->missed);
+    json_number(report, "clamped", r->clamped);
+    json_number(report, "model_s", o->seconds);
+}
+
+static void report_fit(json *report, const classifier_fit_result *fit) {
+    json_object_begin(report, "fit");
+    json_number(report, "x50_m", fit->curve.size);
+    json_number(report, "x50_sd_m", fit->size_sd);
+    json_number(report, "x50_range_m", fit->student * fit->size_sd);
+    json_number(report, "degrees_of_freedom", fit->dof);
+    json_number(report, "slope", fit->curve.slope);
+    json_number(report, "bypass", fit->curve.bypass);
+    json_number(report, "rms", fit->rms);
+    json_object_end(report);
+}
+
 int main(int argc, char **argv) {
     int material = 0, basis = 0, law = 0;
     double rpm = 3000.0, air = 75.0, contacts = 1.0, x50 = 0.0, factor = 2.7;
@@ -577,11 +717,11 @@ int main(int argc, char **argv) {
     if (sizes && points) program_refuse(&self, "measured", points, "either --measured or --sizes");
     if (calibrate && !sizes && !points) program_refuse(&self, "calibrate", NULL, "only with --measured or --sizes; else --x50-um");
 
-    classifier_def defs[3], def;
-    unsigned flags;
+    static outcome o;
+    classifier_def defs[3];
     for (int k = 3; k >= 0; k--) { /* the wanted speed, and the paper's three for comparison */
-        classifier_def *d = k == 3 ? &def : &defs[k];
-        *d = classifier_paper_def((classifier_material)material, k == 3 ? rpm : speeds[k], k == 3 ? &flags : NULL);
+        classifier_def *d = k == 3 ? &o.def : &defs[k];
+        *d = classifier_paper_def((classifier_material)material, k == 3 ? rpm : speeds[k], k == 3 ? &o.flags : NULL);
         d->air_flow = air / 3600.0;
         d->basis = basis ? CLASSIFIER_PROJECTED : CLASSIFIER_EQUIVALENT;
         d->law = (classifier_drag_law)law;
@@ -597,16 +737,7 @@ int main(int argc, char **argv) {
         read_contacts(&self, counts, &d->contacts);
         if (restitution) d->particle_restitution = d->restitution.mean;
     }
-    const char *field;
-    classifier_status status = classifier_check_def(&def, &field);
-    if (status != CLASSIFIER_OK) { /* a file that is a distribution, but not of that quantity; or --contacts for something odd */
-        const char *option_name = !strcmp(field, "sphericity_2d")         ? "sphericity"
-                                  : !strcmp(field, "tangential_velocity") ? "tangential"
-                                  : !strcmp(field, "radial_velocity")     ? "radial"
-                                                                          : field;
-        program_refuse(&self, option_name, NULL,
-                       "values in its range: restitution and sphericity 0 .. 1, inward velocity >= 0, angles with rebounds off the face");
-    }
+    refuse_definition(&self, &o.def);
 
     static measured m;
     classifier_fit_result fit;
@@ -614,130 +745,44 @@ int main(int argc, char **argv) {
     if (sizes) read_sizes(&self, sizes, &m);
     if (points) read_measured(&self, points, &m);
     if (m.n) {
-        status = classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_BYPASS, m.x, m.t, m.has_sd ? m.sd : NULL, m.n, &fit);
+        const classifier_status status =
+            classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_BYPASS, m.x, m.t, m.has_sd ? m.sd : NULL, m.n, &fit);
         fitted = status == CLASSIFIER_OK;
         if (!fitted && calibrate) refuse_file(&self, sizes ? "sizes" : "measured", sizes ? sizes : points, classifier_status_text(status));
         if (!fitted) common_print("The points are drawn without a curve: %s\n", classifier_status_text(status));
         if (calibrate && x50 <= 0.0) x50 = 1e6 * classifier_curve_size(&fit.curve, 0.5);
     }
-    if (x50 > 0.0) {
-        classifier_def calibrated;
-        status = classifier_calibrate(&def, 1e-6 * x50, NULL, &calibrated);
-        if (status != CLASSIFIER_OK) program_refuse(&self, "x50-um", NULL, "a cut size that some gas velocity gives");
-        double ratio = calibrated.radial_factor / def.radial_factor;
-        def = calibrated;
-        for (int k = 0; k < 3; k++) defs[k].radial_factor *= ratio; /* the paper's proposal: one point serves all speeds */
-        common_print("Calibrated to %.2f um: gas velocity factor %.3f (before: %.3f)\n", x50, def.radial_factor, def.radial_factor / ratio);
-    }
+    if (x50 > 0.0) calibrate_to(&self, x50, &o.def, defs);
 
     double began = machine_seconds();
     classifier_model model;
-    if (prepare(&self, &model, &def)) return common_exit_status();
-    double x[SIZES], t[SIZES], error, centre = classifier_quantile(&model, 0.5);
-    if (!(centre > 0.0)) centre = eq6(&def, CLASSIFIER_EQUIVALENT, false);
-    size_grid(x, 0.1 * centre, 10.0 * centre);
-    classifier_result r;
-    status = classifier_separate(&model, x, t, SIZES, &r);
-    double model_s = machine_seconds() - began;
+    if (prepare(&self, &model, &o.def)) return common_exit_status();
+    const classifier_status status = evaluate(&model, &o);
+    o.seconds = machine_seconds() - began;
     if (status != CLASSIFIER_OK) return common_fail("%s", classifier_status_text(status)), common_exit_status();
-    csv *file = csv_open(self.out, "tromp.csv",
-                         "# share of a size that is rejected to the coarse product, half width of its 95 % interval, cases "
-                         "alone\nsize_m,t,t_error,t_a,t_b,t_c");
-    for (int i = 0; i < SIZES; i++) {
-        const double share = classifier_tromp(&model, x[i], &error);
-        double line[6] = {x[i], share, error};
-        classifier_tromp_cases(&model, x[i], line + 3);
-        csv_row(file, line, 6);
-    }
-    csv_close(file);
+    write_curve(&self, &model, o.x);
+    print_outcome(&o, material_names[material]);
+    if (fitted) print_fit(&fit);
 
-    double eq3 = eq6(&def, CLASSIFIER_EQUIVALENT, true), eq6_equivalent = eq6(&def, CLASSIFIER_EQUIVALENT, false),
-           eq6_projected = eq6(&def, CLASSIFIER_PROJECTED, false);
-    char name[100];
-    snprintf(name, sizeof name, "%s at %g m³/h", material_names[material], air);
-    common_print("%s, %.0f 1/min, %g m3/h, rim %.2f m/s, gas %.2f m/s (undisturbed %.2f)\n\n", material_names[material], rpm, air,
-                 rpm * RIDDLE_PI / 30.0 * def.wheel.outer_radius,
-                 def.radial_factor * classifier_radial_velocity(&def.wheel, def.air_flow, def.wheel.outer_radius),
-                 classifier_radial_velocity(&def.wheel, def.air_flow, def.wheel.outer_radius));
-    table out = table_begin("x25 [um]|x50 [um]|x75 [um]|sharpness [-]|error of T [-]|Re at x50|eq 3 [um]|eq 6 [um]|eq 6, projected [um]");
-    table_cell(&out, "%.2f", 1e6 * r.x25);
-    table_cell(&out, "%.2f", 1e6 * r.x50);
-    table_cell(&out, "%.2f", 1e6 * r.x75);
-    table_cell(&out, "%.3f", r.sharpness);
-    table_cell(&out, "%.1e", r.t_error);
-    table_cell(&out, "%.0f", r.re50);
-    table_cell(&out, "%.2f", 1e6 * eq3);
-    table_cell(&out, "%.2f", 1e6 * eq6_equivalent);
-    table_cell(&out, "%.2f", 1e6 * eq6_projected);
-    table_end(&out);
-    common_print("\nCases: clean %.3f, thrown by a particle %.3f, hit again %.3f. Model and curve: %.1f ms.\n", r.weights.clean,
-                 r.weights.thrown, r.weights.again, 1e3 * model_s);
-    if (flags & CLASSIFIER_EXTRAPOLATED)
-        common_print("Note: the paper measured 3000 .. 15000 1/min; inputs that depend on the speed are held at the end.\n");
-    if (r.flags & CLASSIFIER_CUT_OUTSIDE) common_print("Note: a cut lies outside %g .. %g um.\n", 1e6 * def.size_low, 1e6 * def.size_high);
-    if (r.flags & CLASSIFIER_MISSED) common_print("Note: %.1f %% of the particles pass between the paddles untouched.\n", 100.0 * r.missed);
-    if (r.clamped > 1e-3)
-        common_print("Note: %.1f %% of the sphericities lie outside the conversion's range and were set to its end.\n", 100.0 * r.clamped);
-    char range[3][40];
-    if (fitted)
-        common_print("Measured curve: x50 %.2f%s um, slope %.2f%s, bypass %.3f%s, rms %.3f (+- 95 %% range by Student's t, %.0f "
-                     "degrees of freedom)\n",
-                     1e6 * fit.curve.size, range_of(range[0], sizeof *range, &fit, 1e6 * fit.size_sd, false, 2), fit.curve.slope,
-                     range_of(range[1], sizeof *range, &fit, fit.slope_sd, (fit.at_border & CLASSIFIER_SLOPE) != 0, 2), fit.curve.bypass,
-                     range_of(range[2], sizeof *range, &fit, fit.bypass_sd, (fit.at_border & CLASSIFIER_FREE_BYPASS) != 0, 3), fit.rms,
-                     fit.dof);
-
-    json *report = json_open(self.json);
-    const double weights[3] = {r.weights.clean, r.weights.thrown, r.weights.again};
     const char *const keys[3] = {"limestone", "ground-glass", "beads"};
-    json_string(report, "material", keys[material]);
-    json_number(report, "rpm", rpm);
-    json_number(report, "air_m3_per_s", def.air_flow);
-    json_string(report, "basis", basis ? "projected" : "equivalent");
-    json_number(report, "radial_factor", def.radial_factor);
-    json_number(report, "x25_m", r.x25);
-    json_number(report, "x50_m", r.x50);
-    json_number(report, "x75_m", r.x75);
-    json_number(report, "x50_error_m", r.x50_error);
-    json_number(report, "sharpness", r.sharpness);
-    json_number(report, "ecart_probable_m", r.ecart_probable);
-    json_number(report, "t_error", r.t_error);
-    json_number(report, "eq3_m", eq3);
-    json_number(report, "eq6_m", eq6_equivalent);
-    json_number(report, "eq6_projected_m", eq6_projected);
-    json_number(report, "re50", r.re50);
-    json_array(report, "case_weights", weights, 3);
-    json_array(report, "x_m", x, SIZES);
-    json_array(report, "tromp", t, SIZES);
-    json_bool(report, "cut_outside", (r.flags & CLASSIFIER_CUT_OUTSIDE) != 0);
-    json_bool(report, "extrapolated", (flags & CLASSIFIER_EXTRAPOLATED) != 0);
-    json_number(report, "missed", r.missed);
-    json_number(report, "clamped", r.clamped);
-    json_number(report, "model_s", model_s);
-    if (fitted) {
-        json_object_begin(report, "fit");
-        json_number(report, "x50_m", fit.curve.size);
-        json_number(report, "x50_sd_m", fit.size_sd);
-        json_number(report, "x50_range_m", fit.student * fit.size_sd);
-        json_number(report, "degrees_of_freedom", fit.dof);
-        json_number(report, "slope", fit.curve.slope);
-        json_number(report, "bypass", fit.curve.bypass);
-        json_number(report, "rms", fit.rms);
-        json_object_end(report);
-    }
+    json *report = json_open(self.json);
+    report_outcome(report, &o, keys[material]);
+    if (fitted) report_fit(report, &fit);
     if (sizes) {
         json_number(report, "coarse_share", m.coarse_share);
         json_number(report, "chi_squared", m.chi_squared);
         json_integer(report, "freedom", m.freedom);
     }
-    draw_rebound_angles(&self, &def);
-    draw_approach(&self, defs, report, &def);
+    char name[100];
+    snprintf(name, sizeof name, "%s at %g m³/h", material_names[material], air);
+    draw_rebound_angles(&self, &o.def);
+    draw_approach(&self, defs, report, &o.def);
     compare_approach(&self, defs);
-    draw_restitution(&self, &def);
-    draw_contacts(&self, &def);
-    draw_separation(&self, defs, &def, &m, fitted ? &fit : NULL, name);
+    draw_restitution(&self, &o.def);
+    draw_contacts(&self, &o.def);
+    draw_separation(&self, defs, &o.def, &m, fitted ? &fit : NULL, name);
     draw_fixed_contacts(&self, &model);
-    draw_paths(&self, &def, &model);
+    draw_paths(&self, &o.def, &model);
     draw_circuit(&self, &model, report);
     classifier_free(&model);
     json_program(report, &self);
