@@ -1358,8 +1358,8 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
         xi[a] = state[DEM__XI + a] + c->slip[a] * c->dt;
         t[a] = p[DEM__KT] * xi[a] + p[DEM__GAMMA_T] * c->slip[a];
     }
-    double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
-    scale = scale < 1.0 ? scale : 1.0; /* 1 unless it slides; by the size, compilers would compute both cases of all that follows */
+    double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), most = size + 1e-300;
+    double scale = (limit < most ? limit : most) / most; /* a choice of 1 would make gcc compute both cases of all that follows */
     for (int a = 0; a < 3; a++) {
         double kept = size > limit ? scale * (xi[a] + relax * c->slip[a]) : xi[a];        /* sliding: the spring carries the whole force */
         r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force over the distance
@@ -1427,8 +1427,8 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
         f[a] = follow * state[DEM__FT + a] + kt * c->slip[a] * c->dt;
         t[a] = f[a] + damping * p[DEM__HERTZ_GAMMA_T] * c->slip[a];
     }
-    double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
-    scale = scale < 1.0 ? scale : 1.0; /* as above */
+    double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), most = size + 1e-300;
+    double scale = (limit < most ? limit : most) / most; /* as above */
     for (int a = 0; a < 3; a++) {
         double kept = size > limit ? scale * t[a] : f[a];
         work += 0.5 * (state[DEM__FT + a] + kept) * c->slip[a] * c->dt;
@@ -7415,28 +7415,29 @@ DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t bas
     return in->marked - marked;
 }
 
-DEM_INLINE void dem__add_load(dem__sum *sum, const double *load, int has_friction) {
-    for (int a = 0; a < (has_friction ? 6 : 3); a++) sum->load[a] += load[a];
-}
-
 /* Adds the force on i and the torques on i and j of a contact in chunk q, which are in out[][k], to the sum of i and to that of j or of a
    wall. */
 DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j, double *const *out, ptrdiff_t k, int has_friction,
                                 int to_i, int to_j) {
     const double fx = out[0][k], fy = out[1][k], fz = out[2][k];
-    const double on_i[6] = {fx, fy, fz, has_friction ? out[3][k] : 0.0, has_friction ? out[4][k] : 0.0, has_friction ? out[5][k] : 0.0};
-    const double on_j[6] = {-fx, -fy, -fz, has_friction ? out[6][k] : 0.0, has_friction ? out[7][k] : 0.0, has_friction ? out[8][k] : 0.0};
-    if (to_i) dem__add_load(&w->engine->bodies.sum[i], on_i, has_friction);
+    double turn_i[3], turn_j[3]; /* all is read before the sums are written, so that they are added as vectors */
+    for (int a = 0; a < 3; a++) turn_i[a] = has_friction ? out[3 + a][k] : 0.0, turn_j[a] = has_friction ? out[6 + a][k] : 0.0;
+    if (to_i) {
+        double *sum = w->engine->bodies.sum[i].load;
+        sum[0] += fx, sum[1] += fy, sum[2] += fz;
+        if (has_friction) sum[3] += turn_i[0], sum[4] += turn_i[1], sum[5] += turn_i[2];
+    }
     if (!to_j) return;
     if (j >= 0) {
-        dem__add_load(&w->engine->bodies.sum[j], on_j, has_friction);
+        double *sum = w->engine->bodies.sum[j].load;
+        sum[0] -= fx, sum[1] -= fy, sum[2] -= fz;
+        if (has_friction) sum[3] += turn_j[0], sum[4] += turn_j[1], sum[5] += turn_j[2];
         return;
     }
     dem__wall_force *push = &w->engine->contacts.wall_force[q * w->engine->walls.capacity - 1 - j];
-    const dem_vec f = dem_vec3(on_j[0], on_j[1], on_j[2]), t = dem_vec3(on_i[3], on_i[4], on_i[5]);
-    const dem_vec arm = dem__sub(w->particle[i].x, w->wall[-1 - j].position);
+    const dem_vec f = dem_vec3(-fx, -fy, -fz), arm = dem__sub(w->particle[i].x, w->wall[-1 - j].position);
     push->force = dem__add(push->force, f);
-    push->torque = dem__add(push->torque, dem__sub(dem__cross(arm, f), t));
+    push->torque = dem__add(push->torque, dem__sub(dem__cross(arm, f), dem__first(turn_i)));
 }
 
 /* Adds the forces of n contacts of chunk q slot by slot, which fixes the order of sums. Stores those that another thread must add first for

@@ -56,8 +56,8 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
         xi[a] = state[DEM__XI + a] + c->slip[a] * c->dt;
         t[a] = p[DEM__KT] * xi[a] + p[DEM__GAMMA_T] * c->slip[a];
     }
-    double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
-    scale = scale < 1.0 ? scale : 1.0; /* 1 unless it slides; by the size, compilers would compute both cases of all that follows */
+    double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), most = size + 1e-300;
+    double scale = (limit < most ? limit : most) / most; /* a choice of 1 would make gcc compute both cases of all that follows */
     for (int a = 0; a < 3; a++) {
         double kept = size > limit ? scale * (xi[a] + relax * c->slip[a]) : xi[a];        /* sliding: the spring carries the whole force */
         r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force over the distance
@@ -125,8 +125,8 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
         f[a] = follow * state[DEM__FT + a] + kt * c->slip[a] * c->dt;
         t[a] = f[a] + damping * p[DEM__HERTZ_GAMMA_T] * c->slip[a];
     }
-    double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
-    scale = scale < 1.0 ? scale : 1.0; /* as above */
+    double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), most = size + 1e-300;
+    double scale = (limit < most ? limit : most) / most; /* as above */
     for (int a = 0; a < 3; a++) {
         double kept = size > limit ? scale * t[a] : f[a];
         work += 0.5 * (state[DEM__FT + a] + kept) * c->slip[a] * c->dt;
