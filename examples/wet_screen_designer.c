@@ -535,216 +535,264 @@ static int read_diameters(const char *text, double *diameters) {
     return *text ? 0 : n;
 }
 
-int main(int argc, char **argv) {
-    const char *classes = "5,7";
-    double A = 1.0, frequency = 50.6, moisture = 0.025, area = 0.02835, feed = 1.41, share = 2.0 / 3.0, coarse = 10.0, opening = 8.0,
-           wire = 2.0;
-    double recovery = 0.9, limit = 40.0, k1 = blocking_k1(.714, .0101), k2 = blocking_k2(.714, .0101), f0 = 1.0, rate_error = 0.3,
-           x_h = 0.5;
-    int chosen = 2, shape = 0, classes_wanted = 8;
-    const char *parameters = NULL, *psd = NULL, *rosin = NULL, *lognormal = NULL, *tests = NULL;
-    screen_duty duty = {0.0, 0.0, 0.0, 0.0};
-    option options[] = {
-        option_positive("amplitude-mm", "A", &A, 10.0, "amplitude of the deck [mm]"),
-        option_positive("frequency-hz", "F", &frequency, 1000.0, "frequency of the deck [Hz]"),
-        option_double("moisture", "M", &moisture, 0.0, 0.2, "mass of liquid over mass of grains [-], a fraction"),
-        option_positive("area-m2", "F", &area, 1000.0, "area of the deck [m2]"),
-        option_positive("feed-kg", "M", &feed, 1e6, "mass of the batch [kg]"),
-        option_double("undersize", "X", &share, 1e-3, 1.0, "share of the feed that can pass [-]"),
-        option_string("diameters-mm", "D,D..", &classes, "undersize classes of equal mass, at most 8 [mm]"),
-        option_positive("coarse-mm", "D", &coarse, 1000.0, "size of what stays [mm]"),
-        option_positive("opening-mm", "L", &opening, 1000.0, "size of the holes [mm]"),
-        option_double("wire-mm", "W", &wire, 0.0, 1000.0, "diameter of the wires [mm]"),
-        option_double("recovery", "R", &recovery, 0.01, 0.9999, "wanted share of the undersize that has passed [-]"),
-        option_double("limit-s", "T", &limit, 1.0, 60.0, "longest batch looked at [s]"),
-        option_choice("model", &chosen, "dong|subasinghe|soldinger", "model of the map"),
-        option_double("k1", "K1", &k1, 0.0, 1e3, "rate constant of blocking [1/s]; default: Table 2, fit 7b"),
-        option_double("k2", "K2", &k2, 0.0, 1e3, "rate constant of unblocking [1/s]; default: Table 2, fit 7b"),
-        option_double("f0", "F0", &f0, 0.0, 1.0, "free fraction of the holes at the start [-]; 0.949 without --k1 and --k2"),
-        option_double("rate-error", "S", &rate_error, 0.0, 2.0, "relative standard error of k1 and k2 [-]"),
-        option_double("xh", "X", &x_h, 0.0, 1.0, "hard-to-screen content of the feed [-], for Table 3"),
-        option_choice("shape", &shape, "spherical|irregular|sharp|sharp-repaired", "grains, for Table 3"),
-        option_string("parameters", "FILE", &parameters, "parameters.json of screen_fit --data: predict by these"),
-        option_string("psd", "FILE", &psd, "sieve curve: columns size and passing; with --parameters"),
-        option_string("rosin-rammler", "D63,N", &rosin, "feed: size [mm] and exponent; with --parameters"),
-        option_string("lognormal", "D50,SG", &lognormal, "feed: median [mm] and geometric deviation; with --parameters"),
-        option_int("classes", "N", &classes_wanted, 1, OWN_CLASSES, "classes that a sieve curve or distribution is cut into"),
-        option_string("tests", "FILE", &tests, "counts of blocking tests: k1 and k2 by their law at this K, --xh and --moisture"),
-        option_positive("feed-kg-s", "M", &duty.feed, 1e6,
-                        "a deck fed all the time: its feed [kg/s]; with --parameters, as the next three"),
-        option_positive("deck-width-m", "W", &duty.width, 100.0, "its width [m]"),
-        option_positive("deck-length-m", "L", &duty.length, 1000.0, "its length [m]"),
-        option_positive("travel-m-s", "V", &duty.velocity, 100.0, "velocity of the bed along it [m/s]: measured, or by screen_deck"),
-    };
-    program self =
-        program_start("wet_screen_designer", "Time to a wanted recovery on a wet screen, with blocking and without, and its uncertainty.",
-                      options, (int)(sizeof options / sizeof *options), argc, argv);
-    if ((psd != NULL) + (rosin != NULL) + (lognormal != NULL) > 1)
-        program_refuse(&self, psd ? "psd" : "rosin-rammler", NULL, "one of --psd, --rosin-rammler and --lognormal");
-    if (!parameters && (psd || rosin || lognormal))
-        program_refuse(&self, psd ? "psd" : rosin ? "rosin-rammler" : "lognormal", NULL, "only with --parameters");
-    const option *steady = &options[25];
-    if (options[13].given != options[14].given)
-        program_refuse(&self, options[13].given ? "k1" : "k2", NULL, "both --k1 and --k2, or neither");
-    if (tests && options[13].given) program_refuse(&self, "tests", tests, "either --tests or --k1 and --k2");
+/* What the command line says, in its units. */
+typedef struct asked {
+    const char *diameters, *parameters, *psd, *rosin, *lognormal, *tests; /* the last five: NULL if not given */
+    double amplitude, frequency, moisture;                                /* [mm], [Hz], [-] */
+    double area, feed, undersize, coarse, opening, wire;                  /* [m2], [kg], [-], [mm], [mm], [mm] */
+    double recovery, limit, k1, k2, f0, rate_error, x_h;                  /* [-], [s], [1/s], [1/s], [-], [-], [-] */
+    int model, shape, classes;
+    screen_duty duty;
+    bool own_rates, steady, coarse_given, f0_given; /* own_rates: --k1 and --k2, or --tests */
+} asked;
+
+/* Refuses options that contradict each other. rate: --k1, --k2; steady: the four of a deck that is fed all the time. */
+static void refuse_contradictions(const program *self, const asked *a, const option *rate, const option *steady) {
+    const char *feed = a->psd ? "psd" : a->rosin ? "rosin-rammler" : "lognormal";
+    if ((a->psd != NULL) + (a->rosin != NULL) + (a->lognormal != NULL) > 1)
+        program_refuse(self, feed, NULL, "one of --psd, --rosin-rammler and --lognormal");
+    if (!a->parameters && (a->psd || a->rosin || a->lognormal)) program_refuse(self, feed, NULL, "only with --parameters");
+    if (rate[0].given != rate[1].given) program_refuse(self, rate[0].given ? "k1" : "k2", NULL, "both --k1 and --k2, or neither");
+    if (a->tests && rate[0].given) program_refuse(self, "tests", a->tests, "either --tests or --k1 and --k2");
     for (int i = 1; i < 4; i++)
         if (steady[i].given != steady[0].given)
-            program_refuse(&self, steady[0].given ? steady[i].name : steady[0].name, NULL,
+            program_refuse(self, steady[0].given ? steady[i].name : steady[0].name, NULL,
                            "all of --feed-kg-s, --deck-width-m, --deck-length-m and --travel-m-s, or none");
-    if (steady[0].given && !parameters) program_refuse(&self, "feed-kg-s", NULL, "only with --parameters");
-    rates r = {k1, k2, rate_error, NULL, blocking_toss_indicator(frequency, 1e-3 * A, 0.5 * pi, 0.0, 9.81), x_h, moisture};
-    blocking_law law;
+    if (steady[0].given && !a->parameters) program_refuse(self, "feed-kg-s", NULL, "only with --parameters");
+}
+
+/* Takes k1 and k2 from the law of the blocking tests. */
+static void read_rates(const program *self, const asked *a, blocking_law *law, rates *r) {
     blocking_law_value at;
-    if (tests) {
-        read_blocking_law(&self, tests, &law);
-        if (blocking_law_at(&law, r.K, x_h, moisture, &at) != BLOCKING_OK)
-            program_refuse(&self, "tests", tests, "tests whose law has a value at this K, --xh and --moisture");
-        r.law = &law, r.k1 = k1 = at.k1, r.k2 = k2 = at.k2;
-        common_print("Holes by %s: k1 %.4g (95 %% %.4g .. %.4g) 1/s, k2 %.4g (%.4g .. %.4g) 1/s at K %.2f, x_h %.2f, moisture %.3g%s\n",
-                     tests, k1, at.k1_low95, at.k1_high95, k2, at.k2_low95, at.k2_high95, r.K, x_h, moisture,
-                     at.outside ? ", OUTSIDE the tests" : "");
-    }
-    if (parameters) {
-        static own o;
-        o.def = screen_default_def();
-        o.def.aperture = 1e-3 * opening;
-        o.def.wire = 1e-3 * wire;
-        o.def.diameters = o.diameters;
-        o.undersize = share;
-        if (psd || rosin || lognormal) own_classes(&self, &o, psd, rosin, lognormal, classes_wanted);
-        else o.def.classes = read_diameters(classes, o.diameters);
-        if (o.def.classes == 0) program_refuse(&self, "diameters-mm", classes, "up to 8 numbers and commas, as 5,7");
-        o.def.deck_area = area;
-        o.def.undersize_mass = feed * o.undersize;
-        o.def.oversize_mass = feed * (1.0 - o.undersize);
-        o.def.coarse_diameter = options[7].given ? 1e-3 * coarse : 1.25 * o.def.aperture;
-        o.operation.amplitude = 1e-3 * A;
-        o.operation.frequency = frequency;
-        o.operation.moisture = moisture;
-        o.operation.inclination = 0.0;
-        o.recovery = recovery;
-        o.limit = limit;
-        o.blocks = options[13].given || tests;
-        o.f0 = f0;
-        o.rates = r;
-        for (int i = 0; i < OWN_TIMES; i++) o.free_time[i] = limit * i / (OWN_TIMES - 1);
-        own_holes(&o, k1, k2, o.free_fraction);
-        o.steady = steady[0].given;
-        o.duty = duty;
-        const char *bad = NULL;
-        if (screen_check_def(&o.def, &bad) != SCREEN_OK)
-            program_refuse(&self, strcmp(bad, "diameters") == 0 ? "diameters-mm" : "opening-mm", NULL,
-                           "grain sizes above 0 and below the opening");
-        if (screen_check_operation(&o.operation) != SCREEN_OK)
-            program_refuse(&self, "amplitude-mm", NULL, screen_status_text(screen_check_operation(&o.operation)));
-        return plan_own(&self, parameters, &o);
-    }
-    plan p;
-    p.def = screen_default_def();
-    p.def.classes = read_diameters(classes, p.diameters);
-    if (p.def.classes == 0) program_refuse(&self, "diameters-mm", classes, "up to 8 numbers and commas, as 5,7");
-    p.def.diameters = p.diameters;
-    p.def.aperture = 1e-3 * opening;
-    p.def.wire = 1e-3 * wire;
-    p.def.deck_area = area;
-    p.def.undersize_mass = feed * share;
-    p.def.oversize_mass = feed * (1.0 - share);
-    p.def.coarse_diameter = 1e-3 * coarse;
-    p.operation.amplitude = 1e-3 * A;
-    p.operation.frequency = frequency;
-    p.operation.moisture = moisture;
-    p.operation.inclination = 0.0;
-    p.recovery = recovery;
-    p.limit = limit;
-    p.step = 0.02;
+    read_blocking_law(self, a->tests, law);
+    if (blocking_law_at(law, r->K, r->x_h, r->moisture, &at) != BLOCKING_OK)
+        program_refuse(self, "tests", a->tests, "tests whose law has a value at this K, --xh and --moisture");
+    r->law = law, r->k1 = at.k1, r->k2 = at.k2;
+    common_print("Holes by %s: k1 %.4g (95 %% %.4g .. %.4g) 1/s, k2 %.4g (%.4g .. %.4g) 1/s at K %.2f, x_h %.2f, moisture %.3g%s\n",
+                 a->tests, at.k1, at.k1_low95, at.k1_high95, at.k2, at.k2_low95, at.k2_high95, r->K, r->x_h, r->moisture,
+                 at.outside ? ", OUTSIDE the tests" : "");
+}
+
+static screen_operation operation_of(const asked *a) {
+    screen_operation operation = {1e-3 * a->amplitude, a->frequency, a->moisture, 0.0};
+    return operation;
+}
+
+/* Sets the deck and its batch, of which a share can pass. */
+static void set_deck(screen_def *def, const asked *a, double undersize) {
+    def->aperture = 1e-3 * a->opening;
+    def->wire = 1e-3 * a->wire;
+    def->deck_area = a->area;
+    def->undersize_mass = a->feed * undersize;
+    def->oversize_mass = a->feed * (1.0 - undersize);
+    def->coarse_diameter = 1e-3 * a->coarse;
+}
+
+static void check_deck(const program *self, const screen_def *def, const char *diameters) {
     const char *field = NULL;
-    if (screen_check_def(&p.def, &field) != SCREEN_OK)
-        program_refuse(&self, strcmp(field, "diameters") == 0 ? "diameters-mm" : "opening-mm",
-                       strcmp(field, "diameters") == 0 ? classes : NULL, "grain sizes above 0 and below the opening");
-    const bool own = options[13].given || tests;
-    if (!own && !options[15].given) f0 = .949; /* goes with the default k1 and k2 */
-    holes h;
-    h.f0 = f0;
-    h.k = k1 + k2;
-    h.f_inf = h.k > 0.0 ? blocking_equilibrium(k1, k2) : f0;
+    if (screen_check_def(def, &field) == SCREEN_OK) return;
+    const bool sizes = strcmp(field, "diameters") == 0;
+    program_refuse(self, sizes ? "diameters-mm" : "opening-mm", sizes ? diameters : NULL, "grain sizes above 0 and below the opening");
+}
 
+/* Predicts by the parameters that screen_fit has found. */
+static int plan_by_fits(const program *self, const asked *a, const rates *r) {
+    static own o;
+    o.def = screen_default_def();
+    o.def.aperture = 1e-3 * a->opening;
+    o.def.diameters = o.diameters;
+    o.undersize = a->undersize;
+    const bool curve = a->psd || a->rosin || a->lognormal;
+    if (curve) own_classes(self, &o, a->psd, a->rosin, a->lognormal, a->classes);
+    else o.def.classes = read_diameters(a->diameters, o.diameters);
+    if (o.def.classes == 0) program_refuse(self, "diameters-mm", a->diameters, "up to 8 numbers and commas, as 5,7");
+    set_deck(&o.def, a, o.undersize);
+    if (!a->coarse_given) o.def.coarse_diameter = 1.25 * o.def.aperture;
+    o.operation = operation_of(a);
+    o.recovery = a->recovery;
+    o.limit = a->limit;
+    o.blocks = a->own_rates;
+    o.f0 = a->f0;
+    o.rates = *r;
+    for (int i = 0; i < OWN_TIMES; i++) o.free_time[i] = a->limit * i / (OWN_TIMES - 1);
+    own_holes(&o, r->k1, r->k2, o.free_fraction);
+    o.steady = a->steady;
+    o.duty = a->duty;
+    check_deck(self, &o.def, curve ? NULL : a->diameters);
+    if (screen_check_operation(&o.operation) != SCREEN_OK)
+        program_refuse(self, "amplitude-mm", NULL, screen_status_text(screen_check_operation(&o.operation)));
+    return plan_own(self, a->parameters, &o);
+}
+
+/* ---- by the published parameters ---- */
+
+static blocking_average average_by_table3(const asked *a, const plan *p, double K) {
     blocking_conditions conditions = blocking_default_conditions();
-    conditions.K = blocking_toss_indicator(frequency, 1e-3 * A, 0.5 * pi, 0.0, p.def.gravity);
-    conditions.x_h = x_h;
-    conditions.opening = 1e-3 * opening;
-    conditions.grain_min = conditions.grain_max = 1e-3 * coarse;
-    for (int c = 0; c < p.def.classes; c++) conditions.grain_min = fmin(conditions.grain_min, p.diameters[c]);
-    conditions.moisture = moisture;
     blocking_average average;
-    blocking_average_free((blocking_shape)shape, &conditions, &average);
-    const bool offered = !(average.flags & BLOCKING_FLAG_BOX);
-    holes table3 = {average.value, average.value, 0.0};
+    conditions.K = K;
+    conditions.x_h = a->x_h;
+    conditions.opening = 1e-3 * a->opening;
+    conditions.grain_min = conditions.grain_max = 1e-3 * a->coarse;
+    for (int c = 0; c < p->def.classes; c++) conditions.grain_min = fmin(conditions.grain_min, p->diameters[c]);
+    conditions.moisture = a->moisture;
+    blocking_average_free((blocking_shape)a->shape, &conditions, &average);
+    return average;
+}
 
-    common_print("K %.2f: %s\n", conditions.K, blocking_toss_text(blocking_toss_range(conditions.K)));
-    common_print("Load %.1f kg/m2; clearance A0 %.3f, effective area in the long run %.4f m2 of %.4f m2 of holes\n", feed / area,
-                 blocking_open_area(opening, wire), blocking_effective_area(h.f_inf, area, blocking_open_area(opening, wire)),
-                 area * blocking_open_area(opening, wire));
-    common_print("Blocking: f0 %.3f, f_inf %.3f, k1 %.4f 1/s, k2 %.4f 1/s%s\n", h.f0, h.f_inf, k1, k2,
-                 own ? "" : ", an illustration (Table 2, fit 7b: dry, 1 mm): give --k1 and --k2");
-    const screen_domain domain = screen_published_domain();
-    char words[300];
-    const unsigned flags = screen_outside(&domain, &p.def, SCREEN_SOLDINGER, &p.operation, 0.0) & ~(unsigned)SCREEN_OUTSIDE_LOAD;
-    if (flags)
-        common_print("Beyond what the published parameters were fitted to, so extrapolated: %s\n", lab_outside(words, sizeof words, flags));
-    if (fabs(free_holes(&p) - 1.0) > 0.01)
-        common_print("Load: the models were fitted at %.1f kg/m2; passing is taken %.2f times as fast\n", study_feed / study_area,
-                     free_holes(&p));
-    common_print("Table 3 %s", offered ? "applies: mean free fraction" : "is not offered:");
-    if (offered) common_print(" %.3f\n\n", average.value);
-    else {
-        const char *separator = "";
-        for (unsigned flag = 1; flag < BLOCKING_FLAG_BOX; flag *= 2) {
-            if (!(average.flags & flag)) continue;
-            common_print("%s %s", separator, blocking_flag_text(flag));
-            separator = ";";
-        }
-        common_print("\n\n");
+static void print_table3(const blocking_average *average) {
+    if (!(average->flags & BLOCKING_FLAG_BOX)) {
+        common_print("Table 3 applies: mean free fraction %.3f\n\n", average->value);
+        return;
     }
+    const char *separator = "Table 3 is not offered:";
+    for (unsigned flag = 1; flag < BLOCKING_FLAG_BOX; flag *= 2) {
+        if (!(average->flags & flag)) continue;
+        common_print("%s %s", separator, blocking_flag_text(flag));
+        separator = ";";
+    }
+    common_print("\n\n");
+}
 
-    json *report = json_open(self.json);
-    json_number(report, "recovery", recovery);
-    json_number(report, "toss_indicator", conditions.K);
-    json_number(report, "load_kg_per_m2", feed / area);
-    json_number(report, "f0", h.f0);
-    json_number(report, "f_inf", h.f_inf);
-    json_number(report, "k1_per_s", k1);
-    json_number(report, "k2_per_s", k2);
-    json_bool(report, "rates_are_yours", own);
-    json_string(report, "extrapolated", lab_outside(words, sizeof words, flags));
+static void print_setting(const asked *a, const plan *p, const holes *h, const rates *r, unsigned outside) {
+    const double open = blocking_open_area(a->opening, a->wire);
+    char words[300];
+    common_print("K %.2f: %s\n", r->K, blocking_toss_text(blocking_toss_range(r->K)));
+    common_print("Load %.1f kg/m2; clearance A0 %.3f, effective area in the long run %.4f m2 of %.4f m2 of holes\n", a->feed / a->area,
+                 open, blocking_effective_area(h->f_inf, a->area, open), a->area * open);
+    common_print("Blocking: f0 %.3f, f_inf %.3f, k1 %.4f 1/s, k2 %.4f 1/s%s\n", h->f0, h->f_inf, r->k1, r->k2,
+                 a->own_rates ? "" : ", an illustration (Table 2, fit 7b: dry, 1 mm): give --k1 and --k2");
+    if (outside)
+        common_print("Beyond what the published parameters were fitted to, so extrapolated: %s\n",
+                     lab_outside(words, sizeof words, outside));
+    if (fabs(free_holes(p) - 1.0) > 0.01)
+        common_print("Load: the models were fitted at %.1f kg/m2; passing is taken %.2f times as fast\n", study_feed / study_area,
+                     free_holes(p));
+}
+
+static void report_setting(json *report, const asked *a, const holes *h, const rates *r, unsigned outside,
+                           const blocking_average *average) {
+    const bool offered = !(average->flags & BLOCKING_FLAG_BOX);
+    char words[300];
+    json_number(report, "recovery", a->recovery);
+    json_number(report, "toss_indicator", r->K);
+    json_number(report, "load_kg_per_m2", a->feed / a->area);
+    json_number(report, "f0", h->f0);
+    json_number(report, "f_inf", h->f_inf);
+    json_number(report, "k1_per_s", r->k1);
+    json_number(report, "k2_per_s", r->k2);
+    json_bool(report, "rates_are_yours", a->own_rates);
+    json_string(report, "extrapolated", lab_outside(words, sizeof words, outside));
     json_bool(report, "table3_offered", offered);
-    json_number(report, "table3_mean_free", offered ? average.value : (double)NAN);
-    table t = table_begin(offered ? "model|clean holes [s]|95 % range|blocking [s]|95 % range|Table 3 [s]|95 % range"
-                                  : "model|clean holes [s]|95 % range|blocking [s]|95 % range");
-    const int samples = self.quick ? 200 : SAMPLES;
+    json_number(report, "table3_mean_free", offered ? average->value : (double)NAN);
+}
+
+/* Times to the recovery by each model: with clean holes, with blocking, and with the mean of Table 3 where that is offered (else NULL). */
+static void report_times(const program *self, json *report, const plan *p, const holes *blocking, const holes *table3, const rates *r) {
+    const holes *cases[3] = {&clean, blocking, table3};
+    const char *const keys[3] = {"clean", "blocking", "table3"};
+    const int samples = self->quick ? 200 : SAMPLES;
+    table t = table_begin(table3 ? "model|clean holes [s]|95 % range|blocking [s]|95 % range|Table 3 [s]|95 % range"
+                                 : "model|clean holes [s]|95 % range|blocking [s]|95 % range");
     for (int m = 0; m < MODELS && !common_interrupted(); m++) {
-        const holes *cases[3] = {&clean, &h, &table3};
-        const char *const keys[3] = {"clean", "blocking", "table3"};
-        plan q = p;
-        q.step = 0.05;
+        plan coarse = *p;
+        coarse.step = 0.05;
         json_object_begin(report, model_names[m]);
         table_cell(&t, "%s", model_names[m]);
-        for (int c = 0; c < (offered ? 3 : 2); c++) {
-            char a[32], b[32];
-            answer got = ask(&q, m, cases[c], &r, samples, self.seed);
-            got.time = run(&p, m, cases[c], recovery, NULL, NULL);
+        for (int c = 0; c < (table3 ? 3 : 2); c++) {
+            char low[32], high[32];
+            answer got = ask(&coarse, m, cases[c], r, samples, self->seed);
+            got.time = run(p, m, cases[c], p->recovery, NULL, NULL);
             if (isnan(got.time)) common_fail("the model of %s has no answer for these numbers", model_names[m]);
-            table_cell(&t, "%s", seconds(a, got.time, limit));
-            table_cell(&t, "%s .. %s", seconds(a, got.low, limit), seconds(b, got.high, limit));
+            table_cell(&t, "%s", seconds(low, got.time, p->limit));
+            table_cell(&t, "%s .. %s", seconds(low, got.low, p->limit), seconds(high, got.high, p->limit));
             report_answer(report, keys[c], &got);
         }
         json_object_end(report);
     }
-    common_print("Time to %.4g %% of the undersize:\n", 100.0 * recovery);
+    common_print("Time to %.4g %% of the undersize:\n", 100.0 * p->recovery);
     table_end(&t);
-    draw_retained(&self, &p, &h, flags != 0);
-    draw_map(&self, &p, chosen, &h);
-    draw_area(&self, &p, &h);
-    json_program(report, &self);
+}
+
+static int plan_by_published(const program *self, const asked *a, const rates *r) {
+    plan p;
+    p.def = screen_default_def();
+    p.def.classes = read_diameters(a->diameters, p.diameters);
+    if (p.def.classes == 0) program_refuse(self, "diameters-mm", a->diameters, "up to 8 numbers and commas, as 5,7");
+    p.def.diameters = p.diameters;
+    set_deck(&p.def, a, a->undersize);
+    p.operation = operation_of(a);
+    p.recovery = a->recovery, p.limit = a->limit, p.step = 0.02;
+    check_deck(self, &p.def, a->diameters);
+    holes h;
+    h.f0 = a->own_rates || a->f0_given ? a->f0 : .949; /* goes with the default k1 and k2 */
+    h.k = r->k1 + r->k2;
+    h.f_inf = h.k > 0.0 ? blocking_equilibrium(r->k1, r->k2) : h.f0;
+    const blocking_average average = average_by_table3(a, &p, r->K);
+    const holes table3 = {average.value, average.value, 0.0};
+    const screen_domain domain = screen_published_domain();
+    const unsigned outside = screen_outside(&domain, &p.def, SCREEN_SOLDINGER, &p.operation, 0.0) & ~(unsigned)SCREEN_OUTSIDE_LOAD;
+    print_setting(a, &p, &h, r, outside);
+    print_table3(&average);
+    json *report = json_open(self->json);
+    report_setting(report, a, &h, r, outside, &average);
+    report_times(self, report, &p, &h, average.flags & BLOCKING_FLAG_BOX ? NULL : &table3, r);
+    draw_retained(self, &p, &h, outside != 0);
+    draw_map(self, &p, a->model, &h);
+    draw_area(self, &p, &h);
+    json_program(report, self);
     json_close(report);
     return common_exit_status();
+}
+
+int main(int argc, char **argv) {
+    enum { COARSE = 7, K1 = 13, F0 = 15, FEED = 25 }; /* of the options */
+    asked a;
+    memset(&a, 0, sizeof a);
+    a.diameters = "5,7", a.amplitude = 1.0, a.frequency = 50.6, a.moisture = 0.025;
+    a.area = study_area, a.feed = study_feed, a.undersize = 2.0 / 3.0, a.coarse = 10.0, a.opening = 8.0, a.wire = 2.0;
+    a.recovery = 0.9, a.limit = 40.0, a.k1 = blocking_k1(.714, .0101), a.k2 = blocking_k2(.714, .0101), a.f0 = 1.0;
+    a.rate_error = 0.3, a.x_h = 0.5, a.model = 2, a.classes = 8;
+    option options[] = {
+        option_positive("amplitude-mm", "A", &a.amplitude, 10.0, "amplitude of the deck [mm]"),
+        option_positive("frequency-hz", "F", &a.frequency, 1000.0, "frequency of the deck [Hz]"),
+        option_double("moisture", "M", &a.moisture, 0.0, 0.2, "mass of liquid over mass of grains [-], a fraction"),
+        option_positive("area-m2", "F", &a.area, 1000.0, "area of the deck [m2]"),
+        option_positive("feed-kg", "M", &a.feed, 1e6, "mass of the batch [kg]"),
+        option_double("undersize", "X", &a.undersize, 1e-3, 1.0, "share of the feed that can pass [-]"),
+        option_string("diameters-mm", "D,D..", &a.diameters, "undersize classes of equal mass, at most 8 [mm]"),
+        option_positive("coarse-mm", "D", &a.coarse, 1000.0, "size of what stays [mm]"),
+        option_positive("opening-mm", "L", &a.opening, 1000.0, "size of the holes [mm]"),
+        option_double("wire-mm", "W", &a.wire, 0.0, 1000.0, "diameter of the wires [mm]"),
+        option_double("recovery", "R", &a.recovery, 0.01, 0.9999, "wanted share of the undersize that has passed [-]"),
+        option_double("limit-s", "T", &a.limit, 1.0, 60.0, "longest batch looked at [s]"),
+        option_choice("model", &a.model, "dong|subasinghe|soldinger", "model of the map"),
+        option_double("k1", "K1", &a.k1, 0.0, 1e3, "rate constant of blocking [1/s]; default: Table 2, fit 7b"),
+        option_double("k2", "K2", &a.k2, 0.0, 1e3, "rate constant of unblocking [1/s]; default: Table 2, fit 7b"),
+        option_double("f0", "F0", &a.f0, 0.0, 1.0, "free fraction of the holes at the start [-]; 0.949 without --k1 and --k2"),
+        option_double("rate-error", "S", &a.rate_error, 0.0, 2.0, "relative standard error of k1 and k2 [-]"),
+        option_double("xh", "X", &a.x_h, 0.0, 1.0, "hard-to-screen content of the feed [-], for Table 3"),
+        option_choice("shape", &a.shape, "spherical|irregular|sharp|sharp-repaired", "grains, for Table 3"),
+        option_string("parameters", "FILE", &a.parameters, "parameters.json of screen_fit --data: predict by these"),
+        option_string("psd", "FILE", &a.psd, "sieve curve: columns size and passing; with --parameters"),
+        option_string("rosin-rammler", "D63,N", &a.rosin, "feed: size [mm] and exponent; with --parameters"),
+        option_string("lognormal", "D50,SG", &a.lognormal, "feed: median [mm] and geometric deviation; with --parameters"),
+        option_int("classes", "N", &a.classes, 1, OWN_CLASSES, "classes that a sieve curve or distribution is cut into"),
+        option_string("tests", "FILE", &a.tests, "counts of blocking tests: k1 and k2 by their law at this K, --xh and --moisture"),
+        option_positive("feed-kg-s", "M", &a.duty.feed, 1e6,
+                        "a deck fed all the time: its feed [kg/s]; with --parameters, as the next three"),
+        option_positive("deck-width-m", "W", &a.duty.width, 100.0, "its width [m]"),
+        option_positive("deck-length-m", "L", &a.duty.length, 1000.0, "its length [m]"),
+        option_positive("travel-m-s", "V", &a.duty.velocity, 100.0, "velocity of the bed along it [m/s]: measured, or by screen_deck"),
+    };
+    program self =
+        program_start("wet_screen_designer", "Time to a wanted recovery on a wet screen, with blocking and without, and its uncertainty.",
+                      options, (int)(sizeof options / sizeof *options), argc, argv);
+    refuse_contradictions(&self, &a, &options[K1], &options[FEED]);
+    a.own_rates = options[K1].given || a.tests;
+    a.steady = options[FEED].given, a.coarse_given = options[COARSE].given, a.f0_given = options[F0].given;
+    rates r = {a.k1,  a.k2,      a.rate_error, NULL, blocking_toss_indicator(a.frequency, 1e-3 * a.amplitude, 0.5 * pi, 0.0, 9.81),
+               a.x_h, a.moisture};
+    blocking_law law;
+    if (a.tests) read_rates(&self, &a, &law, &r);
+    return a.parameters ? plan_by_fits(&self, &a, &r) : plan_by_published(&self, &a, &r);
 }
