@@ -214,7 +214,7 @@ static void report(const program *self, const heap *all, int n, int heaps, const
     plot_line(figure, "slope of the surface", friction, angle, n);
     plot_style(figure, PLOT_MARKED, 0);
     if (heaps > 1)
-        plot_error_bars(figure, "standard error of the mean of the heaps", friction, angle, error, n), plot_style(figure, 0, PLOT_SAME);
+        plot_error_bars(figure, "standard error of the mean", friction, angle, error, n), plot_style(figure, 0, PLOT_SAME);
     plot_write(figure, self->out, "angle_of_repose.svg");
 
     json *j = json_open(self->json);

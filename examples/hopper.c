@@ -323,7 +323,7 @@ static void report(study *st, double k) {
             law[q] = exp(a[LOG_SCALE] + a[EXPONENT] * log(fine[q]));
         }
         char text[80];
-        plot_panel(figure, 1, 0, "D/d - k [-]", "rate [kg/s]");
+        plot_panel(figure, 1, 0, "orifice D over sphere d, less k [-]", "rate [kg/s]");
         plot_log_x(figure), plot_log_y(figure);
         snprintf(text, sizeof text, "exponent %.2f +- %.2f, k = %.3g", a[EXPONENT], e[EXPONENT], k);
         plot_error_bars(figure, "rate", x, y, error, n_orifices);

@@ -651,7 +651,7 @@ static const char *short_source(const study *s) { return strncmp(s->source, "SYN
 
 static void draw_curves(const program *self, const study *s, const results *r) {
     char title[120];
-    snprintf(title, sizeof title, "Fraction retained: data and models, one set of parameters for all 27 cases%s", short_source(s));
+    snprintf(title, sizeof title, "Data and models fitted to all 27 cases; above each: case, amplitude, frequency, water%s", short_source(s));
     plot *figure = plot_new(title, 4, 3);
     plot_panel_size(figure, 330, 230);
     csv *file = csv_open(self->out, "fig8.csv",
@@ -664,9 +664,8 @@ static void draw_curves(const program *self, const study *s, const results *r) {
         double values[KINDS][POINTS];
         screen_operation o = s->cases[k].operation;
         for (int c = 0; c < CLASSES; c++) { /* a row of small ones above one of near-mesh ones */
-            snprintf(title, sizeof title, "case %d, %d mm: %g mm, %g Hz, %g %%", k + 1, c ? 7 : 5, 1e3 * o.amplitude, o.frequency,
-                     100.0 * o.moisture);
-            plot_panel(figure, 2 * (i / 3) + c, i % 3, "time [s]", "fraction retained [-]");
+            snprintf(title, sizeof title, "%d: %g mm, %g Hz, water %g %%", k + 1, 1e3 * o.amplitude, o.frequency, 100.0 * o.moisture);
+            plot_panel(figure, 2 * (i / 3) + c, i % 3, "time [s]", c ? "7 mm retained [-]" : "5 mm retained [-]");
             plot_title(figure, title);
             plot_range_y(figure, 0.0, 1.0);
             plot_points(figure, i || c ? NULL : "data", s->time, s->retained[k] + c * TIMES, TIMES);
@@ -736,6 +735,7 @@ static void draw_fits(const program *self, const study *s, const results *r) {
 
 static void draw_predictions(const program *self, const study *s, const results *r) {
     static const char *const factors[4] = {"M", "A", "f", "mean"}, *const five[6] = {"5", "11", "14", "17", "23", "mean"};
+    static const char *const in_words[4] = {"water", "amplitude", "frequency", "mean"};
     static const char *const titles[MODES] = {"(a) between two levels", "(b) below two levels", "(c) above two levels",
                                               "(d) five cases from 3, 7, 19, 27"};
     char title[120];
@@ -754,7 +754,7 @@ static void draw_predictions(const program *self, const study *s, const results 
         for (int m = 1; m < KINDS; m++) {
             for (int k = 0; k < n; k++) value[k] = i < 3 ? r->by_factor[i][k][m] : r->five[k][m];
             value[n] = r->predicted[i][m];
-            plot_bars(figure, i ? NULL : kinds[m].name, i < 3 ? factors : five, value, n + 1);
+            plot_bars(figure, i ? NULL : kinds[m].name, i < 3 ? in_words : five, value, n + 1);
             plot_style(figure, 0, m - 1);
         }
         plot_range_y(figure, 0.0, top > 0.0 ? 1.15 * top : 1.0);

@@ -219,6 +219,14 @@ class Worlds(unittest.TestCase):
         with self.assertRaises(ValueError):
             bed().add_spheres([[0, 0, 1], [0, 0, 2]], [1e-3, 1e-3, 1e-3], 0)
 
+    def test_integers_are_not_cut(self):
+        definition = dem.def_()
+        for wrong in ([-1, 0, 2**40], [0.5, 0, 0], [float("nan"), 0, 0], "xyz", [0, 0, 10**30]):
+            with self.assertRaises((ValueError, TypeError)):
+                definition.periodic = wrong
+        definition.periodic = [True, False, 1.0]
+        self.assertEqual(list(definition.periodic), [1, 0, 1])
+
     def test_ctrl_c_stops_between_steps(self):
         world = bed(200)
         threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()

@@ -49,9 +49,13 @@ def _named(c_type):
 
 def _array(value, dtype, what):
     try:
-        made = np.ascontiguousarray(value, dtype=dtype)
-    except (TypeError, ValueError) as error:
+        given = np.asarray(value)
+        with np.errstate(all="ignore"):
+            made = np.ascontiguousarray(given).astype(dtype, copy=False)
+    except (TypeError, ValueError, OverflowError) as error:
         raise TypeError(f"{what}: numbers are needed, not {type(value).__name__} ({error})") from None
+    if made.dtype.kind in "iu" and not np.array_equal(made.ravel(), given.ravel()):
+        raise ValueError(f"{what}: whole numbers from {np.iinfo(dtype).min} to {np.iinfo(dtype).max} are needed")
     return made
 
 
@@ -177,7 +181,7 @@ class Structure:
                 for part, new in zip(view, value):
                     part._c[0] = new._c[0]
             else:
-                view[...] = value
+                view[...] = _array(value, view.dtype, what)
         elif c_type.kind == "pointer":
             self._set_pointer(name, about, c_type, value, what)
         else:
