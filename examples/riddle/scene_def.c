@@ -218,7 +218,7 @@ static const scene_field ball_region_fields[] = {
     VECTOR(ball_region, centre, UNIT_LENGTH, MUST, "of the sphere"),
     NUMBER(ball_region, radius, UNIT_LENGTH, POSITIVE, MUST, "of it"),
 };
-SECTION(ball_region, ball_region, "sphere of a region", "");
+SECTION(ball_region, ball_region, "sphere of a region", "A ball.");
 static const scene_field region_fields[] = {
     PART(region_def, box, box_region, "", 1, "a box"),
     PART(region_def, cylinder, cylinder_region, "", 1, "a cylinder"),
@@ -243,7 +243,7 @@ static const scene_field lognormal_fields[] = {
     NUMBER(lognormal_sizes, smallest, UNIT_LENGTH, POSITIVE, MUST, "cut off below"),
     NUMBER(lognormal_sizes, largest, UNIT_LENGTH, POSITIVE, MUST, "cut off above"),
 };
-SECTION(lognormal, lognormal_sizes, "lognormal", "");
+SECTION(lognormal, lognormal_sizes, "lognormal", "The logarithm of the diameter is normally distributed.");
 static const scene_field rosin_fields[] = {
     NUMBER(rosin_sizes, scale, UNIT_LENGTH, POSITIVE, MUST, "36.8 % is coarser"),
     {"exponent", FIELD_NUMBER, UNIT_NONE, offsetof(rosin_sizes, exponent), 0.1, 100.0, false, MUST, 0, NO_WORDS,
@@ -342,7 +342,7 @@ static const scene_field axis_fields[] = {
     NUMBER(axis_def, low, UNIT_LENGTH, ANY, MUST, "end"),
     NUMBER(axis_def, high, UNIT_LENGTH, ANY, MUST, "other end"),
 };
-SECTION(axis, axis_def, "periodic axis", "Over 2.2 of the largest diameters.");
+SECTION(axis, axis_def, "periodic axis", "Longer than 2.2 of the largest diameters.");
 static const scene_field periodic_fields[] = {
     {"x", FIELD_PART, UNIT_NONE, offsetof(periodic_def, axis) + 0 * sizeof(axis_def), ANY, "", 0, NULL, &axis_section, "along x"},
     {"y", FIELD_PART, UNIT_NONE, offsetof(periodic_def, axis) + 1 * sizeof(axis_def), ANY, "", 0, NULL, &axis_section, "along y"},
