@@ -268,6 +268,9 @@ static filtration_status set_up(run *r, const program *self) {
     }
     const filtration_spheres all = {s->spheres, r->centre, r->velocity, r->spin, r->radius, r->force, r->torque};
     r->spheres = all;
+    const char *field = "";
+    if (filtration_fluid_check_def(&def, &field) != FILTRATION_OK && strcmp(field, "nodes") == 0)
+        program_refuse(self, "voxel-um", NULL, "larger ones: these are more than a lattice can count");
     program_need_memory(self, "voxel-um", filtration_fluid_bytes(&def));
     return filtration_fluid_init(&r->fluid, &def);
 }

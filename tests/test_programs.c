@@ -357,8 +357,8 @@ static void test_memory(void **state) {
                  {"batch_screening", "mass", {"--mass", "300", "--all-cases"}},
                  {"sieve_blocking", "load-kg-m2", {"--simulate", "--patch", "200", "--load-kg-m2", "100"}},
                  {"sieve_blocking", "load-kg-m2", {"--sweep", "--patch", "200", "--load-kg-m2", "30"}},
-                 {"filter_cake", "voxel-um", {"--voxel-um", "0.02"}},
-                 {"settling", "voxel-um", {"--scene", "E1", "--voxel-um", "60"}},
+                 {"filter_cake", "voxel-um", {"--voxel-um", "0.5"}},
+                 {"settling", "voxel-um", {"--case", "E1", "--voxel-um", "60"}},
                  {"dem_scaling", "spheres", {"--spheres", "20000000"}}};
     int tried = 0;
     for (int i = 0; i < (int)(sizeof large / sizeof *large); i++) {
