@@ -3,7 +3,7 @@
    Bodies of 1 : 1 : 2.08 (a clump: two spheres that touch; a sphere: of the brick's volume) fall, turned at random, into a box that is
    periodic sideways, and settle. Then steps are timed at rest or on a vibrating floor. Figure of merit: particle-steps per second of
    processor time. state.csv holds the settled state, from which benchmarks/peers/bricks runs other programs. --rebounds measures the
-   rebound of bricks from a plane instead. */
+   rebound of bricks from a plane instead, --pairs the time that touching pairs take. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,28 +18,40 @@ static const double edge = 2e-3, density = 2500.0, stiffness = 1e4, spacing = 5.
 enum { ACROSS = 7 }; /* bodies of a layer, along each side */
 static const char *const shapes[] = {"brick", "clump", "sphere"};
 
-static double uniform(uint64_t *state) {
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*state >> 11) / 9007199254740992.0;
+/* What a bed is made of. */
+typedef struct kind {
+    int shape, number; /* one of `shapes`; of the brick in the world */
+    dem_clump clump;
+    double diameter; /* of a sphere of the brick's volume [m] */
+} kind;
+
+static dem_status prepare(dem_world *w, int shape, kind *k) {
+    dem_convex brick;
+    const double two = 0.25 * 1.58740105196820 * edge * 1.58375586998611; /* radius of each of a clump's spheres [m] */
+    const double centres[6] = {0, 0, -two, 0, 0, two}, diameters[2] = {2.0 * two, 2.0 * two};
+    k->shape = shape, k->number = 0, k->diameter = edge * 1.58375586998611;
+    dem_status status = dem_make_brick(&brick, dem_vec3(edge, edge, 2.08 * edge), 0.03, NULL);
+    if (status == DEM_OK) status = dem_make_clump(2, centres, diameters, &k->clump);
+    if (status == DEM_OK && shape == 0) k->number = dem_add_shape(w, &brick);
+    return k->number < 0 ? (dem_status)-k->number : status;
+}
+
+static dem_status add_body(dem_world *w, const kind *k, dem_vec x, dem_quaternion turn, dem_vec velocity, dem_vec spin) {
+    const double at[3] = {x.x, x.y, x.z}, q[4] = {turn.w, turn.x, turn.y, turn.z};
+    dem_status status;
+    if (k->shape == 0) status = dem_add_convex(w, k->number, 1, at, q, 0, 0);
+    else if (k->shape == 1) status = dem_add_clumps(w, 1, &k->clump, at, NULL, q, 0, 0);
+    else status = dem_add_spheres(w, 1, at, &k->diameter, 0, 0);
+    return status == DEM_OK ? dem_set_motion(w, w->count - 1, velocity, spin) : status;
 }
 
 static dem_status add_bodies(dem_world *w, int shape, int n, uint64_t seed) {
-    dem_convex brick;
-    dem_clump clump;
-    const double ball = edge * 0.5 * 1.58375586998611, two = ball * 1.58740105196820 * 0.5; /* radii: of one, of each of two */
-    const double centres[6] = {0, 0, -two, 0, 0, two}, diameters[2] = {2.0 * two, 2.0 * two};
-    dem_status status = dem_make_brick(&brick, dem_vec3(edge, edge, 2.08 * edge), 0.03, NULL);
-    if (status == DEM_OK) status = dem_make_clump(2, centres, diameters, &clump);
-    const int number = status == DEM_OK && shape == 0 ? dem_add_shape(w, &brick) : 0;
-    if (number < 0) return (dem_status)-number;
+    kind own;
+    dem_status status = prepare(w, shape, &own);
     for (int k = 0; k < n && status == DEM_OK; k++) {
         const int layer = k / (ACROSS * ACROSS);
-        const double at[3] = {(0.5 + k % ACROSS) * spacing, (0.5 + k / ACROSS % ACROSS) * spacing, (0.6 + layer) * spacing};
-        const double q[4] = {uniform(&seed) - 0.5, uniform(&seed) - 0.5, uniform(&seed) - 0.5, uniform(&seed) - 0.5}, d = 2.0 * ball;
-        if (shape == 0) status = dem_add_convex(w, number, 1, at, q, 0, 0);
-        else if (shape == 1) status = dem_add_clumps(w, 1, &clump, at, NULL, q, 0, 0);
-        else status = dem_add_spheres(w, 1, at, &d, 0, 0);
-        if (status == DEM_OK) status = dem_set_motion(w, w->count - 1, dem_vec3(0, 0, -0.3), dem_vec3(0, 0, 0));
+        const dem_vec at = dem_vec3((0.5 + k % ACROSS) * spacing, (0.5 + k / ACROSS % ACROSS) * spacing, (0.6 + layer) * spacing);
+        status = add_body(w, &own, at, dem__random_turn(&seed), dem_vec3(0, 0, -0.3), dem_vec3(0, 0, 0));
     }
     return status;
 }
@@ -83,13 +95,10 @@ static dem_status rebound(double restitution, int hits, uint64_t *seed, double *
         const int m = dem_add_material(&def, 1000.0, 1e7, 0.3);
         dem_pair_def *pair = dem_pair(&def, m, m);
         const double at[3] = {0, 0, 1.3};
-        double q[4], size;
+        const dem_quaternion turn = dem__random_turn(seed);
+        const double q[4] = {turn.w, turn.x, turn.y, turn.z};
         pair->stiffness = k, pair->restitution = restitution, pair->friction = 0.8, pair->tangential_ratio = 0.78;
         def.dt = RIDDLE_PI * sqrt(mass / k) / 50.0, def.gravity = dem_vec3(0, 0, 0);
-        do { /* evenly over all orientations: within a ball */
-            for (int a = 0; a < 4; a++) q[a] = 2.0 * uniform(seed) - 1.0;
-            size = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-        } while (!(size <= 1.0 && size > 1e-3));
         status = dem_init(&w, &def, NULL);
         if (status == DEM_OK && dem_add_plane(&w, m, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0) status = DEM_OUT_OF_MEMORY;
         if (status == DEM_OK) status = dem_make_brick(&brick, dem_vec3(1, 1, 2.08), 0.03, NULL);
@@ -134,6 +143,120 @@ static int tell_rebounds(const program *self, int hits) {
     return common_exit_status();
 }
 
+/* ---- touching pairs ---- */
+
+static dem__placed placed(dem_vec x, dem_quaternion q) {
+    const dem__axes axes = dem__axes_of(q);
+    dem__placed p;
+    p.x = x, p.axis[0] = axes.x, p.axis[1] = axes.y, p.axis[2] = axes.z;
+    return p;
+}
+
+/* Distance along x at which two bricks, one of them off the axis by y and z, overlap by a tenth of their rounding [m]. */
+static double touching_distance(const dem_convex *s, dem_quaternion qa, dem_quaternion qb, double y, double z) {
+    dem__placed a = placed(dem_vec3(0, y, z), qa), b = placed(dem_vec3(0, 0, 0), qb);
+    double in = 0.0, out = 2.0 * s->reach;
+    for (int k = 0; k < 40; k++) {
+        dem__gap_of_cores gap;
+        a.x.x = 0.5 * (in + out);
+        dem__find_gap(s, &a, s, &b, HUGE_VAL, NULL, &gap);
+        if (gap.separation > 1.9 * s->radius) out = a.x.x;
+        else in = a.x.x;
+    }
+    return out;
+}
+
+/* Adds n pairs that touch, far from each other: turned at random, or face on face, one turned about the other's normal. */
+static dem_status add_pairs(dem_world *w, int shape, int n, int on_face, uint64_t *random) {
+    const dem_convex *s = &w->engine->convex.shape[shape];
+    dem_status status = DEM_OK;
+    for (int k = 0; k < n && status == DEM_OK; k++) {
+        double q[8], x[6] = {0};
+        dem_quaternion turn[2];
+        for (int m = 0; m < 2; m++) {
+            const double angle = on_face ? m * dem__uniform(random) : 0.0; /* about x */
+            turn[m] = on_face ? dem__quaternion(cos(angle), dem_vec3(sin(angle), 0, 0)) : dem__random_turn(random);
+            q[4 * m] = turn[m].w, q[4 * m + 1] = turn[m].x, q[4 * m + 2] = turn[m].y, q[4 * m + 3] = turn[m].z;
+        }
+        for (int a = 1; a < 3; a++) x[a] = 0.2 * edge * (dem__uniform(random) - 0.5);
+        x[0] = touching_distance(s, turn[0], turn[1], x[1], x[2]);
+        for (int m = 0; m < 2; m++) x[3 * m] += 10.0 * edge * (k % 32), x[3 * m + 1] += 10.0 * edge * (k / 32);
+        status = dem_add_convex(w, shape, 2, x, q, 0, 0);
+    }
+    return status;
+}
+
+/* Time that the points of all pairs listed take, each so many times; cold: nothing is known of the step before [s]. */
+static double time_points(dem_world *w, int times, int cold) {
+    dem__convex_state *convex = &w->engine->convex;
+    dem__convex_point point[DEM__POINTS_MAX];
+    int64_t overlaps = 0;
+    const double begun = machine_processor_seconds();
+    for (int n = 0; n < times; n++) {
+        for (ptrdiff_t k = 0; k < convex->of_particles; k++) {
+            dem__convex_pair *p = &convex->pair[k];
+            if (cold) p->axis = dem_vec3(0, 0, 0), p->cache.n = 0;
+            dem__points_of_pair(w, p, w->step, point, &overlaps);
+        }
+    }
+    return machine_processor_seconds() - begun;
+}
+
+/* Time of a touching pair [ns]: its points, with and without what the last step found, and all of a step; and its points. */
+static dem_status time_pairs(int n, int on_face, uint64_t random, double ns[3], double *points) {
+    enum { TIMES = 200, STEPS = 200 };
+    dem_def def = dem_default_def();
+    dem_world w;
+    dem_convex brick;
+    const int m = dem_add_material(&def, density, 1e7, 0.3);
+    dem_pair(&def, m, m)->stiffness = stiffness, dem_pair(&def, m, m)->restitution = 0.3, dem_pair(&def, m, m)->friction = 0.5;
+    def.dt = 1e-9, def.threads = 1, def.gravity = dem_vec3(0, 0, 0); /* nothing moves far */
+    dem_status status = dem_init(&w, &def, NULL);
+    if (status == DEM_OK) status = dem_make_brick(&brick, dem_vec3(edge, edge, 2.08 * edge), 0.03, NULL);
+    const int shape = status == DEM_OK ? dem_add_shape(&w, &brick) : 0;
+    if (status == DEM_OK) status = shape < 0 ? (dem_status)-shape : add_pairs(&w, shape, n, on_face, &random);
+    if (status == DEM_OK) status = dem_run(&w, 10 * def.dt, DEM_LINEAR | DEM_FRICTION);
+    if (status == DEM_OK) {
+        const int64_t before = w.contact_steps;
+        const double all = 1e9 / ((double)n * TIMES);
+        ns[0] = all * time_points(&w, TIMES, 0), ns[1] = all * time_points(&w, TIMES, 1);
+        const double begun = machine_processor_seconds();
+        status = dem_run(&w, STEPS * def.dt, DEM_LINEAR | DEM_FRICTION);
+        ns[2] = 1e9 * (machine_processor_seconds() - begun) / ((double)n * STEPS);
+        *points = (double)(w.contact_steps - before) / ((double)n * STEPS);
+    }
+    dem_free(&w);
+    return status;
+}
+
+/* The table of pairs, pairs.csv. */
+static int tell_pairs(const program *self, int n) {
+    static const char *const kinds[2] = {"turned at random", "face on face"};
+    double number[2] = {1, 2}, ns[3][2], points[2];
+    for (int k = 0; k < 2; k++) {
+        double own[3];
+        const dem_status status = time_pairs(n, k, self->seed, own, &points[k]);
+        if (status != DEM_OK) return common_fail("%s", dem_status_text(status));
+        for (int m = 0; m < 3; m++) ns[m][k] = own[m];
+        common_print("%s: %.2f points, %.0f ns for them, %.0f ns without the step before, %.0f ns of a step\n", kinds[k], points[k], own[0],
+                     own[1], own[2]);
+    }
+    csv *file = csv_open(self->out, "pairs.csv", "pair,points,known_ns,new_ns,step_ns");
+    for (int k = 0; k < 2; k++) csv_line(file, "%s,%.3g,%.4g,%.4g,%.4g", kinds[k], points[k], ns[0][k], ns[1][k], ns[2][k]);
+    csv_close(file);
+    plot *figure = plot_new("A touching pair of bricks", 1, 1);
+    plot_panel(figure, 0, 0, "1: turned at random, 2: face on face", "processor time [ns]");
+    plot_points(figure, "its points", number, ns[0], 2);
+    plot_points(figure, "without the step before", number, ns[1], 2);
+    plot_points(figure, "all of a step", number, ns[2], 2);
+    plot_write(figure, self->out, "pairs.svg");
+    json *report = json_open(self->json);
+    json_array(report, "points_ns", ns[0], 2), json_array(report, "points_new_ns", ns[1], 2), json_array(report, "step_ns", ns[2], 2);
+    json_program(report, self);
+    json_close(report);
+    return common_exit_status();
+}
+
 /* Runs for a time [s] and draws the kinetic energy: are the bodies at rest? */
 static dem_status settle_down(dem_world *w, const program *self, double time) {
     enum { PARTS = 100 };
@@ -157,59 +280,103 @@ static dem_status settle_down(dem_world *w, const program *self, double time) {
     return status;
 }
 
-int main(int argc, char **argv) {
-    int bodies = 490, steps = 2000, shape = 0, hits = 0;
-    double settle = 0.12, shake = 0.0;
-    option options[] = {
-        option_choice("shape", &shape, "brick|clump|sphere", "what the bodies are"),
-        option_int("bodies", "N", &bodies, 49, 100000, "how many"),
-        option_double("settle-s", "S", &settle, 0.0, 10.0, "time to settle [s]"),
-        option_double("amplitude-m", "M", &shake, 0.0, 0.01, "of the floor, at 50 Hz, while steps are timed [m]"),
-        option_int("steps", "N", &steps, 10, 1000000, "time steps that are timed"),
-        option_int("rebounds", "N", &hits, 0, 100000, "instead: so many bricks fall on a plane, one by one, for each of five restitutions"),
-    };
-    program self =
-        program_start("dem_bricks", "dem.h: cost of a bed of bricks or clumps.", options, sizeof options / sizeof *options, argc, argv);
-    if (hits > 0) return tell_rebounds(&self, hits);
-    if (self.quick && !options[1].given) bodies = 98;
-    if (self.quick && !options[2].given) settle = 0.05;
+/* A box without bodies. */
+static dem_status make_box(dem_world *w, double side, int *floor_wall) {
     dem_def def = dem_default_def();
-    dem_world world;
     const int material = dem_add_material(&def, density, 1e7, 0.3);
     dem_pair_def *pair = dem_pair(&def, material, material);
     pair->stiffness = stiffness, pair->restitution = 0.3, pair->friction = 0.5;
     def.dt = 3e-6, def.threads = 1;
     def.periodic[0] = def.periodic[1] = 1;
-    def.high.x = def.high.y = ACROSS * spacing;
-    dem_status status = dem_init(&world, &def, NULL);
-    const int floor_wall = status == DEM_OK ? dem_add_plane(&world, material, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) : 0;
-    if (status == DEM_OK) status = add_bodies(&world, shape, bodies, self.seed);
-    status = status == DEM_OK ? settle_down(&world, &self, settle) : status;
-    if (status == DEM_OK) write_state(&world, self.out);
-    if (status == DEM_OK && shape == 0) draw(&world, self.out);
-    if (shake > 0.0 && status == DEM_OK) status = dem_vibrate(&world, floor_wall, dem_vec3(0, 0, shake), dem_vec3(0, 0, 0), 50.0);
-    if (status == DEM_OK) status = dem_run(&world, 10 * def.dt, DEM_LINEAR | DEM_FRICTION);
-    const int64_t contacts = world.contact_steps, lists = world.rebuilds;
+    def.high.x = def.high.y = side;
+    const dem_status status = dem_init(w, &def, NULL);
+    *floor_wall = status == DEM_OK ? dem_add_plane(w, material, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) : 0;
+    return *floor_wall < 0 ? (dem_status) - *floor_wall : status;
+}
+
+/* Replaces a world by tiles x tiles copies of it beside each other, which fit, as it is periodic. */
+static dem_status repeat(dem_world *w, int shape, int tiles, double side, int *floor_wall) {
+    dem_world wide;
+    kind own;
+    memset(&wide, 0, sizeof wide);
+    dem_status status = make_box(&wide, tiles * side, floor_wall);
+    if (status == DEM_OK) status = prepare(&wide, shape, &own);
+    for (int tile = 0; tile < tiles * tiles; tile++) {
+        for (ptrdiff_t i = 0; i < w->count && status == DEM_OK; i++) {
+            const dem_body b = dem_get_body(w, i);
+            const dem_vec at = dem_vec3(b.position.x + tile % tiles * side, b.position.y + tile / tiles * side, b.position.z);
+            if (b.first == i) status = add_body(&wide, &own, at, b.orientation, b.velocity, b.spin);
+        }
+    }
+    dem_free(w);
+    *w = wide;
+    return status;
+}
+
+/* Times steps, says what they took and writes it down. */
+static dem_status time_steps(dem_world *w, const char *shape, int bodies, int steps, json *report) {
+    const double dt = w->def.dt;
+    dem_status status = dem_run(w, 10 * dt, DEM_LINEAR | DEM_FRICTION);
+    const int64_t contacts = w->contact_steps, lists = w->rebuilds;
     const double begun = machine_processor_seconds();
-    if (status == DEM_OK) status = dem_run(&world, steps * def.dt, DEM_LINEAR | DEM_FRICTION);
+    if (status == DEM_OK) status = dem_run(w, steps * dt, DEM_LINEAR | DEM_FRICTION);
     const double taken = machine_processor_seconds() - begun;
-    if (status != DEM_OK) return common_fail("%s", dem_status_text(status));
-    const double rate = (double)bodies * steps / taken, touching = (double)(world.contact_steps - contacts) / steps;
-    const dem_energy_ledger energy = dem_energy(&world);
+    if (status != DEM_OK) return status;
+    const double rate = (double)bodies * steps / taken, touching = (double)(w->contact_steps - contacts) / steps;
+    const dem_energy_ledger energy = dem_energy(w);
     common_print(
-        "%s: %d bodies, %.0f contacts, %d steps, %.3g s, %.4g particle-steps/s, %.0f ns a contact, %lld lists, %lld cores overlap\n",
-        shapes[shape], bodies, touching, steps, taken, rate, 1e9 * taken / (touching * steps), (long long)(world.rebuilds - lists),
-        (long long)dem_core_overlaps(&world));
-    json *report = json_open(self.json);
-    json_string(report, "shape", shapes[shape]);
-    json_integer(report, "bodies", bodies);
+        "%s: %d bodies, %.0f contacts, %d steps, %.3g s, %.4g particle-steps/s, %.0f ns a contact, %lld lists, %lld cores overlap\n", shape,
+        bodies, touching, steps, taken, rate, 1e9 * taken / (touching * steps), (long long)(w->rebuilds - lists),
+        (long long)dem_core_overlaps(w));
     json_number(report, "contacts", touching);
-    json_integer(report, "steps", steps);
     json_number(report, "cpu_s", taken);
     json_number(report, "particle_steps_per_s", rate);
     json_number(report, "kinetic_energy_J", energy.kinetic + energy.rotational);
-    json_program(report, &self);
-    json_close(report);
+    return status;
+}
+
+int main(int argc, char **argv) {
+    int bodies = 490, steps = 2000, shape = 0, hits = 0, pairs = 0, tiles = 1;
+    double settle = 0.12, shake = 0.0;
+    option options[] = {
+        option_choice("shape", &shape, "brick|clump|sphere", "what the bodies are"),
+        option_int("bodies", "N", &bodies, 49, 100000, "how many settle, 49 a layer"),
+        option_int("tiles", "N", &tiles, 1, 30, "N x N copies of the settled bed, beside each other, are timed"),
+        option_double("settle-s", "S", &settle, 0.0, 10.0, "time to settle [s]"),
+        option_double("amplitude-m", "M", &shake, 0.0, 0.01, "of the floor, at 50 Hz, while steps are timed [m]"),
+        option_int("steps", "N", &steps, 10, 1000000, "time steps that are timed"),
+        option_int("rebounds", "N", &hits, 0, 100000, "instead: so many bricks fall on a plane, one by one, for each of five restitutions"),
+        option_int("pairs", "N", &pairs, 0, 1000, "instead: the time of so many touching pairs of bricks"),
+    };
+    program self =
+        program_start("dem_bricks", "dem.h: cost of a bed of bricks or clumps.", options, sizeof options / sizeof *options, argc, argv);
+    if (hits > 0) return tell_rebounds(&self, hits);
+    if (pairs > 0) return tell_pairs(&self, pairs);
+    if (self.quick && !options[1].given) bodies = 98;
+    if (self.quick && !options[3].given) settle = 0.05;
+    dem_world world;
+    int floor_wall;
+    memset(&world, 0, sizeof world);
+    dem_status status = make_box(&world, ACROSS * spacing, &floor_wall);
+    if (status == DEM_OK) status = add_bodies(&world, shape, bodies, self.seed);
+    status = status == DEM_OK ? settle_down(&world, &self, settle) : status;
+    if (status == DEM_OK && tiles > 1) status = repeat(&world, shape, tiles, ACROSS * spacing, &floor_wall);
+    bodies *= tiles * tiles;
+    if (status == DEM_OK) write_state(&world, self.out);
+    if (status == DEM_OK && shape == 0) draw(&world, self.out);
+    json *report = json_open(self.json);
+    json_string(report, "shape", shapes[shape]);
+    json_integer(report, "bodies", bodies);
+    json_integer(report, "steps", steps);
+    if (shake > 0.0 && status == DEM_OK) status = dem_vibrate(&world, floor_wall, dem_vec3(0, 0, shake), dem_vec3(0, 0, 0), 50.0);
+    if (status == DEM_OK) status = time_steps(&world, shapes[shape], bodies, steps, report);
+    if (status == DEM_OK) {
+        json_program(report, &self);
+        json_close(report);
+    } else {
+        json_discard(report);
+        common_fail("%s", dem_status_text(status));
+    }
     dem_free(&world);
     return common_exit_status();
 }

@@ -96,7 +96,7 @@ DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape) {
 static inline int dem__is_cut(const dem_world *w, const dem__convex_pair *p) {
     const dem__convex_state *convex = &w->engine->convex;
     const dem_convex *s = p->i < w->count && w->alive[p->i] == DEM_PRESENT ? dem__shape_of(w, p->i) : NULL;
-    if (!s || !dem__is_at_wall(w, p->i, -1 - p->j)) return 0;
+    if (!s || !p->is_close) return 0;
     for (int32_t k = p->first; k < p->first + p->count; k++) {
         if (convex->point[k].gap < -s->radius) return 1;
     }

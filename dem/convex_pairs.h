@@ -4,20 +4,148 @@
    never on earlier tests or on threads. A contact of pair q has near = -2 - q.
    May be changed here alone: which pairs are tested, and when; every point that touches is found. */
 
-/* Places polyhedra first .. end-1 at a step. */
-static inline void dem__place_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const int64_t step = *(const int64_t *)context;
+/* Places a polyhedron at a step. */
+static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const dem__posture p = dem__posture_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
+    const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
+    dem__placed *place = &w->engine->convex.place[i];
+    place->x = dem__in_box(w, p.x);
+    place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn), place->axis[2] = dem__third_axis(turn);
+}
+/* Places those among particles first .. end-1 that take steps. */
+static inline void dem__place_active(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     (void)part;
     for (ptrdiff_t i = first; i < end; i++) {
-        if (!w->alive[i] || !dem__shape_of(w, i)) continue;
-        const dem__rigid *r = dem__rigid_of(w, i);
-        const dem__posture p = dem__posture_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
-        const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
-        dem__placed *place = &w->engine->convex.place[i];
-        place->x = dem__in_box(w, p.x);
-        place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn), place->axis[2] = dem__third_axis(turn);
+        if (w->alive[i] && w->engine->bodies.activity[i] != DEM__FLYING && dem__shape_of(w, i))
+            dem__place_polyhedron(w, i, *(const int64_t *)context);
     }
 }
+/* Places those among particles first .. end-1 that fly and are marked in scratch.index. */
+static inline void dem__place_flying(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    (void)part;
+    for (ptrdiff_t i = first; i < end; i++) {
+        if (w->engine->scratch.index[i] && w->engine->bodies.activity[i] == DEM__FLYING && dem__shape_of(w, i))
+            dem__place_polyhedron(w, i, *(const int64_t *)context);
+    }
+}
+
+/* ---- pairs that cannot touch for a while ---- */
+
+/* Returns whether particle i still is in the flight that began at a step. */
+DEM_INLINE int dem__flies_on(const dem_world *w, ptrdiff_t i, int64_t origin) {
+    return w->engine->bodies.activity[i] == DEM__FLYING && w->particle[i].origin == origin;
+}
+/* Returns whether a pair cannot touch at a step. */
+DEM_INLINE int dem__is_idle(const dem_world *w, const dem__convex_pair *p, int64_t step) {
+    if (p->idle_until <= step || !dem__flies_on(w, p->i, p->origin[0])) return 0;
+    if (p->j >= 0) return dem__flies_on(w, p->j, p->origin[1]);
+    const dem_wall *wall = &w->wall[-1 - p->j];
+    return wall->speed_bound <= p->speed && wall->spin_bound <= p->spin;
+}
+
+/* Lets a pair be idle for some steps from a step on. */
+DEM_INLINE void dem__leave_alone(const dem_world *w, dem__convex_pair *p, int64_t step, int steps) {
+    p->idle_until = step + steps;
+    p->origin[0] = w->particle[p->i].origin;
+    if (p->j >= 0) p->origin[1] = w->particle[p->j].origin;
+}
+
+/* Returns whether particle i moves on a parabola until it touches something. Polyhedra have no links. */
+DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
+    return w->engine->bodies.activity[i] == DEM__FLYING && !(w->engine->links.on && !dem__shape_of(w, i));
+}
+/* Returns the acceleration of the centre of particle i, or of its body. */
+DEM_INLINE dem_vec dem__pull_of(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? r->a : w->particle[i].a;
+}
+/* Returns how fast particle i turns about the centre of its clump, at most [m/s]. */
+DEM_INLINE double dem__swing_of(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
+    return r ? w->engine->bodies.room->swing(w, r, i) : 0.0;
+}
+/* Returns the centre of particle i at a step. That of a polyhedron that flies needs no orientation; others have been placed. */
+DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step) {
+    const double tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
+    if (!dem__shape_of(w, i)) return dem__at(w, i, tau);
+    return w->engine->bodies.activity[i] == DEM__FLYING ? dem__centre_at(w, i, tau) : w->engine->convex.place[i].x;
+}
+
+/* Finds whether the spheres around two particles touch at a step. If not, and both fly, the pair is left alone. */
+static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p, int64_t step) {
+    const dem_particle *particle = w->particle;
+    const double dt = w->engine->run.dt, slack = 2.0 * w->engine->pairs.position_tolerance;
+    const double reach = particle[p->i].radius + particle[p->j].radius + slack;
+    const dem_vec d = dem__nearest_image(w, dem__sub(dem__centre_in(w, p->i, step), dem__centre_in(w, p->j, step)));
+    p->is_close = dem__dot(d, d) < reach * reach;
+    if (p->is_close || !(w->def.skip & DEM_SKIP_PAIRS) || !dem__is_in_flight(w, p->i) || !dem__is_in_flight(w, p->j)) return;
+    const dem_vec v = dem__sub(dem__drift_at(w, p->i, (double)(step - particle[p->i].origin) * dt),
+                               dem__drift_at(w, p->j, (double)(step - particle[p->j].origin) * dt));
+    const double speed = dem__length(v) + dem__swing_of(w, p->i) + dem__swing_of(w, p->j);
+    const double pull = dem__length(dem__sub(dem__pull_of(w, p->i), dem__pull_of(w, p->j)));
+    dem__leave_alone(w, p, step, dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, pull)));
+}
+
+/* Does so for a particle and a wall, which has been moved to the step. */
+static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step) {
+    const dem_wall *wall = &w->wall[-1 - p->j];
+    const int may_rest = (w->def.skip & DEM_SKIP_SPACE) && dem__is_in_flight(w, p->i);
+    const dem_vec x = dem__in_box(w, dem__centre_in(w, p->i, step));
+    dem__touch touch[DEM__TOUCHES];
+    double least;
+    p->is_close = 0;
+    if (!dem__is_at_wall(w, p->i, -1 - p->j)) return;
+    const double slack = w->engine->pairs.position_tolerance;
+    dem__touch_wall(wall, x, w->particle[p->i].radius, may_rest ? w->engine->pairs.wall_reach : slack, touch, &least);
+    p->is_close = least < slack;
+    if (p->is_close || !may_rest) return;
+    const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
+    const double tau = (double)(step - w->particle[p->i].origin) * w->engine->run.dt, pull = dem__length(dem__pull_of(w, p->i));
+    double speed = dem__length(dem__drift_at(w, p->i, tau)) + wall->speed_bound;
+    int most = DEM__STEPS_MAX;
+    if (wall->spin_bound > 0.0) { /* as in dem__test_wall */
+        const double turn = DEM__RETEST_STEPS * w->engine->run.dt, out = turn * (speed + turn * pull);
+        speed += wall->spin_bound * (dem__arm(wall, x) + out);
+        most = DEM__RETEST_STEPS;
+    }
+    least = crossing < least ? crossing : least;
+    const int steps = dem__steps_until(w, dem__time_to_cover(least - slack, speed, pull));
+    p->speed = wall->speed_bound, p->spin = wall->spin_bound;
+    dem__leave_alone(w, p, step, steps < most ? steps : most);
+}
+
+/* Finds which of pairs first .. end-1 are close at a step. */
+static inline void dem__find_close(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const int64_t step = *(const int64_t *)context;
+    (void)part;
+    for (dem__convex_pair *p = w->engine->convex.pair + first; p < w->engine->convex.pair + end; p++) {
+        if (dem__is_idle(w, p, step)) continue;
+        p->is_close = p->count = 0, p->idle_until = 0;
+        if (!w->alive[p->i] || (p->j >= 0 && !w->alive[p->j])) continue;
+        if (p->j < 0) dem__look_at_wall(w, p, step);
+        else dem__look_at_spheres(w, p, step);
+    }
+}
+
+/* Finds the pairs that are close at a step, and places their polyhedra. */
+static inline void dem__place_close(dem_world *w, int64_t step) {
+    dem__convex_state *convex = &w->engine->convex;
+    const int parts = dem__parts(w, w->count);
+    int32_t *marked = w->engine->scratch.index;
+    dem__in_parts(w, parts, w->count, dem__place_active, &step);
+    dem__in_parts(w, dem__parts(w, convex->pairs), convex->pairs, dem__find_close, &step);
+    if (w->engine->bodies.active_count == w->count - w->engine->bodies.dropped) return; /* none flies */
+    for (ptrdiff_t i = 0; i < w->count; i++) marked[i] = 0;
+    for (const dem__convex_pair *p = convex->pair; p < convex->pair + convex->pairs; p++) {
+        if (!p->is_close) continue;
+        marked[p->i] = 1;
+        if (p->j >= 0) marked[p->j] = 1;
+    }
+    dem__in_parts(w, parts, w->count, dem__place_flying, &step);
+}
+
+/* ---- points ---- */
 
 /* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch. sphere_first: the sphere is
    a, the polyhedron b. */
@@ -61,8 +189,8 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     pa.x = pb.x = dem_vec3(0.0, 0.0, 0.0);
     if (!a || !b) {
         const double radius = particle[a ? p->j : p->i].radius;
-        const int n = a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out)
-                        : dem__points_of_sphere(b, &pb, d, radius, 1, out);
+        const int n =
+            a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out) : dem__points_of_sphere(b, &pb, d, radius, 1, out);
         *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
         return n;
     }
@@ -82,9 +210,7 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
 
 /* Finds the points of a particle at a wall, both at the end of the step. Returns their number. */
 static inline int dem__points_at_wall(const dem_world *w, const dem__convex_pair *p, dem__convex_point *out) {
-    const int wall = -1 - p->j;
-    if (!dem__is_at_wall(w, p->i, wall)) return 0;
-    return dem__touch_with_polyhedron(&w->wall[wall], dem__shape_of(w, p->i), &w->engine->convex.place[p->i], out);
+    return dem__touch_with_polyhedron(&w->wall[-1 - p->j], dem__shape_of(w, p->i), &w->engine->convex.place[p->i], out);
 }
 
 /* A test of all pairs by several threads, each of which has a share of the points. */
@@ -102,8 +228,8 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
     look->overlaps[part] = look->full[part] = 0;
     for (ptrdiff_t q = first; q < end; q++) {
         dem__convex_pair *p = &convex->pair[q];
-        p->first = (int32_t)at, p->count = 0;
-        if (!w->alive[p->i] || (p->j >= 0 && !w->alive[p->j])) continue;
+        if (!p->is_close) continue;
+        p->first = (int32_t)at;
         if (limit - at < DEM__POINTS_MAX) {
             look->full[part] = 1;
             return;
@@ -134,7 +260,7 @@ static inline int dem__find_convex_points(dem_world *w, int64_t step) {
     dem__convex_look look;
     int full = 1;
     look.step = step;
-    dem__in_parts(w, dem__parts(w, w->count), w->count, dem__place_polyhedra, &step);
+    dem__place_close(w, step);
     if (!dem__grow_points(w, 2 * (w->engine->contacts.count + DEM__POINTS_MAX * (ptrdiff_t)parts))) return 0;
     while (full) {
         full = 0;

@@ -24,6 +24,10 @@ typedef struct dem__convex_point {
 typedef struct dem__convex_pair {
     int32_t i, j, near;   /* near: its number among near pairs, or -1 */
     int32_t first, count; /* of its points in the present step */
+    int32_t is_close;     /* whether the spheres around the two touch in the present step */
+    int64_t idle_until;   /* step before which they cannot touch while both fly on, and the wall is no faster */
+    int64_t origin[2];    /* origin steps of these flights */
+    double speed, spin;   /* bounds of the wall's motion on which it relies [m/s], [rad/s] */
     dem__nearest_cache cache;
     dem_vec axis; /* a direction in which the cores were apart at the last test; 0: none */
 } dem__convex_pair;
