@@ -600,7 +600,8 @@ RIDDLE_IO_API riddle_io_status riddle_io_make_folder(const char *path, char *mes
     for (char *c = trial + 1; *c && !failed; c++) {
         if (*c != '/' || c[-1] == '/') continue;
         *c = '\0';
-        if (riddle_io__make_one_folder(trial) != 0 && !riddle_io__is_folder(trial)) failed = errno == EEXIST ? ENOTDIR : errno;
+        const int why = riddle_io__make_one_folder(trial) == 0 ? 0 : errno;
+        if (why && !riddle_io__is_folder(trial)) failed = why == EEXIST ? ENOTDIR : why;
         *c = '/';
     }
     riddle_io_status status =

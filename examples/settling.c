@@ -502,7 +502,9 @@ int main(int argc, char **argv) {
         return common_exit_status();
     }
     progress bar;
+    common_interrupt_at_once(true); /* while nothing is written */
     filtration_status status = set_up(&r, &self);
+    common_interrupt_at_once(false);
     progress_begin(&bar, s->name, r.choice.time);
     if (status == FILTRATION_OK) status = go(&r, &t, &bar);
     progress_end(&bar);

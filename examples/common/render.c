@@ -656,10 +656,16 @@ static void png_bytes(png_structp png, png_bytep bytes, png_size_t size) {
 }
 static void png_flushed(png_structp png) { (void)png; }
 
+/* Libpng's own says the same a second time. */
+static void png_failed(png_structp png, png_const_charp why) {
+    (void)why;
+    png_longjmp(png, 1);
+}
+
 static int write_png(const char *folder, const char *name, int width, int height, unsigned char *rgb) {
     output *file = output_open(folder, name);
     if (!file) return -1;
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, png_failed, NULL);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     if (!info || setjmp(png_jmpbuf(png))) {
         png_destroy_write_struct(&png, &info);
