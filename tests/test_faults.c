@@ -910,6 +910,68 @@ static void test_unset_pairs_of_every_shape(void **state) {
     }
 }
 
+/* A sphere, a clump or a brick of one material falls on a sphere, a clump or a brick of another that is fixed or free, by itself, with a
+   link between them, or in a force field. */
+DEM_INLINE dem_vec no_force(const dem_force_point *at) { return dem_vec3(0.0 * at->mass, 0.0, 0.0); }
+DEM_FORCE_FIELD(no_field, no_force)
+DEM_INLINE void weak_force(const dem_contact *c, double *state, dem_response *r) { (void)state, r->normal = -1e-3 * c->gap; }
+static const dem_law weak_link = {"weak", 1, 0, 0, 0, 0, NULL, weak_force, NULL, NULL};
+DEM_LINK_KERNEL(weak_kernel, weak_link)
+
+static void body_at(dem_world *w, int shape, double z, int material) {
+    const double at[3] = {0, 0, z}, two[6] = {0, 0, 0, 0.004, 0, 0}, diameters[2] = {0.01, 0.01};
+    dem_clump clump;
+    dem_convex brick;
+    if (shape == 0) sphere_at(w, 0, z, material);
+    if (shape == 1) {
+        assert_int_equal(dem_make_clump(2, two, diameters, &clump), DEM_OK);
+        assert_int_equal(dem_add_clumps(w, 1, &clump, at, NULL, NULL, material, 0), DEM_OK);
+    }
+    if (shape == 2) {
+        assert_int_equal(dem_make_brick(&brick, v3(0.01, 0.01, 0.01), 0.1, NULL), DEM_OK);
+        assert_int_equal(dem_add_convex(w, dem_add_shape(w, &brick), 1, at, NULL, material, 0), DEM_OK);
+    }
+}
+static void test_unset_pairs_of_bodies(void **state) {
+    (void)state;
+    for (int k = 0; k < 36; k++) {
+        const int upper = k % 3, lower = k / 3 % 3, way = k / 9; /* fixed, free, linked, in a field */
+        const int features = DEM_LINEAR | DEM_FRICTION;
+        dem_world w;
+        dem_def def;
+        two_materials(&w, &def);
+        body_at(&w, lower, 0.0, 2);
+        const ptrdiff_t second = w.count;
+        body_at(&w, upper, 0.012, 0);
+        dem_force_field f = dem_default_force_field(no_field, NULL);
+        if (way != 1) assert_int_equal(dem_fix(&w, 0, 1), DEM_OK);
+        if (way == 2 && (upper == 2 || lower == 2)) { /* polyhedra have no links */
+            dem_free(&w);
+            continue;
+        }
+        if (way == 2) assert_int_equal(dem_set_links(&w, &weak_kernel, 1e-4, 1e-6), DEM_OK);
+        if (way == 2) assert_int_equal(dem_add_link(&w, 0, second, 0, NULL), DEM_OK);
+        if (way == 3) assert_int_equal(dem_set_force_field(&w, &f), DEM_OK);
+        assert_int_equal(dem_set_motion(&w, second, v3(0, 0, -0.2), v3(0, 0, 0)), DEM_OK);
+        refused(&w, features, 0, 2);
+        dem_free(&w);
+    }
+    dem_world w; /* a feed that falls on a wall of spheres' own kind, and on another */
+    dem_def def;
+    two_materials(&w, &def);
+    dem_add_plane(&w, 1, v3(0, 0, 0), v3(0, 0, 1)), dem_add_plane(&w, 2, v3(0, 0, -0.001), v3(0, 0, 1));
+    assert_int_equal(dem_set_wall_groups(&w, 1, 2u), DEM_OK); /* for group 1 only */
+    assert_int_equal(dem_set_wall_groups(&w, 0, 1u), DEM_OK);
+    dem_feed feed = dem_default_feed();
+    feed.region = dem_box_region(v3(0, 0, 0.01), v3(0.02, 0.02, 0.02)), feed.material = 1;
+    assert_int_equal(dem_feed_number(&w, &feed, 100.0, 0.05), DEM_OK);
+    run(&w, 0.1, DEM_LINEAR); /* alike */
+    feed.group = 1;
+    assert_int_equal(dem_feed_number(&w, &feed, 100.0, 0.05), DEM_OK);
+    refused(&w, DEM_LINEAR, 1, 2);
+    dem_free(&w);
+}
+
 /* Whoever sets the pair goes on, with the bits of a run that had it from the start; saves and loads know what was set. */
 static void test_pair_set_later(void **state) {
     (void)state;
@@ -1185,6 +1247,7 @@ int main(void) {
         cmocka_unit_test(test_states_set_by_the_caller),
         cmocka_unit_test(test_unset_pairs_are_refused),
         cmocka_unit_test(test_unset_pairs_of_every_shape),
+        cmocka_unit_test(test_unset_pairs_of_bodies),
         cmocka_unit_test(test_pair_set_later),
         cmocka_unit_test(test_callers_acts_are_booked),
         cmocka_unit_test(test_size_of_the_bookings),
