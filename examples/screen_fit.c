@@ -651,7 +651,8 @@ static const char *short_source(const study *s) { return strncmp(s->source, "SYN
 
 static void draw_curves(const program *self, const study *s, const results *r) {
     char title[120];
-    snprintf(title, sizeof title, "Data and models fitted to all 27 cases; above each: case, amplitude, frequency, water%s", short_source(s));
+    snprintf(title, sizeof title, "Data and models fitted to all 27 cases; above each: case, amplitude, frequency, water%s",
+             short_source(s));
     plot *figure = plot_new(title, 4, 3);
     plot_panel_size(figure, 330, 230);
     csv *file = csv_open(self->out, "fig8.csv",

@@ -102,7 +102,9 @@ static inline dem_status sieve_patch_make(sieve_patch *patch, const sieve_patch_
 /* Ends of the three kinds of grains over the opening: fine, hard to screen, coarse; in each, masses are even over the diameter. */
 static const double sieve_patch_ends[4] = {0.5, 0.8, 1.2, 1.6};
 
-static inline double sieve_patch_share(const sieve_patch_def *d, int kind) { return kind == 1 ? d->x_h : 0.5 - 0.5 * d->x_h; } /* of the mass */
+static inline double sieve_patch_share(const sieve_patch_def *d, int kind) {
+    return kind == 1 ? d->x_h : 0.5 - 0.5 * d->x_h;
+} /* of the mass */
 
 /* Number of grains that sieve_patch_lay lays on, on average. */
 static inline double sieve_patch_expected(const sieve_patch_def *d) {

@@ -38,7 +38,8 @@ static int removed(const char *path, const struct stat *info, int kind, struct F
 static int make_folder(void **state) {
     (void)state;
     const char *base = getenv("TMPDIR");
-    snprintf(folder, sizeof folder, "%s/Mühle \xe9, programs.XXXXXX", base ? base : "/tmp"); /* with blanks, UTF-8 and a byte that is none */
+    snprintf(folder, sizeof folder, "%s/Mühle \xe9, programs.XXXXXX",
+             base ? base : "/tmp"); /* with blanks, UTF-8 and a byte that is none */
     return mkdtemp(folder) ? 0 : -1;
 }
 
@@ -336,7 +337,8 @@ static void test_input_files(void **state) {
         for (int k = 0; k < 4; k++) {
             const char *words[] = {"--quick", word, path[k], NULL};
             result s = run_program(*state, words, 0, 0.0);
-            if (s.status != 2 || lines(s.err) != 1 || s.out[0] || !strstr(s.err, option)) fail_msg("%s %s: status %d, said '%s'", word, name[k], s.status, s.err);
+            if (s.status != 2 || lines(s.err) != 1 || s.out[0] || !strstr(s.err, option))
+                fail_msg("%s %s: status %d, said '%s'", word, name[k], s.status, s.err);
             forget(&s);
         }
     }

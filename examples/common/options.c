@@ -305,7 +305,8 @@ program program_start(const char *name, const char *about, option *options, int 
         option common[COMMON_OPTIONS], **all = malloc((size_t)(n + COMMON_OPTIONS + 2) * sizeof *all);
         if (!all) exit(1);
         int total = collect(&defaults, common, options, n, all);
-        option help = option_flag("help", &defaults.quiet, "this text"), version = option_flag("version", &defaults.quiet, "Riddle's version");
+        option help = option_flag("help", &defaults.quiet, "this text"),
+               version = option_flag("version", &defaults.quiet, "Riddle's version");
         all[total++] = &help;
         all[total++] = &version;
         print_help(name, about, (const option *const *)all, total);
@@ -314,7 +315,8 @@ program program_start(const char *name, const char *about, option *options, int 
     }
     status = options_parse(&self, options, n, argc, argv, message, (int)sizeof message);
     if (status == 0 && strlen(self.out) > LONGEST_OUT)
-        status = refuse(message, (int)sizeof message, "%s: --out %.60s...: allowed: a path of at most %d bytes", name, self.out, LONGEST_OUT);
+        status =
+            refuse(message, (int)sizeof message, "%s: --out %.60s...: allowed: a path of at most %d bytes", name, self.out, LONGEST_OUT);
     if (status == 0 && output_make_folder(self.out, message, sizeof message) != 0) {
         char why[600];
         snprintf(why, sizeof why, "%s", message);
@@ -344,7 +346,8 @@ void program_need_memory(const program *self, const char *option_name, double by
     const double there = machine_free_memory_bytes();
     if (bytes <= there) return;
     char allowed_text[160];
-    snprintf(allowed_text, sizeof allowed_text, "what fits into %.3g GB of free memory; this takes about %.3g GB", 1e-9 * there, 1e-9 * bytes);
+    snprintf(allowed_text, sizeof allowed_text, "what fits into %.3g GB of free memory; this takes about %.3g GB", 1e-9 * there,
+             1e-9 * bytes);
     program_refuse(self, option_name, NULL, allowed_text);
 }
 

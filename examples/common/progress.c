@@ -41,7 +41,8 @@ void common_catch_interrupt(void) {
     action.sa_handler = on_signal;
     sigemptyset(&action.sa_mask);
     for (int k = 0; k < (int)(sizeof numbers / sizeof *numbers); k++) {
-        action.sa_flags = numbers[k] == SIGPIPE ? 0 : (int)SA_RESETHAND; /* the second one ends the program; each line to a closed pipe is one */
+        action.sa_flags =
+            numbers[k] == SIGPIPE ? 0 : (int)SA_RESETHAND; /* the second one ends the program; each line to a closed pipe is one */
         const bool by_nohup = numbers[k] == SIGHUP && sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler == SIG_IGN;
         if (!by_nohup) sigaction(numbers[k], &action, NULL);
     }

@@ -15,7 +15,8 @@
 #define COMMON_PRINTF(text, first)
 #endif
 
-/* True once Ctrl-C (SIGINT), SIGTERM or SIGHUP has come, or who reads the output has gone (SIGPIPE): leave loops, write nothing that is not whole, and return common_exit_status().
+/* True once Ctrl-C (SIGINT), SIGTERM or SIGHUP has come, or who reads the output has gone (SIGPIPE): leave loops,
+   write nothing that is not whole, and return common_exit_status().
    A second Ctrl-C ends the program at once. Costs one load; call it from any thread. */
 bool common_interrupted(void);
 /* Ctrl-C ends the program at once: during work that cannot be stopped in its middle and that has no file open. */
@@ -38,7 +39,8 @@ void progress_update(progress *bar, double done); /* cheap: at most 10 prints a 
 void progress_add(progress *bar, double more);
 void progress_end(progress *bar); /* clears the bar, prints "what: done in 3.2 s" */
 
-/* Called by program_start. The first: standard streams that were closed are opened on nothing, so that no file of the run takes the place of one. */
+/* Called by program_start. The first: standard streams that were closed are opened on nothing, so that no file of the run takes the
+   place of one. */
 void common_open_standard_streams(void);
 void common_set_quiet(bool quiet);
 void common_set_name(const char *name);

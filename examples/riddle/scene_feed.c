@@ -225,8 +225,8 @@ static int check_memory(scene *s) {
         const double number = isnan(q->def->count) ? q->amount / (q->density * RIDDLE_PI / 6.0 * q->cube) : q->amount;
         all += number * (q->shape && q->shape->clump.spheres ? q->shape->clump.spheres : 1);
         if (!(each * all <= there))
-            return tree_fail(s->file, q->def->part.where, "feed: %.3g particles take about %.3g GB of memory, of which %.3g GB are free", all,
-                             1e-9 * each * all, 1e-9 * there);
+            return tree_fail(s->file, q->def->part.where, "feed: %.3g particles take about %.3g GB of memory, of which %.3g GB are free",
+                             all, 1e-9 * each * all, 1e-9 * there);
     }
     return 0;
 }
