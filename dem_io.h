@@ -332,14 +332,15 @@ static inline void dem_io__grow_by_wall(dem_vec *low, dem_vec *high, const dem_w
 }
 
 DEM_IO_API void dem_io_bounds(const dem_world *world, dem_vec *low, dem_vec *high) {
+    if (!low || !high) return;
     *low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
     *high = dem_vec3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL);
-    for (ptrdiff_t i = 0; i < world->count; i++)
+    for (ptrdiff_t i = 0; world && i < world->count; i++)
         if (dem_io__is_there(world, i)) dem_io__grow(low, high, dem_position(world, i), dem_radius(world, i));
-    for (int k = 0; k < world->walls; k++)
+    for (int k = 0; world && k < world->walls; k++)
         if (world->wall[k].enabled) dem_io__grow_by_wall(low, high, &world->wall[k]);
     if (!(low->x <= high->x)) *low = dem_vec3(-0.5, -0.5, -0.5), *high = dem_vec3(0.5, 0.5, 0.5);
-    for (int k = 0; k < world->walls; k++) { /* a cylinder's width, where it stands along an axis */
+    for (int k = 0; world && k < world->walls; k++) { /* a cylinder's width, where it stands along an axis */
         const dem_wall *w = &world->wall[k];
         if (w->kind != DEM_CYLINDER || !w->enabled) continue;
         for (int c = 0; c < 3; c++) {
@@ -656,7 +657,7 @@ static inline dem_status dem_io__section_of_walls(const dem_world *world, riddle
 DEM_IO_API dem_status dem_io_section(const dem_world *world, riddle_io_plot *figure, dem_vec point, dem_vec normal, dem_vec right,
                                      const char *const *names, int n_names) {
     dem_io__view v;
-    if (!world || !world->def.allocator.fn || !dem_io__make_view(&v, point, normal, right)) return DEM_BAD_ARGUMENT;
+    if (!world || !world->def.allocator.fn || !figure || !dem_io__make_view(&v, point, normal, right)) return DEM_BAD_ARGUMENT;
     const dem_allocator *a = &world->def.allocator;
     const size_t n = (size_t)world->count, bytes = 3 * (n + 1) * sizeof(double);
     double *x = (double *)a->fn(a->user, NULL, 0, bytes);

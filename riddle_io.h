@@ -611,7 +611,7 @@ RIDDLE_IO_API riddle_io_status riddle_io_make_folder(const char *path, char *mes
 }
 
 RIDDLE_IO_API const char *riddle_io_path(char *buffer, size_t size, const char *folder, const char *name) {
-    snprintf(buffer, size, "%s%s%s", folder ? folder : "", folder ? "/" : "", name);
+    if (buffer && size > 0) snprintf(buffer, size, "%s%s%s", folder ? folder : "", folder ? "/" : "", name ? name : "");
     return buffer;
 }
 
@@ -748,6 +748,7 @@ static inline riddle_io_status riddle_io__end_appended(riddle_io__stream *s) {
 }
 
 static inline bool riddle_io__is_whole(const riddle_io_array *a, int n) {
+    if (!a->name) return false;
     if (n == 0) return true;
     if (a->floats || a->ints) return a->components == 1;
     bool whole = n > 0 && (a->components == 1 || a->components == 3);
@@ -830,8 +831,8 @@ RIDDLE_IO_API riddle_io_status riddle_io_polygons(const char *folder, const char
 
 RIDDLE_IO_API riddle_io_status riddle_io_cells(const char *folder, const char *name, const int size[3], const double origin[3],
                                                const double spacing[3], const riddle_io_array *arrays, int n_arrays) {
-    double cells = (double)size[0] * size[1] * size[2];
-    if (!(size[0] > 0 && size[1] > 0 && size[2] > 0 && cells < 2147483647.0))
+    double cells = size ? (double)size[0] * size[1] * size[2] : 0.0;
+    if (!(size && origin && spacing && size[0] > 0 && size[1] > 0 && size[2] > 0 && cells < 2147483647.0))
         return riddle_io__fail(RIDDLE_IO_BAD_ARGUMENT, name, "a grid of no cells, or of 2^31 or more");
     int n = size[0] * size[1] * size[2];
     if (!riddle_io__are_whole(arrays, n_arrays, n)) return riddle_io__fail(RIDDLE_IO_BAD_ARGUMENT, name, "an array is missing");
@@ -918,7 +919,7 @@ RIDDLE_IO_API riddle_io_series *riddle_io_series_open(const char *folder, const 
 }
 
 RIDDLE_IO_API const char *riddle_io_series_name_as(riddle_io_series *series, double time, const char *extension) {
-    if (!series) return NULL;
+    if (!series || !extension) return NULL;
     if (series->n > 0) riddle_io__write_index(series);
     if (series->n == series->capacity) {
         int capacity = 2 * series->capacity + 64;
@@ -1183,7 +1184,8 @@ static inline riddle_io__series *riddle_io__add_coloured(riddle_io_plot *p, ridd
     s->x = riddle_io__copy_numbers(p, x, n);
     s->y = riddle_io__copy_numbers(p, y, n);
     s->z = riddle_io__copy_numbers(p, z, n);
-    if ((x && !s->x) || (y && !s->y) || (z && !s->z)) s->n = 0;
+    if ((!s->x && kind != RIDDLE_IO__BARS) || !s->y) s->n = 0;
+    if (!s->z && (z || kind == RIDDLE_IO__BAND || kind == RIDDLE_IO__ERROR_BARS || kind == RIDDLE_IO__DISCS)) s->n = 0;
     s->colour = riddle_io__current(p)->next_colour++ % 8;
     return s;
 }
@@ -1213,7 +1215,11 @@ RIDDLE_IO_API void riddle_io_plot_discs(riddle_io_plot *p, const char *label, co
 
 RIDDLE_IO_API void riddle_io_plot_bars(riddle_io_plot *p, const char *label, const char *const *names, const double *values, int n) {
     riddle_io__series *s = riddle_io__add_coloured(p, RIDDLE_IO__BARS, label, NULL, values, NULL, n);
-    if (!s || s->n == 0) return;
+    if (!s || !names) {
+        if (s) s->n = 0;
+        return;
+    }
+    if (s->n == 0) return;
     s->names = (char **)riddle_io__zeroed((size_t)s->n * sizeof *s->names);
     if (!s->names) p->failed = true;
     for (int i = 0; s->names && i < s->n; i++) s->names[i] = riddle_io__copy_text(p, names[i]);
@@ -2257,7 +2263,7 @@ static inline void riddle_io__append(riddle_io_table *t, const char *text, size_
 
 RIDDLE_IO_API riddle_io_table riddle_io_table_begin(const char *header) {
     riddle_io_table t = {0, 0, NULL, 0, 0};
-    for (const char *at = header; t.columns < RIDDLE_IO_TABLE_COLUMNS; t.columns++) {
+    for (const char *at = header ? header : ""; t.columns < RIDDLE_IO_TABLE_COLUMNS; t.columns++) {
         size_t length = strcspn(at, "|");
         riddle_io__append(&t, at, length);
         if (!at[length]) {
@@ -2272,6 +2278,7 @@ RIDDLE_IO_API riddle_io_table riddle_io_table_begin(const char *header) {
 RIDDLE_IO_API void riddle_io_table_cell(riddle_io_table *t, const char *format, ...) {
     char cell[400];
     va_list arguments;
+    if (!t || !format) return;
     va_start(arguments, format);
     vsnprintf(cell, sizeof cell, format, arguments);
     va_end(arguments);
@@ -2314,6 +2321,7 @@ static inline void riddle_io__print_table(const riddle_io_table *t, FILE *stream
 }
 
 RIDDLE_IO_API void riddle_io_table_end(riddle_io_table *t, FILE *stream) {
+    if (!t) return;
     if (stream && t->text) riddle_io__print_table(t, stream);
     riddle_io__release(t->text);
     t->text = NULL;
@@ -2361,7 +2369,8 @@ static inline void riddle_io__draw_bar(riddle_io_progress *bar, double now) {
 }
 
 RIDDLE_IO_API void riddle_io_progress_begin(riddle_io_progress *bar, const char *what, double total) {
-    bar->what = what;
+    if (!bar) return;
+    bar->what = what ? what : "";
     bar->total = total;
     bar->done = 0.0;
     bar->began = riddle_io_seconds();
@@ -2376,14 +2385,14 @@ RIDDLE_IO_API void riddle_io_progress_begin(riddle_io_progress *bar, const char 
 }
 
 RIDDLE_IO_API void riddle_io_progress_update(riddle_io_progress *bar, double done) {
-    if (!bar->active) return;
+    if (!bar || !bar->active) return;
     bar->done = done;
     double now = riddle_io_seconds();
     if (now - bar->printed >= 0.1) riddle_io__draw_bar(bar, now);
 }
 
 RIDDLE_IO_API void riddle_io_progress_end(riddle_io_progress *bar, const char *how) {
-    if (!bar->active) return;
+    if (!bar || !bar->active) return;
     if (bar->terminal) fprintf(stderr, "\r\033[K");
     fprintf(stderr, "%s: %s %.1f s\n", bar->what, how ? how : "done in", riddle_io_seconds() - bar->began);
     bar->active = 0;

@@ -326,6 +326,165 @@ static void test_polyhedra(void **state) {
     dem_free(&w);
 }
 
+/* Whatever a caller forgets is told or left out; nothing reads through a null pointer. */
+static void test_null_pointers(void **state) {
+    (void)state;
+
+    riddle_io_array none;
+    memset(&none, 0, sizeof none);
+    char b[10];
+    double x[3] = {0, 1, 2};
+    int ii[3] = {0, 1, 2};
+    const char *names[3] = {"a", NULL, "c"};
+    riddle_io_status_text((riddle_io_status)99);
+    riddle_io_open(NULL, NULL);
+    riddle_io_print(NULL, "x");
+    riddle_io_write(NULL, NULL, 3);
+    riddle_io_row(NULL, NULL, 3);
+    riddle_io_close(NULL);
+    riddle_io_discard(NULL);
+    riddle_io_file *f = riddle_io_open(NULL, "/dev/null");
+    riddle_io_write(f, NULL, 0);
+    riddle_io_write(f, NULL, 3);
+    riddle_io_row(f, NULL, 0);
+    riddle_io_row(f, NULL, 3);
+    riddle_io_row(f, x, -3);
+    riddle_io_close(f);
+    riddle_io_make_folder(NULL, NULL, 0);
+    riddle_io_make_folder(NULL, b, sizeof b);
+    riddle_io_can_write(NULL, NULL, 0);
+    riddle_io_can_write(NULL, b, 10);
+    riddle_io_path(NULL, 0, NULL, NULL);
+    riddle_io_path(b, 10, NULL, NULL);
+    riddle_io_path(b, 10, "averyveryverylong", "x");
+    riddle_io_path(b, 0, "a", "b");
+    riddle_io_scalar(NULL, NULL);
+    riddle_io_vector3(NULL, x, NULL, x);
+    riddle_io_points(NULL, NULL, 1, none, NULL, 1);
+    riddle_io_points(NULL, "/dev/null", 1, none, NULL, 0);
+    riddle_io_points(NULL, "/dev/null", 1, riddle_io_vector("p", x), NULL, 1);
+    riddle_io_points(NULL, "/dev/null", 1, riddle_io_vector("p", x), &none, 1);
+    riddle_io_points(NULL, "/dev/null", -1, riddle_io_vector("p", x), NULL, 0);
+    riddle_io_points(NULL, "/dev/null", 1, riddle_io_vector(NULL, x), NULL, 0);
+    {
+        riddle_io_array a = riddle_io_scalar(NULL, x);
+        riddle_io_points(NULL, "/dev/null", 1, riddle_io_vector("p", x), &a, 1);
+    }
+    riddle_io_lines(NULL, "/dev/null", 1, riddle_io_vector("p", x), 1, NULL, NULL, NULL, 0);
+    riddle_io_polygons(NULL, "/dev/null", 1, riddle_io_vector("p", x), 1, NULL, ii, NULL, 0);
+    riddle_io_lines(NULL, "/dev/null", 1, riddle_io_vector("p", x), 1, ii, NULL, NULL, 0);
+    {
+        int e[1] = {3}, c[3] = {0, 5, -1};
+        riddle_io_lines(NULL, "/dev/null", 1, riddle_io_vector("p", x), 1, e, c, NULL, 0);
+    }
+    riddle_io_cells(NULL, "/dev/null", NULL, NULL, NULL, NULL, 0);
+    {
+        int n[3] = {1, 1, 1};
+        riddle_io_cells(NULL, "/dev/null", n, NULL, x, NULL, 0);
+        riddle_io_cells(NULL, "/dev/null", n, x, NULL, NULL, 1);
+        riddle_io_cells(NULL, "/dev/null", n, x, x, &none, 1);
+        int big[3] = {2000000000, 2000000000, 2000000000};
+        riddle_io_array a = riddle_io_scalar("s", x);
+        riddle_io_cells(NULL, "/dev/null", big, x, x, &a, 1);
+    }
+    riddle_io_series_open(NULL, NULL);
+    riddle_io_series_name(NULL, 0);
+    riddle_io_series_name_as(NULL, 0, NULL);
+    riddle_io_series_close(NULL);
+    riddle_io_plot *p = riddle_io_plot_new(NULL, 1, 1);
+    riddle_io_plot *q[2];
+    q[0] = p;
+    q[1] = NULL;
+    riddle_io_plot_new("x", 0, -1);
+    riddle_io_plot_new("x", 99, 1);
+    for (int k = 0; k < 2; k++) {
+        riddle_io_plot *t = q[k];
+        riddle_io_plot_panel_size(t, -1, 0.0 / 0.0);
+        riddle_io_plot_panel(t, 9, -1, NULL, NULL);
+        riddle_io_plot_panel(t, 0, 0, NULL, NULL);
+        riddle_io_plot_title(t, NULL);
+        riddle_io_plot_log_x(t);
+        riddle_io_plot_log_y(t);
+        riddle_io_plot_range_x(t, 0.0 / 0.0, 1);
+        riddle_io_plot_range_y(t, 2, 1);
+        riddle_io_plot_range_y(t, -1, 1);
+        riddle_io_plot_equal(t);
+        riddle_io_plot_line(t, NULL, NULL, NULL, 3);
+        riddle_io_plot_line(t, NULL, x, x, 3);
+        riddle_io_plot_line(t, NULL, x, x, -3);
+        riddle_io_plot_points(t, NULL, x, NULL, 3);
+        riddle_io_plot_band(t, NULL, x, NULL, x, 3);
+        riddle_io_plot_error_bars(t, NULL, x, x, NULL, 3);
+        riddle_io_plot_discs(t, NULL, NULL, NULL, NULL, 3);
+        riddle_io_plot_discs(t, NULL, x, x, x, 3);
+        riddle_io_plot_bars(t, NULL, NULL, x, 3);
+        riddle_io_plot_bars(t, NULL, names, x, 3);
+        riddle_io_plot_bars(t, NULL, names, NULL, 3);
+        riddle_io_plot_heat(t, NULL, NULL, 1, 3, 0, 1, 0, 1);
+        riddle_io_plot_heat(t, NULL, x, 1, 3, 0, 1, 0, 0.0 / 0.0);
+        riddle_io_plot_heat(t, NULL, x, 0, -3, 0, 1, 0, 1);
+        riddle_io_plot_heat_range(t, 1, 1);
+        riddle_io_plot_style(t, -1, -99);
+        riddle_io_plot_style(t, 1 << 30, 99999999);
+        riddle_io_plot_horizontal(t, NULL, 0.0 / 0.0);
+        riddle_io_plot_vertical(t, NULL, 1e308);
+        riddle_io_plot_text(t, 0, 0, NULL);
+        riddle_io_plot_text_share(t, 0.0 / 0.0, 0, NULL);
+        riddle_io_plot_write(t, NULL, k ? NULL : "/dev/null");
+    }
+    riddle_io_plot_free(NULL);
+    riddle_io_plot_write(riddle_io_plot_new("t", 1, 1), NULL, NULL);
+    riddle_io_table t = riddle_io_table_begin(NULL);
+    riddle_io_table_cell(&t, "%d", 1);
+    riddle_io_table_end(&t, NULL);
+    riddle_io_table_cell(NULL, "%d", 1);
+    riddle_io_table_end(NULL, NULL);
+    t = riddle_io_table_begin("a|b");
+    riddle_io_table_cell(&t, "x");
+    riddle_io_table_end(&t, NULL);
+    riddle_io_progress_begin(NULL, NULL, 1);
+    riddle_io_progress_update(NULL, 1);
+    riddle_io_progress_end(NULL, NULL);
+    riddle_io_progress bar;
+    riddle_io_progress_begin(&bar, NULL, 0.0 / 0.0);
+    riddle_io_progress_update(&bar, 0.0 / 0.0);
+    riddle_io_progress_update(&bar, -1);
+    riddle_io_progress_end(&bar, NULL);
+    dem_vec a, bb;
+    dem_io_bounds(NULL, &a, &bb);
+    dem_world w;
+    memset(&w, 0, sizeof w);
+    dem_io_bounds(&w, NULL, NULL);
+    dem_io_bounds(&w, &a, &bb);
+    dem_io_surface s;
+    memset(&s, 0, sizeof s);
+    dem_io_surface_of(NULL, &s);
+    dem_io_surface_of(&w, NULL);
+    dem_io_surface_of(&w, &s);
+    dem_io_polyhedra_of(NULL, &s);
+    dem_io_polyhedra_of(&w, &s);
+    dem_io_free_surface(NULL);
+    dem_io_free_surface(&s);
+    dem_io_particles(NULL, NULL, "/dev/null");
+    dem_io_particles(&w, NULL, NULL);
+    dem_io_particles(&w, NULL, "/dev/null");
+    dem_io_walls(NULL, NULL, "/dev/null");
+    dem_io_walls(&w, NULL, NULL);
+    dem_io_polyhedra(NULL, NULL, NULL);
+    dem_io_polyhedra(&w, NULL, "/dev/null");
+    dem_io_series se = dem_io_open(NULL, NULL);
+    dem_io_add(&se, &w);
+    dem_io_add(NULL, &w);
+    dem_io_add(&se, NULL);
+    dem_io_close(&se);
+    dem_io_close(NULL);
+    memset(&se, 0, sizeof se);
+    dem_io_add(&se, &w);
+    dem_io_close(&se);
+    dem_io_section(NULL, NULL, a, a, a, NULL, 0);
+    dem_io_section(&w, NULL, a, a, a, NULL, 3);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_polyhedra),
@@ -335,6 +494,7 @@ int main(void) {
         cmocka_unit_test(test_moving_walls_are_drawn_where_they_are),
         cmocka_unit_test(test_section),
         cmocka_unit_test(test_memory_and_wrong_calls),
+        cmocka_unit_test(test_null_pointers),
         cmocka_unit_test(test_empty),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
