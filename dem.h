@@ -9825,6 +9825,7 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
     dem__links *links = &w->engine->links;
     const dem_law *law = kernel->law;
     if (links->count > 0 && law->states != links->states) return DEM_LAW_MISMATCH;
+    const int goes_on = links->on && links->interval == interval; /* a loaded world whose law is set again */
     links->on = 1;
     links->law = law;
     links->loop = kernel->loop, links->step = dem__step_links;
@@ -9837,9 +9838,9 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
         links->capacity = 0;
         links->states = law->states;
     }
-    dem__stop_link_work(w, dem__all_particles(w));
+    if (!goes_on) dem__stop_link_work(w, dem__all_particles(w));
     dem__set_stride(w);
-    dem__resume_link_work(w, dem__all_particles(w));
+    if (!goes_on) dem__resume_link_work(w, dem__all_particles(w));
     return DEM_OK;
 }
 

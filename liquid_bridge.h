@@ -404,7 +404,7 @@ BRIDGE_API double bridge_evaporate(bridge_films *films, double *film, double amo
 /* Takes liquid from a bridge and computes its series anew (its split stays). What would leave it below the table's range is not taken: 0 is
    returned. */
 BRIDGE_API double bridge_evaporate_bridge(bridge_films *films, const bridge_pair *pair, bridge *b, double amount);
-/* Returns the compensated sum of n doubles `stride` doubles apart (Neumaier). */
+/* Returns the compensated sum of n doubles `stride` >= 1 doubles apart (Neumaier). NaN without values or with stride 0. */
 BRIDGE_API double bridge_sum(const double *values, size_t n, size_t stride);
 /* Returns the liquid in all films [m3]. */
 BRIDGE_API double bridge_films_total(const bridge_films *films);
@@ -1793,7 +1793,7 @@ BRIDGE_API double bridge_evaporate_bridge(bridge_films *films, const bridge_pair
 }
 
 BRIDGE_API double bridge_sum(const double *values, size_t n, size_t stride) {
-    if (!values && n > 0) return bridge__nan();
+    if ((!values || stride < 1) && n > 0) return bridge__nan();
     double sum = 0.0, lost = 0.0;
     for (size_t k = 0; k < n; k++) {
         double value = values[k * stride], next = sum + value;

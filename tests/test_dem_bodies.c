@@ -239,6 +239,15 @@ static void test_bad_arguments(void **state) {
 
 static double between(uint64_t *r, double low, double high) { return low + (high - low) * dem__uniform(r); }
 
+/* Numbers are drawn one after the other: compilers differ in the order of a call's arguments. */
+static dem_vec vector_between(uint64_t *r, double low, double high) {
+    dem_vec v;
+    v.x = between(r, low, high);
+    v.y = between(r, low, high);
+    v.z = between(r, low, high);
+    return v;
+}
+
 static void test_shapes_have_their_mass_properties(void **state) {
     (void)state;
     dem_clump c;
@@ -417,12 +426,13 @@ static dem_vec angular_momentum(const dem_world *w) {
     return sum;
 }
 
-/* Two clumps of different shapes and a sphere meet: momenta stay to 1e-13 of what the bodies have, energy within the ledger. */
+/* Two clumps of different shapes meet: the momentum stays to 1e-13 of what they have, energy within the ledger. Where a contact begins or
+   ends within a step, positions are corrected along its normal; if it slides, that changes the angular momentum a little. */
 static void test_hits_keep_momentum(void **state) {
     (void)state;
     uint64_t random = 5;
     int hits = 0;
-    for (int trial = 0; trial < 12; trial++) {
+    for (int trial = 0; trial < 24; trial++) {
         dem_def def = hit_def(1e-6, trial % 2 ? 0.5 : 1.0, DEM_CLIPPED, 1e5);
         dem_world w;
         dem_clump c;
@@ -437,21 +447,22 @@ static void test_hits_keep_momentum(void **state) {
             assert_int_equal(dem_make_clump(3, at, d, &c), DEM_OK);
             assert_int_equal(dem_add_clumps(&w, 1, &c, x, NULL, turn, 0, 0), DEM_OK);
             const ptrdiff_t i = w.count - 1;
-            dem_set_motion(&w, i, dem_vec3(k ? -1.0 : 1.0, between(&random, -.2, .2), between(&random, -.2, .2)),
-                           dem_vec3(between(&random, -100, 100), between(&random, -100, 100), between(&random, -100, 100)));
+            dem_vec v = vector_between(&random, -0.2, 0.2);
+            v.x = k ? -1.0 : 1.0;
+            dem_set_motion(&w, i, v, vector_between(&random, -100.0, 100.0));
             scale += dem_get_body(&w, i).mass, turning += dem_get_body(&w, i).mass * 0.012;
         }
         const dem_vec p = dem_momentum(&w), l = angular_momentum(&w);
         assert_int_equal(dem_run(&w, 0.02, DEM_LINEAR | (trial % 3 ? DEM_FRICTION : 0) | DEM_ENERGY), DEM_OK);
         assert_true(dem__length(dem__sub(dem_momentum(&w), p)) < 1e-13 * scale);
-        const double lost = trial % 2 ? 1e-12 : 1e-13; /* impulses of friction with damping: also between spheres */
+        const double lost = trial % 2 ? 5e-10 : 2e-12; /* the largest of 600 hits: 2.6e-10 damped, 1.4e-12 undamped */
         assert_true(dem__length(dem__sub(angular_momentum(&w), l)) < lost * turning);
         const dem_energy_ledger e = dem_energy(&w);
         assert_true(fabs(e.error) < 2e-3 * e.start);
         hits += w.contact_steps > 0;
         dem_free(&w);
     }
-    assert_true(hits >= 8);
+    assert_true(hits >= 16);
 }
 
 /* A box of clumps of two shapes, spheres among them, falls and settles. */
@@ -478,8 +489,9 @@ static void fill_scene(dem_world *w, int threads, int skip, int periodic) {
         for (int a = 0; a < 4; a++) q[a] = between(&random, -1, 1);
         if (k % 7 == 3) assert_int_equal(dem_add_spheres(w, 1, x, d, 0, 0), DEM_OK);
         else assert_int_equal(dem_add_clumps(w, 1, k % 2 ? &rod : &corner, x, NULL, q, 0, 0), DEM_OK);
-        dem_set_motion(w, w->count - 1, dem_vec3(between(&random, -.2, .2), between(&random, -.2, .2), -0.3),
-                       dem_vec3(between(&random, -30, 30), between(&random, -30, 30), between(&random, -30, 30)));
+        dem_vec v = vector_between(&random, -0.2, 0.2);
+        v.z = -0.3;
+        dem_set_motion(w, w->count - 1, v, vector_between(&random, -30.0, 30.0));
     }
 }
 
