@@ -360,7 +360,8 @@ typedef struct classifier_model {
     double table_low, table_scale;
 } classifier_model;
 
-/* Checks def and draws the points. A model in use must be freed first. memory may be NULL. On an error model is empty and may be freed. */
+/* Checks def and draws the points. A model in use must be freed first. memory may be NULL. On an error model is empty and may be freed.
+   CLASSIFIER_OUTSIDE if approach_size is so small that a flight to the face would take 100 000 steps. */
 CLASSIFIER_API classifier_status classifier_init(classifier_model *model, const classifier_def *def, const classifier_memory *memory);
 CLASSIFIER_API void classifier_free(classifier_model *model);
 /* Returns the share of size x [m] > 0 that is rejected. error (may be NULL): half width of the 95 % interval from the shifts (Student). NaN
@@ -1738,6 +1739,8 @@ static inline void classifier__step_in_wheel(const classifier_def *def, classifi
     for (int c = 0; c < 4; c++) y[c] += h / 6.0 * (k[0][c] + 2.0 * k[1][c] + 2.0 * k[2][c] + k[3][c]);
 }
 
+enum { CLASSIFIER__FLIGHT_STEPS = 100000 };
+
 /* Computes how a particle meets the face under the drag of the gas. The last step is shortened, by Newton's method, to end at the face. */
 static inline classifier_impact classifier__approach_in_gas(const classifier_def *def, classifier_drag drag, double x, double ahead,
                                                             double tangential_against, double radial_inward) {
@@ -1750,7 +1753,7 @@ static inline classifier_impact classifier__approach_in_gas(const classifier_def
                    -tangential_against * c - radial_inward * s - omega * ra * c};
     if (!(y[1] >= face)) return hit;
     h = h < 0.2 * relaxation ? h : 0.2 * relaxation;
-    while (hit.time < turn && hit.iterations < 100000) {
+    while (hit.time < turn && hit.iterations < CLASSIFIER__FLIGHT_STEPS) {
         double next[4] = {y[0], y[1], y[2], y[3]};
         classifier__step_in_wheel(def, drag, x, h, next);
         double r = sqrt(next[0] * next[0] + next[1] * next[1]);
@@ -1760,6 +1763,7 @@ static inline classifier_impact classifier__approach_in_gas(const classifier_def
         hit.time += h;
         hit.iterations++;
     }
+    if (hit.iterations >= CLASSIFIER__FLIGHT_STEPS) return hit;
     double last = (face - y[1]) / y[3], end[4];
     for (int tries = 0; tries < 8; tries++) {
         for (int k = 0; k < 4; k++) end[k] = y[k];
@@ -1998,6 +2002,10 @@ CLASSIFIER_API classifier_status classifier_init(classifier_model *model, const 
             classifier__particle p;
             classifier__sequence_point(&sequence, i, u);
             classifier__draw_particle(&recipe, u, &p);
+            if (p.first.iterations >= CLASSIFIER__FLIGHT_STEPS) { /* that it does not hit is not known */
+                classifier_free(model);
+                return CLASSIFIER_OUTSIDE;
+            }
             classifier__store(&recipe, &p, out);
             clamped += p.clamped;
             hits += p.first.hit;

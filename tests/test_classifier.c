@@ -1475,6 +1475,10 @@ static void approach_in_gas(void **state) {
     assert_int_equal(classifier_quantile_in_gas(NULL, 0.5, NULL, NULL, &x), CLASSIFIER_BAD_ARGUMENT);
     assert_int_equal(classifier_quantile_in_gas(&def, 0.5, NULL, NULL, NULL), CLASSIFIER_BAD_ARGUMENT);
     assert_int_equal(classifier_quantile_in_gas(&def, (double)NAN, NULL, NULL, &x), CLASSIFIER_BAD_ARGUMENT);
+    classifier_model model;
+    def.approach_size = 1e-9; /* it follows the gas: its flight would take thousands of millions of steps */
+    assert_int_equal(classifier_init(&model, &def, NULL), CLASSIFIER_OUTSIDE);
+    assert_null(model.table);
     def.approach_size = -1.0;
     assert_int_equal(classifier_check_def(&def, NULL), CLASSIFIER_BAD_DEFINITION);
     def.approach_size = (double)NAN;
