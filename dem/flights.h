@@ -225,8 +225,10 @@ static inline int dem__begin_flights(dem_world *w) {
     for (ptrdiff_t k = 0; k < field->steppers; k++) {
         const int32_t i = list[k];
         if (dem__is_flying(w, i)) list[n++] = i;
-        else if (w->alive[i] > 0 && w->touching[i] == 0 && dem__feels_no_field(w, i)) /* it has a load, and its contact has ended */
+        else if (w->alive[i] > 0 && w->touching[i] == 0 && !dem__rigid_of(w, i) && !dem__is_fixed(w, i)) { /* it has a load */
+            dem__free_acceleration(w, i); /* rounded as after a check of its bound */
             w->particle[i].a = dem__plus(w->particle[i].a, w->engine->bodies.sum[i].per_mass, field->force[i]);
+        }
     }
     field->steppers = 0;
     if (n == 0) return 1;
