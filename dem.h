@@ -487,7 +487,6 @@ typedef struct dem_birth {
     void *user;                /* world->user */
 } dem_birth;
 
-
 /* A law. It is a constant, so that the loop that DEM_KERNEL makes of it has no indirect call. */
 typedef struct dem_law {
     const char *name;
@@ -3211,9 +3210,7 @@ DEM_INLINE dem__axes dem__axes_of(dem_quaternion q) {
     a.x = dem__first_axis(q), a.y = dem__second_axis(q), a.z = dem__third_axis(q);
     return a;
 }
-DEM_INLINE dem_vec dem__out_of(const dem__axes *a, dem_vec v) {
-    return dem__plus(dem__plus(dem__scale(v.x, a->x), v.y, a->y), v.z, a->z);
-}
+DEM_INLINE dem_vec dem__out_of(const dem__axes *a, dem_vec v) { return dem__plus(dem__plus(dem__scale(v.x, a->x), v.y, a->y), v.z, a->z); }
 
 /* Returns the angular momentum of a spin, both in the lab's frame. */
 DEM_INLINE dem_vec dem__momentum_of(dem_quaternion q, dem_vec moments, dem_vec spin) {
@@ -8988,8 +8985,7 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     if (!(q.zero && dem__falls_freely(w, i))) {
         dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
     }
-    field->end_velocity[i] =
-        q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
+    field->end_velocity[i] = q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
 }
 
 /* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0 to the end. Then

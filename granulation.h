@@ -2616,16 +2616,27 @@ static inline bool granulation__within(double x, double low, double high) { retu
 static inline bool granulation__same_material(const granulation_def *a, const granulation_def *b) {
     const granulation_laws *p = &a->laws, *q = &b->laws;
     const double both[][2] = {
-        {p->viscosity, q->viscosity}, {p->solid_density, q->solid_density}, {p->liquid_density, q->liquid_density},
-        {p->air_density, q->air_density}, {p->surface_tension, q->surface_tension}, {p->contact_angle, q->contact_angle},
-        {p->grain_diameter, q->grain_diameter}, {p->shape_factor, q->shape_factor}, {p->asperity_factor, q->asperity_factor},
-        {p->poisson, q->poisson}, {p->critical_saturation, q->critical_saturation}, {p->yield_ratio, q->yield_ratio},
-        {p->limit_diameter, q->limit_diameter}, {p->limit_moisture, q->limit_moisture}, {p->breakage_stokes, q->breakage_stokes},
-        {p->flow_consistency, q->flow_consistency}, {a->consolidation, b->consolidation},
+        {p->viscosity, q->viscosity},
+        {p->solid_density, q->solid_density},
+        {p->liquid_density, q->liquid_density},
+        {p->air_density, q->air_density},
+        {p->surface_tension, q->surface_tension},
+        {p->contact_angle, q->contact_angle},
+        {p->grain_diameter, q->grain_diameter},
+        {p->shape_factor, q->shape_factor},
+        {p->asperity_factor, q->asperity_factor},
+        {p->poisson, q->poisson},
+        {p->critical_saturation, q->critical_saturation},
+        {p->yield_ratio, q->yield_ratio},
+        {p->limit_diameter, q->limit_diameter},
+        {p->limit_moisture, q->limit_moisture},
+        {p->breakage_stokes, q->breakage_stokes},
+        {p->flow_consistency, q->flow_consistency},
+        {a->consolidation, b->consolidation},
     };
     bool same = p->convention == q->convention && p->stiffness == q->stiffness && p->pair_yield == q->pair_yield &&
-                p->elastic_rule == q->elastic_rule && p->dry_rule == q->dry_rule && p->deep_film == q->deep_film &&
-                p->limit == q->limit && p->limit_type_one == q->limit_type_one;
+                p->elastic_rule == q->elastic_rule && p->dry_rule == q->dry_rule && p->deep_film == q->deep_film && p->limit == q->limit &&
+                p->limit_type_one == q->limit_type_one;
     for (size_t k = 0; k < sizeof both / sizeof *both; k++) same = same && both[k][0] == both[k][1];
     return same;
 }

@@ -190,8 +190,7 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     if (!(q.zero && dem__falls_freely(w, i))) {
         dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
     }
-    field->end_velocity[i] =
-        q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
+    field->end_velocity[i] = q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
 }
 
 /* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0 to the end. Then

@@ -58,9 +58,7 @@ DEM_INLINE dem__axes dem__axes_of(dem_quaternion q) {
     a.x = dem__first_axis(q), a.y = dem__second_axis(q), a.z = dem__third_axis(q);
     return a;
 }
-DEM_INLINE dem_vec dem__out_of(const dem__axes *a, dem_vec v) {
-    return dem__plus(dem__plus(dem__scale(v.x, a->x), v.y, a->y), v.z, a->z);
-}
+DEM_INLINE dem_vec dem__out_of(const dem__axes *a, dem_vec v) { return dem__plus(dem__plus(dem__scale(v.x, a->x), v.y, a->y), v.z, a->z); }
 
 /* Returns the angular momentum of a spin, both in the lab's frame. */
 DEM_INLINE dem_vec dem__momentum_of(dem_quaternion q, dem_vec moments, dem_vec spin) {

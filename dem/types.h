@@ -323,7 +323,6 @@ typedef struct dem_birth {
     void *user;                /* world->user */
 } dem_birth;
 
-
 /* A law. It is a constant, so that the loop that DEM_KERNEL makes of it has no indirect call. */
 typedef struct dem_law {
     const char *name;

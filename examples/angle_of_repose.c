@@ -213,8 +213,7 @@ static void report(const program *self, const heap *all, int n, int heaps, const
     plot_panel(figure, 0, 1, "coefficient of friction [-]", "angle of repose [deg]");
     plot_line(figure, "slope of the surface", friction, angle, n);
     plot_style(figure, PLOT_MARKED, 0);
-    if (heaps > 1)
-        plot_error_bars(figure, "standard error of the mean", friction, angle, error, n), plot_style(figure, 0, PLOT_SAME);
+    if (heaps > 1) plot_error_bars(figure, "standard error of the mean", friction, angle, error, n), plot_style(figure, 0, PLOT_SAME);
     plot_write(figure, self->out, "angle_of_repose.svg");
 
     json *j = json_open(self->json);

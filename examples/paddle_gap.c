@@ -44,10 +44,10 @@ typedef struct meeting {
 
 /* What is known of a particle by its id. */
 typedef struct history {
-    double size, entered, left;         /* [m], [s]; left: NaN inside */
-    double hit_radius, hit_speed;       /* of the first hit on the paddle behind [m], against it along its normal [m/s]; NaN: none */
-    double along, across;               /* velocity of its centre against the paddle that it strikes, when this began [m/s] */
-    int struck, disturbed;              /* that paddle + 1, until it is clear of it; whether it touched others meanwhile */
+    double size, entered, left;   /* [m], [s]; left: NaN inside */
+    double hit_radius, hit_speed; /* of the first hit on the paddle behind [m], against it along its normal [m/s]; NaN: none */
+    double along, across;         /* velocity of its centre against the paddle that it strikes, when this began [m/s] */
+    int struck, disturbed;        /* that paddle + 1, until it is clear of it; whether it touched others meanwhile */
     meeting met[MEETINGS];
     int followed, paddle, mates, again; /* contacts with paddles, with particles; with the one in front */
     int outward;
@@ -578,10 +578,9 @@ static void report(const gap *g, const dem_world *w, const record *r) {
                  unfinished);
     common_print("contacts of a particle %.3f +- %.3f (standard error; sd %.2f): paddles %.3f, particles %.3f\n", contacts.mean,
                  deviation(&contacts) / sqrt(contacts.n), deviation(&contacts), paddles.mean, contacts.mean - paddles.mean);
-    common_print(
-        "first hit at %.3f mm (sd %.3f), speed %.3f of the rim's; stay %.3f ms (sd %.3f); outward %.3f\n",
-        1e3 * radius.mean, 1e3 * deviation(&radius), speed.mean / (omega(g) * g->machine.wheel.outer_radius), 1e3 * stay.mean,
-        1e3 * deviation(&stay), n > 0 ? outward / n : (double)NAN);
+    common_print("first hit at %.3f mm (sd %.3f), speed %.3f of the rim's; stay %.3f ms (sd %.3f); outward %.3f\n", 1e3 * radius.mean,
+                 1e3 * deviation(&radius), speed.mean / (omega(g) * g->machine.wheel.outer_radius), 1e3 * stay.mean, 1e3 * deviation(&stay),
+                 n > 0 ? outward / n : (double)NAN);
     common_print("restitution at a paddle %.3f (sd %.3f), angle off the mirrored one %.1f degrees (sd), %d rebounds\n", cor, cor_sd,
                  turned_sd, (int)r->rebounds);
     if (n > 0) separate(g, j, mates, CLASSIFIER_BINS, isnan(cor) ? g->restitution : cor, isnan(cor_sd) ? 0.01 : cor_sd);

@@ -370,7 +370,8 @@ static void sweep(const program *self, json *report, const sieve_patch_def *def,
     double mean[XS][KS], bar_of[XS][KS], table3[XS][GRID], at_K[GRID];
     plot *figure = plot_new("Blocking by spheres, simulated, beside Table 3 of Lawinska et al. (2016); K: toss indicator", 2, 2);
     csv *file = csv_open(self->out, "sweep.csv", "K,x_h,time_s,free_holes,holes");
-    table t = table_begin("K|x_h|f0|f at the end|f0 fitted|f_inf fitted|k1 [1/s]|k2 [1/s]|R2|f* +- 95 % by counting holes|f* of Table 3|fit");
+    table t =
+        table_begin("K|x_h|f0|f at the end|f0 fitted|f_inf fitted|k1 [1/s]|k2 [1/s]|R2|f* +- 95 % by counting holes|f* of Table 3|fit");
     json_array_begin(report, "sweep");
     for (int j = 0; j < XS; j++) {
         plot_panel(figure, j / 2, j % 2, "time [s]", "free holes f [-]");

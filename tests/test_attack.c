@@ -659,7 +659,8 @@ static void test_late_clock(void **state) {
         def.gravity = dem_vec3(0, 0, 0);
         assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
         assert_int_equal(dem_run(&w, late[k] < 1e10 ? late[k] : 1e10, DEM_LINEAR), DEM_OK);
-        if (late[k] > 1e10) w.time = late[k], w.engine->run.start_time = late[k], w.engine->run.start_step = w.step; /* nobody waits so long */
+        if (late[k] > 1e10)
+            w.time = late[k], w.engine->run.start_time = late[k], w.engine->run.start_step = w.step; /* nobody waits so long */
         assert_true(w.time >= 0.999 * late[k]);
         assert_int_equal(dem_set_time_step(&w, 4e-6), DEM_OK);
         assert_int_equal(dem_set_gravity(&w, dem_vec3(0, 0, -9.81)), DEM_OK);

@@ -303,8 +303,7 @@ static void test_cut_cores(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rests_across), cmocka_unit_test(test_holes),  cmocka_unit_test(test_inside),
-        cmocka_unit_test(test_cut_cores),
+        cmocka_unit_test(test_rests_across), cmocka_unit_test(test_holes),  cmocka_unit_test(test_inside), cmocka_unit_test(test_cut_cores),
         cmocka_unit_test(test_saved),        cmocka_unit_test(test_screen), cmocka_unit_test(test_energy),
     };
     if (getenv("RIDDLE_TEST")) cmocka_set_test_filter(getenv("RIDDLE_TEST"));

@@ -193,7 +193,9 @@ static void test_fine_arrays(void **state) {
             for (int p = 0; p < 4; p++) {
                 const int n = (int)(cells[level] * cbrt(3.14159265358979323846 / (6.0 * c[k])) + 0.5);
                 const double error = array_drag(c[k], n, level ? 5.0 : 2.0, FILTRATION_D3Q19, level ? FILTRATION_FLOAT : FILTRATION_DOUBLE,
-                                                FILTRATION_CENTRAL_LINEAR, place[p]) / drag[k] - 1.0;
+                                                FILTRATION_CENTRAL_LINEAR, place[p]) /
+                                         drag[k] -
+                                     1.0;
                 worst = fmax(worst, fabs(error)), mean += fabs(error) / 12.0;
             }
         printf("arrays at %d cells a diameter: error %.3f %% at most, %.3f %% on average\n", cells[level], 100.0 * worst, 100.0 * mean);

@@ -105,11 +105,10 @@ enum {
     LEDGER_PAUSED,
     LINK_ACTS
 };
-static const char *const link_acts[LINK_ACTS] = {"nothing",     "link added",  "link to a wall", "law replaced", "law off",
-                                                 "shorter",     "longer",      "near changed",   "step changed", "gravity changed",
-                                                 "struck",      "loaded",      "held",           "let go",       "removed",
-                                                 "turned",      "wall moved",  "wall off",       "reloaded",     "ledger begins",
-                                                 "ledger paused"};
+static const char *const link_acts[LINK_ACTS] = {"nothing",  "link added",    "link to a wall", "law replaced",    "law off",    "shorter",
+                                                 "longer",   "near changed",  "step changed",   "gravity changed", "struck",     "loaded",
+                                                 "held",     "let go",        "removed",        "turned",          "wall moved", "wall off",
+                                                 "reloaded", "ledger begins", "ledger paused"};
 static void none_force(const dem_contact *c, double *state, dem_response *r) { (void)c, (void)state, (void)r; }
 static const dem_law none = {"none", 1, STATES, 0, 0, 0, NULL, none_force, NULL, NULL};
 DEM_LINK_KERNEL(none_kernel, none)

@@ -202,9 +202,9 @@ static int take_array(vtp_file *file, const char *tag, const char *points, parti
         return refuse(p, message, message_size, "%s: the unit of array %s cannot be that of %s", file->path, name, vtp_arrays[k].name);
     if (file->seen[k]) return refuse(p, message, message_size, "%s: two arrays are named %s", file->path, vtp_arrays[k].name);
     double *to = k == VTP_VELOCITY ? p->velocity : p->spin;
-    const bool good = k <= VTP_RADIUS ? fetch_sizes(file, tag, tag_end, k == VTP_RADIUS ? 2.0 * factor : factor, p)
-                                      : fetch(file->raw, file->end, tag, tag_end, vtp_arrays[k].components, p->n, to,
-                                              k >= VTP_GROUP ? p->group : NULL);
+    const bool good = k <= VTP_RADIUS
+                          ? fetch_sizes(file, tag, tag_end, k == VTP_RADIUS ? 2.0 * factor : factor, p)
+                          : fetch(file->raw, file->end, tag, tag_end, vtp_arrays[k].components, p->n, to, k >= VTP_GROUP ? p->group : NULL);
     if (!good) return refuse(p, message, message_size, "%s: the array %s is damaged or of another type", file->path, name);
     for (int i = 0; i < 3 * p->n && (k == VTP_VELOCITY || k == VTP_SPIN); i++) to[i] *= factor;
     file->seen[k] = true;

@@ -330,7 +330,8 @@ static dem_status add_shape(dem_world *w, const call *c) {
     const double rounding = number(c, 3, 0.02, 0.2);
     dem_status made;
     if (c->pick[0] % 2) {
-        made = dem_make_brick(&shape, dem_vec3(number(c, 0, 2e-3, 6e-3), number(c, 1, 2e-3, 4e-3), number(c, 2, 2e-3, 4e-3)), rounding, &reason);
+        made = dem_make_brick(&shape, dem_vec3(number(c, 0, 2e-3, 6e-3), number(c, 1, 2e-3, 4e-3), number(c, 2, 2e-3, 4e-3)), rounding,
+                              &reason);
     } else { /* an octahedron, pulled about */
         for (int k = 0; k < 3 * CORNERS; k++) corner[k] = 5e-4 * (c->u[k % NUMBERS] - 0.5);
         for (int k = 0; k < CORNERS; k++) corner[4 * k % (3 * CORNERS)] += (k % 2 ? 1.0 : -1.0) * number(c, 4 + k, 1.5e-3, 3e-3);

@@ -10,16 +10,16 @@
 #define LEDGER_TOLERANCE 0.02 /* of the energy that a run moves: contacts have 20 steps or more, overlaps stay below a tenth of a radius */
 #define DEEP 0.1              /* overlap over radius, and speed [m/s], beyond which the ledger is not judged */
 #define FAST 1.0
-#define FIRST_WITH_BODIES 100000 /* seed: programs from here on have clumps, polyhedra and fields as well; those below stay what they were */
-#define FIRST_WITH_FIXED 200000  /* and fixed particles and all the rest of the public functions */
+#define FIRST_WITH_BODIES                                                                                                                  \
+    100000                      /* seed: programs from here on have clumps, polyhedra and fields as well; those below stay what they were */
+#define FIRST_WITH_FIXED 200000 /* and fixed particles and all the rest of the public functions */
 
 /* ---- what a call may answer ---- */
 
 static int is_documented(const call *c, dem_status status, int memory_failed) {
     const int runs = c->kind == RUN || c->kind == RUN_LAW, fills = c->kind >= FILL && c->kind <= FEED_MASS;
-    const int adds =
-        c->kind == ADD_SPHERES || fills || (c->kind >= ADD_PLANE && c->kind <= ADD_EXIT) || (c->kind >= ADD_CLUMPS && c->kind <= ADD_CONVEX) ||
-        c->kind == FILL_IN_MESH;
+    const int adds = c->kind == ADD_SPHERES || fills || (c->kind >= ADD_PLANE && c->kind <= ADD_EXIT) ||
+                     (c->kind >= ADD_CLUMPS && c->kind <= ADD_CONVEX) || c->kind == FILL_IN_MESH;
     switch (status) {
     case DEM_OK: return 1;
     case DEM_BAD_ARGUMENT: return 1;
@@ -77,8 +77,8 @@ static void tell_hidden_difference(const dem_world *a, ptrdiff_t i, const dem_wo
     const dem_particle *p = &a->particle[i], *q = &b->particle[j];
     const double *load = a->engine->bodies.load[i], *other = b->engine->bodies.load[j];
     if (p->origin != q->origin || dem_is_fixed(a, i) != dem_is_fixed(b, j))
-        fprintf(stderr, "particle %ld: origin %lld %lld, fixed %d %d, activity %d %d\n", (long)i, (long long)p->origin, (long long)q->origin,
-                dem_is_fixed(a, i), dem_is_fixed(b, j), a->engine->bodies.activity[i], b->engine->bodies.activity[j]);
+        fprintf(stderr, "particle %ld: origin %lld %lld, fixed %d %d, activity %d %d\n", (long)i, (long long)p->origin,
+                (long long)q->origin, dem_is_fixed(a, i), dem_is_fixed(b, j), a->engine->bodies.activity[i], b->engine->bodies.activity[j]);
     for (int k = 0; k < 3; k++) {
         const double v[] = {dem_axis(p->a, k), dem_axis(a->spin_rate[i], k), load[k], load[3 + k]};
         const double u[] = {dem_axis(q->a, k), dem_axis(b->spin_rate[j], k), other[k], other[3 + k]};
@@ -87,7 +87,8 @@ static void tell_hidden_difference(const dem_world *a, ptrdiff_t i, const dem_wo
                 fprintf(stderr, "particle %ld, number %d of axis %d: %.17g %.17g\n", (long)i, m, k, v[m], u[m]);
     }
     if (!dem_is_fixed(a, i) || !dem_is_fixed(b, j)) return;
-    for (int k = 0; k < 6; k++) fprintf(stderr, "force %.17g %.17g\n", a->engine->bodies.fixed[i].load[k], b->engine->bodies.fixed[j].load[k]);
+    for (int k = 0; k < 6; k++)
+        fprintf(stderr, "force %.17g %.17g\n", a->engine->bodies.fixed[i].load[k], b->engine->bodies.fixed[j].load[k]);
 }
 
 /* In a trace: in what two worlds differ. */
@@ -377,8 +378,8 @@ static void try_call(program *p, fuzz_draws *d, const call *c) {
 
 /* How often each call is drawn. */
 static int draw_kind(fuzz_draws *d, int calls) {
-    static const int often[] = {ADD_SPHERES, ADD_SPHERES, FILL, SET_MOTION, ADD_LINK, ADD_LINK, RUN, RUN,       RUN, RUN,
-                                RUN,         RUN,         RUN,  RUN_LAW,    FIX,      FIX,      FIX, SET_MOTION};
+    static const int often[] = {ADD_SPHERES, ADD_SPHERES, FILL, SET_MOTION, ADD_LINK, ADD_LINK, RUN, RUN, RUN,
+                                RUN,         RUN,         RUN,  RUN,        RUN_LAW,  FIX,      FIX, FIX, SET_MOTION};
     const int n = (int)(sizeof often / sizeof *often) - (calls == CALLS ? 0 : 4), k = fuzz_one_of(d, calls + n);
     return k < calls ? k : often[k - calls];
 }
@@ -412,6 +413,5 @@ static uint64_t run_program(fuzz_draws *d) {
     return hash;
 }
 
-FUZZ_PROGRAMS(100, FIRST_WITH_BODIES, 1843, 8785, 11667, 18402, 30776, 100371, 100547, 100889, 105725, 109151, 112838, 113162, 113956, 116184,
-              118699, 123140, 127298, 131164, 132917, 134508, 135463, 136227, 138284,
-              200082, 206089)
+FUZZ_PROGRAMS(100, FIRST_WITH_BODIES, 1843, 8785, 11667, 18402, 30776, 100371, 100547, 100889, 105725, 109151, 112838, 113162, 113956,
+              116184, 118699, 123140, 127298, 131164, 132917, 134508, 135463, 136227, 138284, 200082, 206089)

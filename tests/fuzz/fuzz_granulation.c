@@ -30,7 +30,9 @@ static granulation_granule granule(const call *c) {
     return g;
 }
 static void is_finite(double v) { FUZZ_HOLDS(fabs(v) <= DBL_MAX); }
-static void near_to(double v, double expected, double scale) { FUZZ_HOLDS(fabs(v - expected) <= 1e-9 * scale + 1e-300); } /* subnormal parts round */
+static void near_to(double v, double expected, double scale) {
+    FUZZ_HOLDS(fabs(v - expected) <= 1e-9 * scale + 1e-300);
+} /* subnormal parts round */
 
 /* ---- simulation ---- */
 
@@ -144,7 +146,7 @@ static uint64_t simulate(fuzz_draws *d) {
         if (fuzz_traces)
             fprintf(stderr, "call %d odd %2d %g: a %d, b %d; %d granules, step %lld\n", c.kind, c.odd, c.value, a, b, side[0].n,
                     (long long)side[0].steps);
-        if (a != b && left) break;                        /* side 0 has met the end of the step */
+        if (a != b && left) break;                             /* side 0 has met the end of the step */
         if (a == b && fails && a == GRANULATION_EVENTS) break; /* a step that is taken up again counts its events anew */
         FUZZ_HOLDS(a == b && sim_may_answer(&c, a));
         if (a == GRANULATION_BAD_ARGUMENT || a == GRANULATION_BAD_DEF) FUZZ_HOLDS(sim_digest(&side[0]) == before);

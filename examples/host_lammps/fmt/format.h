@@ -7,7 +7,7 @@
 
 namespace fmt {
 class string_view {
- public:
+  public:
     string_view(const char *) {}
     string_view(const std::string &) {}
 };
