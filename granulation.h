@@ -3134,7 +3134,7 @@ static inline double granulation__air_in(const granulation_balance *b, const dou
 
 /* Returns the largest of the relative errors of the moments 0, 1, 2 in the key volume, and of the carried totals. */
 static inline double granulation__error(const granulation_balance *b, const double *fine, const double *coarse) {
-    double e[3] = {0.0, 0.0, 0.0}, m[3] = {0.0, 0.0, 0.0}, worst = 0.0;
+    double e[3] = {0.0, 0.0, 0.0}, m[3] = {0.0, 0.0, 0.0}, worst = 0.0, all = 0.0;
     for (int i = 0; i < b->n; i++) {
         double v = b->pivot[0][i % b->size[0]] + (b->components == 2 ? b->pivot[1][i / b->size[0]] : 0.0), d = fabs(fine[i] - coarse[i]),
                y = fine[i];
@@ -3144,8 +3144,10 @@ static inline double granulation__error(const granulation_balance *b, const doub
             m[k] += y;
         }
     }
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; k++) {
         if (m[k] > 0.0 && e[k] > worst * m[k]) worst = e[k] / m[k];
+        all += e[k] + m[k];
+    }
     for (int f = 1; f < granulation__fields(b); f++) {
         double d = 0.0, y = 0.0;
         for (int i = 0; i < b->n; i++) {
@@ -3153,8 +3155,9 @@ static inline double granulation__error(const granulation_balance *b, const doub
             y += fine[f * b->n + i];
         }
         if (y > 0.0 && d > worst * y) worst = d / y;
+        all += d + y;
     }
-    return worst;
+    return all < HUGE_VAL ? worst : HUGE_VAL; /* products that overflow are no small error */
 }
 
 /* Advances the balance by the third-order strong-stability-preserving Runge-Kutta method (Shu and Osher 1988) with its second-order

@@ -281,4 +281,4 @@ static uint64_t run_program(fuzz_draws *d) {
     return hash;
 }
 
-FUZZ_PROGRAMS(200, 0, 6725, 7250)
+FUZZ_PROGRAMS(200, 0, 3270, 6725, 7250)
