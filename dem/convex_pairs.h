@@ -119,7 +119,8 @@ static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, in
 static inline void dem__find_close(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const int64_t step = *(const int64_t *)context;
     (void)part;
-    for (dem__convex_pair *p = w->engine->convex.pair + first; p < w->engine->convex.pair + end; p++) {
+    for (ptrdiff_t k = first; k < end; k++) { /* by number: there may be no pairs, and no array */
+        dem__convex_pair *p = &w->engine->convex.pair[k];
         if (dem__is_idle(w, p, step)) continue;
         p->is_close = p->count = 0, p->idle_until = 0;
         if (!w->alive[p->i] || (p->j >= 0 && !w->alive[p->j])) continue;
@@ -137,7 +138,8 @@ static inline void dem__place_close(dem_world *w, int64_t step) {
     dem__in_parts(w, dem__parts(w, convex->pairs), convex->pairs, dem__find_close, &step);
     if (w->engine->bodies.active_count == w->count - w->engine->bodies.dropped) return; /* none flies */
     for (ptrdiff_t i = 0; i < w->count; i++) marked[i] = 0;
-    for (const dem__convex_pair *p = convex->pair; p < convex->pair + convex->pairs; p++) {
+    for (ptrdiff_t k = 0; k < convex->pairs; k++) {
+        const dem__convex_pair *p = &convex->pair[k];
         if (!p->is_close) continue;
         marked[p->i] = 1;
         if (p->j >= 0) marked[p->j] = 1;
