@@ -3395,6 +3395,11 @@ DEM_INLINE dem_vec dem__drift_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__plus(r->v, tau, r->a) : dem__sphere_velocity_at(w, i, tau);
 }
+/* Returns the acceleration of the centre of particle i, or of its body. */
+DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? r->a : w->particle[i].a;
+}
 /* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at both ends, but not
    the right velocities; the error at its end shows how the acceleration changes. */
 static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
@@ -8844,10 +8849,6 @@ DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return !r || r->first == i;
 }
-DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? r->a : w->particle[i].a;
-}
 
 /* Returns the radius of particle i, or of the sphere with its body's volume [m]. */
 DEM_INLINE double dem__size_in_field(const dem_world *w, ptrdiff_t i) {
@@ -12340,11 +12341,6 @@ DEM_INLINE void dem__leave_alone(const dem_world *w, dem__convex_pair *p, int64_
 DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
     return w->engine->bodies.activity[i] == DEM__FLYING && !(w->engine->links.on && !dem__shape_of(w, i));
 }
-/* Returns the acceleration of the centre of particle i, or of its body. */
-DEM_INLINE dem_vec dem__pull_of(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? r->a : w->particle[i].a;
-}
 /* Returns how fast particle i turns about the centre of its clump, at most [m/s]. */
 DEM_INLINE double dem__swing_of(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
@@ -12368,7 +12364,7 @@ static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p,
     const dem_vec v = dem__sub(dem__drift_at(w, p->i, (double)(step - particle[p->i].origin) * dt),
                                dem__drift_at(w, p->j, (double)(step - particle[p->j].origin) * dt));
     const double speed = dem__length(v) + dem__swing_of(w, p->i) + dem__swing_of(w, p->j);
-    const double pull = dem__length(dem__sub(dem__pull_of(w, p->i), dem__pull_of(w, p->j)));
+    const double pull = dem__length(dem__sub(dem__centre_pull(w, p->i), dem__centre_pull(w, p->j)));
     dem__leave_alone(w, p, step, dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, pull)));
 }
 
@@ -12386,7 +12382,7 @@ static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, in
     p->is_close = least < slack;
     if (p->is_close || !may_rest) return;
     const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
-    const double tau = (double)(step - w->particle[p->i].origin) * w->engine->run.dt, pull = dem__length(dem__pull_of(w, p->i));
+    const double tau = (double)(step - w->particle[p->i].origin) * w->engine->run.dt, pull = dem__length(dem__centre_pull(w, p->i));
     double speed = dem__length(dem__drift_at(w, p->i, tau)) + wall->speed_bound;
     int most = DEM__STEPS_MAX;
     if (wall->spin_bound > 0.0) { /* as in dem__test_wall */

@@ -49,10 +49,6 @@ DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return !r || r->first == i;
 }
-DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? r->a : w->particle[i].a;
-}
 
 /* Returns the radius of particle i, or of the sphere with its body's volume [m]. */
 DEM_INLINE double dem__size_in_field(const dem_world *w, ptrdiff_t i) {

@@ -90,6 +90,11 @@ DEM_INLINE dem_vec dem__drift_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__plus(r->v, tau, r->a) : dem__sphere_velocity_at(w, i, tau);
 }
+/* Returns the acceleration of the centre of particle i, or of its body. */
+DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? r->a : w->particle[i].a;
+}
 /* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at both ends, but not
    the right velocities; the error at its end shows how the acceleration changes. */
 static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
