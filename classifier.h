@@ -361,7 +361,7 @@ typedef struct classifier_model {
 } classifier_model;
 
 /* Checks def and draws the points. A model in use must be freed first. memory may be NULL. On an error model is empty and may be freed.
-   CLASSIFIER_OUTSIDE if approach_size is so small that a flight to the face would take 100 000 steps. */
+   CLASSIFIER_OUTSIDE if approach_size is so small that a flight to the face would take 10 000 steps. */
 CLASSIFIER_API classifier_status classifier_init(classifier_model *model, const classifier_def *def, const classifier_memory *memory);
 CLASSIFIER_API void classifier_free(classifier_model *model);
 /* Returns the share of size x [m] > 0 that is rejected. error (may be NULL): half width of the 95 % interval from the shifts (Student). NaN
@@ -1739,7 +1739,7 @@ static inline void classifier__step_in_wheel(const classifier_def *def, classifi
     for (int c = 0; c < 4; c++) y[c] += h / 6.0 * (k[0][c] + 2.0 * k[1][c] + 2.0 * k[2][c] + k[3][c]);
 }
 
-enum { CLASSIFIER__FLIGHT_STEPS = 100000 };
+enum { CLASSIFIER__FLIGHT_STEPS = 10000 };
 
 /* Computes how a particle meets the face under the drag of the gas. The last step is shortened, by Newton's method, to end at the face. */
 static inline classifier_impact classifier__approach_in_gas(const classifier_def *def, classifier_drag drag, double x, double ahead,
