@@ -31,7 +31,7 @@
 #define RIDDLE_ROOT "."
 #endif
 
-enum { CASES = 27, CLASSES = 2, TIMES = 40, POINTS = CLASSES * TIMES, KINDS = 5, MODES = 4, SETS = 300, GRID = 121 };
+enum { CASES = 27, CLASSES = 2, TIMES = 40, QUICK_TIMES = 10, POINTS = CLASSES * TIMES, KINDS = 5, MODES = 4, SETS = 300, GRID = 121 };
 
 static const double diameters[CLASSES] = {0.005, 0.007};
 static const double levels_a[3] = {0.0008, 0.001, 0.0012}, levels_f[3] = {45.8, 50.6, 55.4}, levels_m[3] = {0.0, 0.025, 0.05};
@@ -56,8 +56,9 @@ enum { GRAIN = 4 };
 
 typedef struct study {
     screen_def def;
-    double time[TIMES];             /* the paper's: every 0.5 s to 20 s */
-    double retained[CASES][POINTS]; /* mean over the seeds */
+    int times;                      /* TIMES; of a quick run QUICK_TIMES */
+    double time[TIMES];             /* the paper's: every 0.5 s to 20 s; of a quick run every 2 s from 1.25 s, amid four of these */
+    double retained[CASES][POINTS]; /* mean over the seeds, [classes][times] */
     double spread[CASES][POINTS];   /* standard deviation over the seeds; 0 with one */
     screen_case cases[CASES];
     int seeds; /* of the case that has most */
@@ -70,15 +71,16 @@ static screen_operation operation_of(int index) {
     return o;
 }
 
-static void begin_study(study *s) {
+static void begin_study(study *s, bool quick) {
     memset(s, 0, sizeof *s);
     s->def = screen_default_def();
     s->def.classes = CLASSES;
     s->def.diameters = diameters;
-    for (int j = 0; j < TIMES; j++) s->time[j] = 0.5 * (j + 1);
+    s->times = quick ? QUICK_TIMES : TIMES;
+    for (int j = 0; j < s->times; j++) s->time[j] = quick ? 2.0 * j + 1.25 : 0.5 * (j + 1);
     for (int k = 0; k < CASES; k++) {
         s->cases[k].operation = operation_of(k);
-        s->cases[k].times = TIMES;
+        s->cases[k].times = s->times;
         s->cases[k].time = s->time;
         s->cases[k].retained = s->retained[k];
     }
@@ -90,7 +92,7 @@ static void make_synthetic(study *s) {
     s->seeds = 1;
     screen_published(SCREEN_SUBASINGHE, p);
     for (int k = 0; k < CASES; k++)
-        screen_predict(&s->def, SCREEN_SUBASINGHE, p, &s->cases[k].operation, TIMES, s->time, s->retained[k], NULL, NULL);
+        screen_predict(&s->def, SCREEN_SUBASINGHE, p, &s->cases[k].operation, s->times, s->time, s->retained[k], NULL, NULL);
 }
 
 static const char *const data_file = "a file with the columns case,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,"
@@ -109,8 +111,8 @@ static const char *sample_curve(const study *s, int n, const double *t, const do
         if (!isfinite(t[j]) || !isfinite(y[j])) return "a time or a fraction retained is missing or not a number";
         if (j > 0 && !(t[j] > t[j - 1])) return "times do not rise within a case and seed";
     }
-    if (t[0] > s->time[0] + 1e-9 || t[n - 1] < s->time[TIMES - 1] - 1e-9) return "times do not reach from 0.5 s to 20 s";
-    for (int j = 0, at = 0; j < TIMES; j++) {
+    if (t[0] > 0.5 + 1e-9 || t[n - 1] < 20.0 - 1e-9) return "times do not reach from 0.5 s to 20 s";
+    for (int j = 0, at = 0; j < s->times; j++) {
         while (at < n - 2 && t[at + 1] < s->time[j]) at++;
         double share = (s->time[j] - t[at]) / (t[at + 1] - t[at]);
         out[j] = y[at] + (share < 1.0 ? share : 1.0) * (y[at + 1] - y[at]);
@@ -161,8 +163,8 @@ static void read_study(const program *self, study *s, const char *path) {
                 snprintf(message, sizeof message, "case %d: %s", k + 1, reason);
                 refuse_data(self, path, message);
             }
-            for (int j = 0; j < TIMES; j++) { /* running mean and sum of squares */
-                int at = i * TIMES + j;
+            for (int j = 0; j < s->times; j++) { /* running mean and sum of squares */
+                int at = i * s->times + j;
                 double step = sampled[j] - s->retained[k][at];
                 s->retained[k][at] += step / (runs[k] + 1);
                 s->spread[k][at] += step * (sampled[j] - s->retained[k][at]);
@@ -176,7 +178,7 @@ static void read_study(const program *self, study *s, const char *path) {
             refuse_data(self, path, message);
         }
         s->seeds = runs[k] > s->seeds ? runs[k] : s->seeds;
-        for (int j = 0; j < POINTS; j++) s->spread[k][j] = runs[k] > 1 ? sqrt(s->spread[k][j] / (runs[k] - 1)) : 0.0;
+        for (int j = 0; j < CLASSES * s->times; j++) s->spread[k][j] = runs[k] > 1 ? sqrt(s->spread[k][j] / (runs[k] - 1)) : 0.0;
     }
     free(t);
     csv_free(&data);
@@ -203,13 +205,13 @@ static screen_status predict(const study *s, int m, const double *parameters, in
     return screen_predict(&def, kinds[m].model, parameters, &s->cases[k].operation, n, time, curve, NULL, NULL);
 }
 
-/* curve may be NULL; [POINTS] */
+/* curve may be NULL; [POINTS], of which CLASSES times s->times are set */
 static double case_deviation(const study *s, int m, const double *parameters, int k, double *curve) {
     double own[POINTS];
     if (!curve) curve = own;
-    screen_status status = predict(s, m, parameters, k, TIMES, s->time, curve);
-    if (!status) return screen_deviation(POINTS, curve, s->retained[k]);
-    for (int j = 0; j < POINTS; j++) curve[j] = NAN;
+    screen_status status = predict(s, m, parameters, k, s->times, s->time, curve);
+    if (!status) return screen_deviation(CLASSES * s->times, curve, s->retained[k]);
+    for (int j = 0; j < CLASSES * s->times; j++) curve[j] = NAN;
     return NAN;
 }
 
@@ -321,7 +323,7 @@ static void set_options(const program *self, int starts, const double *published
         options[m].data_tolerance = 0.02;
         options[m].starts = m == 3 ? (starts + 9) / 10 : starts;
         if (m == 3) options[m].start = published;
-        if (self->quick) { /* of the single fits and the predictions */
+        if (self->quick) {
             options[m].starts = m == 3 ? 1 : 4;
             options[m].iterations = m == 3 ? 12 : 200;
         }
@@ -340,7 +342,7 @@ static void fit_everything(const program *self, const study *s, int starts, doub
         double start = machine_seconds();
         screen_def def = deck(s, m);
         screen_fit_options options = w.options[m];
-        options.starts = m != 3 ? starts : self->quick ? 1 : (starts + 3) / 4;
+        if (!self->quick) options.starts = m != 3 ? starts : (starts + 3) / 4;
         screen_status status = screen_fit(&def, kinds[m].model, CASES, s->cases, &options, &r->all[m]);
         r->wall[m] = machine_seconds() - start;
         if (status) {
@@ -556,7 +558,8 @@ static double bias(const study *s, const results *r, int m, int klass) {
     double curve[POINTS], sum = 0.0;
     for (int i = 0; i < 6; i++) {
         case_deviation(s, m, r->all[m].parameter, shown[i] - 1, curve);
-        for (int j = 0; j < TIMES; j++) sum += (curve[klass * TIMES + j] - s->retained[shown[i] - 1][klass * TIMES + j]) / (6.0 * TIMES);
+        for (int j = 0; j < s->times; j++)
+            sum += (curve[klass * s->times + j] - s->retained[shown[i] - 1][klass * s->times + j]) / (6.0 * s->times);
     }
     return sum;
 }
@@ -565,7 +568,7 @@ static double bias(const study *s, const results *r, int m, int klass) {
 static double slowness_correlation(const study *s, const double *deviation) {
     double left[CASES] = {0.0}, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
     for (int k = 0; k < CASES; k++) {
-        for (int j = 0; j < POINTS; j++) left[k] += s->retained[k][j] / POINTS;
+        for (int j = 0; j < CLASSES * s->times; j++) left[k] += s->retained[k][j] / (CLASSES * s->times);
         x += left[k] / CASES, y += deviation[k] / CASES;
     }
     for (int k = 0; k < CASES; k++) {
@@ -669,7 +672,7 @@ static void draw_curves(const program *self, const study *s, const results *r) {
             plot_panel(figure, 2 * (i / 3) + c, i % 3, "time [s]", c ? "7 mm retained [-]" : "5 mm retained [-]");
             plot_title(figure, title);
             plot_range_y(figure, 0.0, 1.0);
-            plot_points(figure, i || c ? NULL : "data", s->time, s->retained[k] + c * TIMES, TIMES);
+            plot_points(figure, i || c ? NULL : "data", s->time, s->retained[k] + c * s->times, s->times);
             plot_style(figure, 0, PLOT_BLACK);
             for (int m = 1; m < KINDS; m++) {
                 predict(s, m, r->all[m].parameter, k, GRID, time, curve);
@@ -678,10 +681,10 @@ static void draw_curves(const program *self, const study *s, const results *r) {
             }
         }
         for (int m = 1; m < KINDS; m++) case_deviation(s, m, r->all[m].parameter, k, values[m]);
-        for (int j = 0; j < TIMES; j++) {
-            double line[12] = {k + 1, s->time[j], s->retained[k][j], s->retained[k][TIMES + j]};
+        for (int j = 0; j < s->times; j++) {
+            double line[12] = {k + 1, s->time[j], s->retained[k][j], s->retained[k][s->times + j]};
             for (int m = 1; m < KINDS; m++)
-                for (int c = 0; c < CLASSES; c++) line[2 + 2 * m + c] = values[m][c * TIMES + j];
+                for (int c = 0; c < CLASSES; c++) line[2 + 2 * m + c] = values[m][c * s->times + j];
             csv_row(file, line, 12);
         }
     }
@@ -785,7 +788,7 @@ static void draw_groups(const program *self, const study *s, const results *r, j
             audit[g] = groups[g].audit[m - 1];
         }
         plot_bars(figure, "screen_fit", names, value, GROUPS);
-        plot_bars(figure, "audit", names, audit, GROUPS);
+        plot_bars(figure, "independent fit", names, audit, GROUPS);
         plot_range_y(figure, 0.0, 0.1);
     }
     json_array_begin(report, "five_from_four_groups");
@@ -841,7 +844,7 @@ static void draw_band(const program *self, const study *s, const results *r) {
         plot_band(figure, "95 % of the curve", time, low + o, high + o, GRID);
         plot_line(figure, "mean", time, mean + o, GRID);
         plot_style(figure, 0, PLOT_SAME);
-        plot_points(figure, "data", s->time, s->retained[13] + c * TIMES, TIMES);
+        plot_points(figure, "data", s->time, s->retained[13] + c * s->times, s->times);
         plot_style(figure, 0, PLOT_BLACK);
         plot_range_y(figure, 0.0, 1.0);
         for (int i = 0; i < GRID; i++) {
@@ -1124,7 +1127,7 @@ int main(int argc, char **argv) {
     if (model >= 0 && !evaluations) program_refuse(&self, "search-model", NULL, "only with --search");
     if (path && synthetic) program_refuse(&self, "data", path, "not with --synthetic");
     if (path && !is_study(path)) return fit_lab(&self, path, starts);
-    begin_study(&s);
+    begin_study(&s, self.quick);
     if (!path && !synthetic) {
         static const char *const places[] = {"data/screening_27_cases.csv", RIDDLE_ROOT "/data/screening_27_cases.csv"};
         for (int i = 0; i < 2 && !path; i++) {
