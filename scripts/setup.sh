@@ -18,6 +18,13 @@ refuse() {
     exit 2
 }
 
+# check_options PROGRAM [OPTION...]: leaves with 2 and the program's own line where it would refuse an option; nothing needs to be built.
+check_options() {
+    source=examples/$1.c
+    shift
+    awk -f scripts/options.awk "$source" examples/*.h -- "$@" || exit 2
+}
+
 # need WHAT...: compiler, c++, meson, ninja, pkg-config, cmocka, clang-format. Leaves with 2 where it cannot be had.
 need() {
     packages=
