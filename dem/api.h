@@ -144,7 +144,7 @@ DEM_API dem_feed dem_default_feed(void); /* one size of 1 mm in a cube of 0.1 m 
    enabled walls, and are in no solid wall (dem_set_solid). Spheres without a place are dropped and counted in missed; random places fill up
    to about 0.3 of a volume within reasonable time. At most feed->tries places are tried for each sphere. Statuses: DEM_BAD_ARGUMENT,
    DEM_OUT_OF_MEMORY, DEM_TOO_MANY (more than 2e8 spheres; more mass than the density times the volume of the region or, of a mesh, of the
-   box around it); then nothing has changed. */
+   box around it), DEM_STOPPED (def.stop; also from the feeds below); then nothing has changed. */
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count);
 DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass);
 /* Places what falls due within duration [s] >= 0 at a rate [1/s] or [kg/s] >= 0. Call it before every dem_run of that duration, which is no

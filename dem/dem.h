@@ -114,6 +114,7 @@
 #include "gas.h"
 #include "feed.h"
 #include "filling.h"
+#include "emptying.h"
 #include "measure.h"
 #include "records.h"
 #include "convex_save.h"

@@ -1,4 +1,4 @@
-/* Placing particles without overlap, at once or over time; removing. Owns nothing; writes a world through its public functions.
+/* Placing particles without overlap, at once or over time. Owns nothing; writes a world through its public functions.
    May be changed here alone: how a free place is searched (bits of filled scenes change). */
 /* Spheres in and near a region, present and new, in linked lists by level and cell. */
 typedef struct dem__room {
@@ -8,8 +8,15 @@ typedef struct dem__room {
     int32_t *head, *next;
     ptrdiff_t count, capacity, cells;
     size_t bytes;
-    dem_wall inside; /* the triangles of a mesh region; without a tree for other regions */
+    dem_wall inside;  /* the triangles of a mesh region; without a tree for other regions */
+    ptrdiff_t looked; /* places tried */
+    int stopped;      /* by def.stop */
 } dem__room;
+
+/* Returns whether the host wants the call to end; asked in every 1024th step of its work. */
+static inline int dem__is_stopped(const dem_world *w, ptrdiff_t step) {
+    return (step & 1023) == 1023 && w->def.stop && w->def.stop(w->def.stop_user) != 0;
+}
 
 /* Adds a sphere to the lists. */
 static inline void dem__settle_in(dem__room *room, dem_vec x, double radius) {
@@ -190,9 +197,10 @@ static inline void dem__sort_sizes(double *radius, ptrdiff_t n) {
 }
 
 /* Draws the particles that are due one after the other, at most `most`. Returns their number; radius: their radii, or NULL. The first that
-   is not due is kept in feed->waiting: to leave it out would favour small ones. */
+   is not due is kept in feed->waiting: to leave it out would favour small ones. -1: stopped. */
 static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double number, double mass, ptrdiff_t most, double *radius) {
     for (ptrdiff_t n = 0; n < most; n++) {
+        if (dem__is_stopped(w, n)) return -1;
         if (!(feed->waiting > 0.0)) feed->waiting = dem_draw_size(&feed->sizes, &feed->random);
         const double m = dem__sphere_mass(w, feed->material, 0.5 * feed->waiting);
         if (!((double)n + 0.5 <= number) || !(0.5 * m <= mass)) return n; /* a source is late or early by half a particle at most */
@@ -252,9 +260,13 @@ static inline int dem__has_room(const dem_world *w, const dem__room *room, const
 }
 
 /* Finds a free place for a body of a feed, by random tries. Returns 0 if there was none. */
-static inline int dem__find_place(dem_world *w, const dem__room *room, dem_feed *feed, double radius, dem_vec *x, dem_quaternion *turn) {
+static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *feed, double radius, dem_vec *x, dem_quaternion *turn) {
     const double reach = radius * dem__feed_reach(w, feed);
     for (int tries = 0; tries < feed->tries; tries++) {
+        if (dem__is_stopped(w, room->looked++)) {
+            room->stopped = 1;
+            return 0;
+        }
         if (!dem__random_place(&feed->region, reach, &feed->random, x)) return 0;
         *x = dem__in_box(w, *x); /* as dem_add_spheres does */
         if (feed->clump || feed->polyhedron) *turn = dem__random_turn(&feed->random);
@@ -289,12 +301,15 @@ static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, pt
     return 1;
 }
 
-/* Draws n radii, and computes those of their particles. Returns the largest radius of a body. */
+/* Returns how many bodies a call draws at most; a limit for a source that was blocked for long. */
+static inline ptrdiff_t dem__most_drawn(int at_once) { return at_once ? INT32_MAX / 8 : 100000; }
+
+/* Draws n radii, and computes those of their particles. Returns the largest radius of a body, or -1: stopped. */
 static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem_feed *feed, double number, double mass, ptrdiff_t n,
-                                     ptrdiff_t most, int at_once) {
+                                     int at_once) {
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     double widest = 0.0;
-    dem__draw_due(w, feed, number, mass, most, b->radius);
+    if (dem__draw_due(w, feed, number, mass, dem__most_drawn(at_once), b->radius) < 0) return -1.0;
     if (at_once) dem__sort_sizes(b->radius, n);
     for (ptrdiff_t k = 0; k < n * pieces; k++) {
         const double r = b->radius[k / pieces];
@@ -321,7 +336,8 @@ static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *fee
             feed->placed_mass += m;
             if (by_mass) feed->due_mass -= at_once ? 0.0 : m;
             else feed->due -= at_once ? 0.0 : 1.0;
-        } else if (at_once) {
+        } else if (room->stopped) return;
+        else if (at_once) {
             feed->missed++;
             feed->missed_mass += m;
         } else {
@@ -369,6 +385,23 @@ static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptr
     return status;
 }
 
+/* Draws n bodies, finds places for them, and lists those that have one; *placed: their number. */
+static inline dem_status dem__place_batch(dem_world *w, dem_feed *feed, dem__batch *b, double number, double mass, ptrdiff_t n, int at_once,
+                                          ptrdiff_t *placed) {
+    dem__room room;
+    const double widest = dem__draw_batch(w, b, feed, number, mass, n, at_once);
+    if (widest < 0.0) return DEM_STOPPED;
+    dem_status status = dem__make_room(&room, w, &feed->region, b->piece, n * dem__feed_pieces(feed), widest * dem__feed_reach(w, feed));
+    if (status == DEM_OK) {
+        const ptrdiff_t present = room.count;
+        dem__find_places(w, &room, feed, b, n, mass < HUGE_VAL, at_once);
+        *placed = dem__list_placed(&room, present, feed, b);
+        if (room.stopped) status = DEM_STOPPED;
+    }
+    dem__clear_room(&room, w);
+    return status;
+}
+
 /* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place are missed; otherwise in
    the order drawn, up to the first without a place, which waits. */
 static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number, double mass, int at_once) {
@@ -377,34 +410,28 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
     dem_feed after = *feed, counted;
     if (feed->polyhedron) after.sizes = dem_one_size(dem__convex_diameter(dem__feed_shape(w, feed)));
     counted = after;
-    dem__room room;
     dem__batch batch;
     ptrdiff_t placed = 0;
-    const ptrdiff_t most = at_once ? INT32_MAX / 8 : 100000; /* limits what a source draws after it was blocked for long */
-    const ptrdiff_t pieces = dem__feed_pieces(feed);
+    const double most = (double)dem__most_drawn(at_once);
     double smallest, largest;
+    memset(&batch, 0, sizeof batch);
     dem__are_sizes(&after.sizes, &smallest, &largest);
-    if (at_once && number > (double)most && mass > (double)most * dem__sphere_mass(w, feed->material, 0.5 * largest)) return DEM_TOO_MANY;
-    const ptrdiff_t n = dem__draw_due(w, &counted, number, mass, most, NULL);
-    if (n >= INT32_MAX / 8 / pieces) return DEM_TOO_MANY;
-    if (n == 0) {
-        *feed = counted;
-        return DEM_OK;
+    if (at_once && number > most && mass > most * dem__sphere_mass(w, feed->material, 0.5 * largest)) return DEM_TOO_MANY;
+    w->engine->run.running = 1; /* def.stop finds the world busy */
+    const int is_counted = at_once && number >= 1.0 && !(mass < HUGE_VAL);
+    const ptrdiff_t n = is_counted ? (ptrdiff_t)number : dem__draw_due(w, &counted, number, mass, dem__most_drawn(at_once), NULL);
+    dem_status status = n < 0 ? DEM_STOPPED : n >= INT32_MAX / 8 / dem__feed_pieces(feed) ? DEM_TOO_MANY : DEM_OK;
+    if (status == DEM_OK && n > 0) {
+        status = DEM_OUT_OF_MEMORY;
+        if (dem__make_batch(&batch, &memory, n, dem__feed_pieces(feed)))
+            status = dem__place_batch(w, &after, &batch, number, mass, n, at_once, &placed);
     }
-    if (!dem__make_batch(&batch, &memory, n, pieces)) return DEM_OUT_OF_MEMORY;
-    const double widest = dem__draw_batch(w, &batch, &after, number, mass, n, most, at_once);
-    dem_status status = dem__make_room(&room, w, &feed->region, batch.piece, n * pieces, widest * dem__feed_reach(w, feed));
-    if (status == DEM_OK) {
-        const ptrdiff_t present = room.count;
-        dem__find_places(w, &room, &after, &batch, n, mass < HUGE_VAL, at_once);
-        placed = dem__list_placed(&room, present, &after, &batch);
-    }
-    dem__clear_room(&room, w);
-    if (status == DEM_OK) status = dem__add_moving(w, &after, placed, &batch);
-    memory.fn(memory.user, batch.radius, batch.bytes, 0);
+    w->engine->run.running = 0;
+    if (status == DEM_OK && n > 0) status = dem__add_moving(w, &after, placed, &batch);
+    if (batch.radius) memory.fn(memory.user, batch.radius, batch.bytes, 0);
     if (status != DEM_OK) return status;
     after.placed += placed;
-    *feed = after;
+    *feed = n > 0 ? after : counted;
     return DEM_OK;
 }
 
@@ -467,34 +494,4 @@ DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_f
     const dem_status status = dem__insert(world, &due, HUGE_VAL, due.due_mass, 0);
     if (status == DEM_OK) *feed = due;
     return status;
-}
-
-DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity) {
-    dem_world *w = world;
-    if (dem__is_running(w)) return -(ptrdiff_t)DEM_BUSY;
-    if (!w || !w->def.allocator.fn || capacity < 0) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
-    const ptrdiff_t n = capacity < w->passed_count ? capacity : w->passed_count, left = w->passed_count - n;
-    if (n == 0) return 0;
-    if (records) memcpy(records, w->passed, (size_t)n * sizeof *records);
-    memmove(w->passed, w->passed + n, (size_t)left * sizeof *records);
-    w->passed_count = left;
-    return n;
-}
-
-DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) {
-    if (dem__is_running(world)) return -(ptrdiff_t)DEM_BUSY;
-    dem_world *w = world;
-    ptrdiff_t removed = 0;
-    if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
-    w->engine->run.running = 1;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem__rigid *r = dem__rigid_of(w, i);
-        if (r && r->first != i) continue;
-        if (!w->alive[i] || !dem_region_holds(region, r ? dem__body_position(w, r) : dem_position(w, i))) continue;
-        dem__detach_particle(w, i);
-        removed++;
-    }
-    if (removed > 0) dem__end_contacts_of_removed(w);
-    w->engine->run.running = 0;
-    return removed;
 }

@@ -39,7 +39,8 @@
     X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")                          \
     X(DEM_BUSY, "the world is running: a law's hooks may read it, set states of contacts and (born) add links, nothing else")              \
     X(DEM_POLYHEDRON, "polyhedra take no links, and run with DEM_FRICTION only (a coefficient of 0 takes it out)")                         \
-    X(DEM_PAIR_NOT_SET, "two different materials touch whose pair was never set: call dem_pair() or dem_set_pair()")
+    X(DEM_PAIR_NOT_SET, "two different materials touch whose pair was never set: call dem_pair() or dem_set_pair()")                       \
+    X(DEM_STOPPED, "stopped by the definition's function stop; nothing has changed")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
 #undef DEM__NAME
@@ -137,6 +138,11 @@ typedef struct dem_def {
        `threads` tasks run at a time. Default NULL: OpenMP where the compiler has it, otherwise one after the other. Not saved. */
     void (*parallel)(void *user, int tasks, void (*task)(void *context, int index), void *context);
     void *parallel_user;
+    /* Asked now and then, on the calling thread, while dem_fill, dem_fill_mass and the feeds look for places: other than 0 ends the call
+       with DEM_STOPPED, and nothing has changed. It may read the world. Default NULL: never asked. dem_run needs none: call it with short
+       durations. Not saved. */
+    int (*stop)(void *user);
+    void *stop_user;
     dem_material material[DEM_MATERIALS_MAX];
     dem_pair_def pair[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX]; /* [smaller index][larger index]; dem_pair() returns it */
 } dem_def;

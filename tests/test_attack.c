@@ -713,6 +713,10 @@ static void busy_threads(void *user, int tasks, void (*task)(void *context, int 
     try_to_change((dem_world *)user);
     for (int k = 0; k < tasks; k++) task(context, k);
 }
+static int busy_stop(void *user) {
+    try_to_change((dem_world *)user);
+    return 0;
+}
 #define HOOKS_WERE_REFUSED(least) (assert_true(accepted == 0 && hook_calls >= (least)), hook_calls = 0)
 
 static void test_hooks_change_nothing(void **state) {
@@ -763,6 +767,11 @@ static void test_hooks_change_nothing(void **state) {
     assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
     assert_int_equal(scene_fill(&w, &r, 10, 10, 10, none, 1.9e-3, d, 1, 0.1), DEM_OK);
     assert_int_equal(dem_run(&w, 2e-5, DEM_LINEAR | DEM_FRICTION), DEM_OK);
+    HOOKS_WERE_REFUSED(1);
+    dem_feed feed = dem_default_feed();
+    w.def.parallel = NULL, w.def.stop = busy_stop, w.def.stop_user = &w;
+    feed.region = dem_box_region(dem_vec3(0.1, 0.1, 0.1), dem_vec3(0.2, 0.2, 0.2));
+    assert_int_equal(dem_fill(&w, &feed, 2000), DEM_OK);
     HOOKS_WERE_REFUSED(1);
     dem_free(&w);
 }

@@ -804,6 +804,54 @@ static void test_start_from_a_table(void **state) {
     dem_free(&w);
 }
 
+/* ---- a host that stops ---- */
+
+typedef struct stopper {
+    dem_world *world;
+    int calls, at;
+    dem_status inside; /* of a call that would change the world */
+} stopper;
+
+static int stop_at(void *user) {
+    stopper *s = (stopper *)user;
+    const double at[3] = {1.0, 1.0, 1.0}, d = 1e-3;
+    if (s->calls++ == 0) s->inside = dem_add_spheres(s->world, 1, at, &d, 0, 0);
+    return s->calls >= s->at;
+}
+
+static dem_status put(dem_world *w, dem_feed *feed, int how) {
+    if (how == 0) return dem_fill(w, feed, 3000);
+    if (how == 1) return dem_fill_mass(w, feed, 3000 * 1.3e-6);
+    return how == 2 ? dem_feed_number(w, feed, 3e5, 0.01) : dem_feed_mass(w, feed, 3000 * 1.3e-4, 0.01);
+}
+
+/* Stopped early or late: neither world nor feed has changed; not stopped: as if nobody had asked. */
+static void test_stopped_by_its_host(void **state) {
+    (void)state;
+    for (int k = 0; k < 4 * 3; k++) {
+        dem_world w = plain_world(), unasked = plain_world();
+        dem_feed feed = dem_default_feed(), other = feed;
+        stopper s = {&w, 0, 1 + 2 * (k % 3), DEM_OK};
+        feed.region = other.region = dem_box_region(v3(0, 0, 0), v3(0.02, 0.02, 0.02));
+        feed.sizes = other.sizes = dem_lognormal_sizes(1e-3, 0.2, 5e-4, 2e-3, k % 2);
+        assert_int_equal(dem_fill(&w, &feed, 50), DEM_OK);
+        assert_int_equal(dem_fill(&unasked, &other, 50), DEM_OK);
+        const uint64_t hash = dem_hash(&w);
+        const dem_feed before = feed;
+        w.def.stop = stop_at, w.def.stop_user = &s;
+        assert_int_equal(put(&w, &feed, k / 3), DEM_STOPPED);
+        assert_true(s.calls == s.at && s.inside == DEM_BUSY && w.count == 50 && dem_hash(&w) == hash);
+        assert_memory_equal(&feed, &before, sizeof feed);
+        s.at = INT32_MAX;
+        assert_int_equal(put(&w, &feed, k / 3), DEM_OK);
+        assert_int_equal(put(&unasked, &other, k / 3), DEM_OK);
+        assert_true(w.count > 1000 && dem_hash(&w) == dem_hash(&unasked));
+        assert_memory_equal(&feed, &other, sizeof feed);
+        dem_free(&w);
+        dem_free(&unasked);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_near_pairs_of_any_size),
@@ -824,6 +872,7 @@ int main(void) {
         cmocka_unit_test(test_bad_feeds),
         cmocka_unit_test(test_mass_beyond_the_room),
         cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_stopped_by_its_host),
         cmocka_unit_test(test_start_from_a_table),
     };
     return cmocka_run_group_tests_name("dem_feed", tests, NULL, NULL);

@@ -19,6 +19,7 @@ typedef struct job {
     const char *file;
     program self;
     bool again, check;
+    bool halfway; /* stopped while feeds looked for places: not a state to go on from */
     tree_file tree;
     scene_def def;
     scene s;
@@ -135,10 +136,10 @@ static const stop_def *run(job *j) {
         if (stop || common_interrupted() || now >= j->def.duration - 0.5 * j->s.tick) break;
         if (save > 0.0 && now - saved >= save * (1.0 - 1e-9)) write_state(j), saved = now;
         const dem_status status = scene_advance(&j->s);
-        if (status != DEM_OK) {
-            fail_run(j, status);
-            break;
-        }
+        if (status == DEM_OK) continue;
+        j->halfway = status == DEM_STOPPED;
+        if (!j->halfway) fail_run(j, status);
+        break;
     }
     progress_end(&bar);
     return stop;
@@ -173,7 +174,7 @@ static int run_scene(job *j, bool seed_given) {
         common_print("%s: %d walls, %d sources, time step %.3g s\n", j->file, j->s.world.walls, j->s.sources, j->s.world.def.dt);
     else if (!failed) {
         const stop_def *stop = run(j);
-        if (common_exit_status() != 1) write_state(j);
+        if (common_exit_status() != 1 && !j->halfway) write_state(j);
         report_write(j->r);
         tell(j, stop);
     }

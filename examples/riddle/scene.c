@@ -40,12 +40,19 @@ static int find_features(const scene *s, const dem_def *def) {
     return (s->def->law == 0 ? DEM_LINEAR : DEM_HERTZ) | (friction || rolling ? DEM_FRICTION : 0) | (rolling ? DEM_ROLLING : 0);
 }
 
+/* Ctrl-C while feeds look for places. */
+static int is_interrupted(void *user) {
+    (void)user;
+    return common_interrupted();
+}
+
 static int define(scene *s, dem_def *def) {
     const material_def *m = s->def->materials.item;
     const periodic_def *p = &s->def->periodic;
     const char *bad = "";
     *def = dem_default_def();
     def->allocator.fn = machine_resize;
+    def->stop = is_interrupted;
     for (int k = 0; k < s->def->materials.n; k++) dem_add_material(def, m[k].density, m[k].young_modulus, m[k].poisson_ratio);
     if (define_contacts(s, def)) return -1;
     for (int c = 0; p->part.where && c < 3; c++) {
@@ -153,6 +160,7 @@ dem_status scene_advance(scene *s) {
         if (status == DEM_OK) status = scene_wet_new(s, &s->source[k], s->source[k].feed.placed - before);
     }
     if (status == DEM_OK) status = s->wet ? scene_wet_run(s, s->tick) : dem_run(&s->world, s->tick, s->features);
+    if (status == DEM_STOPPED) return status;
     book_passed(s);
     s->ticks += 1.0;
     return status;
@@ -202,6 +210,7 @@ static void exchange_world(scene *s, scene_state *io) {
         dem_world loaded;
         if (dem_load(&loaded, bytes, (size_t)size, &s->world.def.allocator) != DEM_OK) io->failed = 1;
         else {
+            loaded.def.stop = s->world.def.stop;
             dem_free(&s->world);
             s->world = loaded;
             s->world.def.threads = s->threads;
