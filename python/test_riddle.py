@@ -5,6 +5,7 @@ import os
 import pickle
 import random
 import re
+import resource
 import signal
 import subprocess
 import sys
@@ -236,6 +237,44 @@ class Worlds(unittest.TestCase):
         world.run(1e-3, LAW)
         self.assertTrue(np.isfinite(world.positions()).all())
 
+    def test_ctrl_c_stops_a_fill(self):
+        world, feed = bed(50), dem.default_feed()
+        feed.region = dem.box_region((0, 0, 0.1), (0.02, 0.02, 0.12))
+        feed.sizes, feed.tries = dem.lognormal_sizes(3e-3, 0.2, 1e-3, 6e-3, 0), 1000000
+        before = world.hash()
+        threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        with self.assertRaises(KeyboardInterrupt):
+            world.fill(feed, 20000)
+        self.assertEqual((world.hash(), feed.placed, feed.missed), (before, 0, 0))
+        world.run(1e-3, LAW)
+        self.assertIs(signal.getsignal(signal.SIGINT), signal.default_int_handler)
+
+    def test_what_does_not_fit_into_memory(self):
+        world, feed = bed(3), dem.default_feed()
+        for count in (10**9, 1e9, 2 * 10**8):
+            with self.assertRaisesRegex((MemoryError, riddle.Error), "GB|too many|counts"):
+                world.fill(feed, count)
+        feed.sizes = dem.lognormal_sizes(1e-6, 0.5, 1e-7, 1e-5, 1)
+        with self.assertRaisesRegex(MemoryError, "fill_mass: .* GB are free"):
+            world.fill_mass(feed, 1e-2)
+        for wrong in (float("nan"), float("inf"), -1, 0.5, None, "3", 10**30):
+            with self.assertRaises((TypeError, ValueError, OverflowError, riddle.Error, MemoryError)):
+                world.fill(feed, wrong)
+        for wrong in (float("nan"), float("inf"), -1.0, None, "3"):
+            with self.assertRaises((TypeError, ValueError, riddle.Error, MemoryError)):
+                world.fill_mass(feed, wrong)
+        self.assertEqual(world.count, 3)
+
+    def test_a_function_of_the_definition_lives_as_long_as_the_world(self):
+        definition, asked = dem.def_(), []
+        dem.add_material(definition, 2500.0, 5e10, 0.2)
+        definition.stop = lambda _: len(asked) > 2 or asked.append(1) or 0
+        world, feed = dem.World(definition), dem.default_feed()
+        del definition
+        with self.assertRaisesRegex(riddle.Error, "DEM_STOPPED"):
+            world.fill(feed, 20000)
+        self.assertEqual((world.count, len(asked)), (0, 3))
+
     def test_a_wall_from_python(self):
         world = bed(10)
         world.prescribe(0, (0, 0, 0), lambda now: ((0.0, 0.0, 1e-3 * np.sin(100 * now)), (0.0, 0.0, 0.0)))
@@ -315,6 +354,42 @@ class Programs(unittest.TestCase):
                                       env={**os.environ, "PYTHONPATH": here})
                 self.assertEqual(done.returncode, 0, done.stderr)
                 self.assertTrue(os.path.exists(os.path.join(folder, name.replace(".py", ".png"))), name)
+
+    def test_what_examples_refuse(self):
+        """In one line, with status 2, and nothing written; so does whatever takes its options by riddle.script."""
+        with tempfile.TemporaryDirectory() as folder:
+            program = os.path.join(folder, "mine.py")
+            with open(program, "w", encoding="utf-8") as file:
+                file.write("from riddle import dem, script\nOPTIONS = script.options('Mine.')\nprint('ran')\n"
+                           "class Figure:\n    def savefig(self, path, format):\n        open(path, 'wb').write(b'x' * (1 << 20))\n"
+                           "        if OPTIONS.quick:\n            raise KeyboardInterrupt\n"
+                           "script.save(Figure(), OPTIONS, 'mine.png')\n")
+
+            def run(*words, out=subprocess.PIPE, limit=None):
+                return subprocess.run([sys.executable, program, *words], cwd=folder, stdout=out, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": here},
+                                      preexec_fn=limit)
+
+            for words in (["--no-such-thing"], ["--quick=1"], ["stray"], ["--out"], ["--out", ""], ["--out", "/dev/null/x"], ["--qui"], ["--out", program], ["\x1b[31m"]):
+                done = run(*words)
+                self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
+                self.assertTrue(done.stderr.startswith("mine.py: "), done.stderr)
+            self.assertIn("--quick", run("--help").stdout)
+            done = run("--quick")
+            self.assertEqual((done.returncode, done.stderr), (130, "mine.py: interrupted\n"))
+            with open("/dev/full", "w") as full:
+                done = run(out=full)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
+            self.assertFalse([name for name in os.listdir(folder) if name.endswith(".part")])
+            self.assertEqual(run().returncode, 0)
+
+            def small_files():
+                signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+                resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+
+            os.remove(os.path.join(folder, "mine.png"))
+            done = run(limit=small_files)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
+            self.assertEqual(os.listdir(folder), ["mine.py"])
 
 
 if __name__ == "__main__":

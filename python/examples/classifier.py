@@ -1,11 +1,12 @@
-"""Separation curves of a deflector wheel at three speeds. Change: the material, AIR_FLOW."""
+"""Separation curves of a deflector wheel at three speeds. Change: the material, the speeds."""
 import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from riddle import classifier
+from riddle import classifier, script
 
+OPTIONS = script.options(__doc__)
 figure, axes = plt.subplots(figsize=(6, 4))
 for rpm in (3000.0, 9000.0, 15000.0):
     definition = classifier.paper_def(classifier.LIMESTONE, rpm).value
@@ -18,4 +19,4 @@ for rpm in (3000.0, 9000.0, 15000.0):
 axes.set(xlabel="size [um]", ylabel="share rejected to the coarse product [-]", title="deflector wheel, limestone")
 axes.legend()
 figure.tight_layout()
-figure.savefig("classifier.png", dpi=130)
+script.save(figure, OPTIONS, "classifier.png", dpi=130)

@@ -1,14 +1,13 @@
-"""Two sizes in a rotating drum: how mixed they are over time. Change: FILL, the sizes, SPIN."""
-import sys
-
+"""Two sizes in a rotating drum: how mixed they are over time. Change: LARGE and SMALL (numbers), the sizes, SPIN."""
 import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from riddle import dem
+from riddle import dem, script
 
-QUICK = "--quick" in sys.argv
+OPTIONS = script.options(__doc__)
+QUICK = OPTIONS.quick
 RADIUS, LENGTH, SPIN, LARGE, SMALL = 0.05, 0.02, 2 * np.pi * 0.5, (60 if QUICK else 300), (240 if QUICK else 1200)
 LAW = dem.LINEAR | dem.FRICTION
 
@@ -49,4 +48,4 @@ left.set(xlabel="x [mm]", ylabel="y [mm]", aspect="equal", title=f"{world.time:.
 right.plot(times, lacey)
 right.set(xlabel="time [s]", ylabel="Lacey's index: 0 separated, 1 random", ylim=(0, 1.1))
 figure.tight_layout()
-figure.savefig("drum.png", dpi=130)
+script.save(figure, OPTIONS, "drum.png", dpi=130)

@@ -1,13 +1,12 @@
 """A batch of wet granules: growth of the mean size for two binder contents. Change: the nucleus, STEPS."""
-import sys
-
 import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from riddle import granulation
+from riddle import granulation, script
 
-STEPS, EVERY = (100 if "--quick" in sys.argv else 1000), 10
+OPTIONS = script.options(__doc__)
+STEPS, EVERY = (100 if OPTIONS.quick else 1000), 10
 figure, axes = plt.subplots(figsize=(6, 4))
 for liquid in (0.25e-12, 0.33e-12):
     definition = granulation.def_(seed=1)
@@ -24,4 +23,4 @@ for liquid in (0.25e-12, 0.33e-12):
 axes.set(xlabel="time [s]", ylabel="volume mean diameter d43 [um]", title="growth of wet granules")
 axes.legend()
 figure.tight_layout()
-figure.savefig("granulation.png", dpi=130)
+script.save(figure, OPTIONS, "granulation.png", dpi=130)

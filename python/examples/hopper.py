@@ -1,14 +1,13 @@
 """Discharge of a hopper: rate of outflow, and a picture of the grains inside. Change: ORIFICE, SPHERES, the cone."""
-import sys
-
 import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from riddle import dem
+from riddle import dem, script
 
-SPHERES, DIAMETER, ORIFICE, RADIUS, SLOPE = (300 if "--quick" in sys.argv else 2000), 5e-3, 0.03, 0.06, 1.0
+OPTIONS = script.options(__doc__)
+SPHERES, DIAMETER, ORIFICE, RADIUS, SLOPE = (300 if OPTIONS.quick else 2000), 5e-3, 0.03, 0.06, 1.0
 LAW = dem.LINEAR | dem.FRICTION
 
 definition = dem.def_(dt=2e-5)
@@ -48,4 +47,4 @@ left.set(xlabel="x [mm]", ylabel="z [mm]", title="before opening", aspect="equal
 right.plot(times, passed)
 right.set(xlabel="time since opening [s]", ylabel="spheres that have left", title=f"{1e3 * rate:.1f} g/s")
 figure.tight_layout()
-figure.savefig("hopper.png", dpi=130)
+script.save(figure, OPTIONS, "hopper.png", dpi=130)

@@ -8,8 +8,9 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from riddle import screen
+from riddle import screen, script
 
+OPTIONS = script.options(__doc__)
 MODEL, FITTED, SHOWN = screen.SUBASINGHE, (1, 3, 7, 9), (5, 2)
 root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 with open(os.path.join(root, "data", "screening_27_cases.csv"), encoding="utf-8") as file:
@@ -44,4 +45,4 @@ for ax, number in zip(axes, SHOWN):
 axes[0].set_ylabel("fraction retained [-]")
 axes[0].legend()
 figure.tight_layout()
-figure.savefig("screen_fit.png", dpi=130)
+script.save(figure, OPTIONS, "screen_fit.png", dpi=130)

@@ -1,7 +1,6 @@
-"""A moist batch on a vibrated wire screen: fractions retained, and the curve of a fitted model. Change: the classes, APERTURE, MOISTURE."""
+"""A moist batch on a vibrated wire screen: fractions retained. Change: the classes, APERTURE, MOISTURE."""
 import os
 import subprocess
-import sys
 import tempfile
 
 import matplotlib
@@ -9,16 +8,19 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from riddle import dem
+from riddle import dem, script
 
-QUICK = "--quick" in sys.argv
+OPTIONS = script.options(__doc__)
+QUICK = OPTIONS.quick
 MOISTURE, APERTURE, WIRE, RADIUS, DURATION = 0.025, 8e-3, 2e-3, 0.05, (0.3 if QUICK else 5.0)
 CLASSES = [(5e-3, 150), (7e-3, 60), (10e-3, 60)]  # diameter [m], number
 
 root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-library = os.path.join(tempfile.mkdtemp(), "wet.so")
-subprocess.run([os.environ.get("CC", "cc"), "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-I", root, os.path.join(root, "python/laws/wet.c"), "-lm", "-o", library], check=True)
-wet = dem.Law(library)
+with tempfile.TemporaryDirectory() as folder:
+    library = os.path.join(folder, "wet.so")
+    subprocess.run([os.environ.get("CC", "cc"), "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-I", root,
+                    os.path.join(root, "python/laws/wet.c"), "-lm", "-o", library], check=True)
+    wet = dem.Law(library)
 
 definition = dem.def_(dt=1e-5)
 glass, steel = dem.add_material(definition, 2534.1, 5e10, 0.2), dem.add_material(definition, 7850.0, 2e11, 0.3)
@@ -56,4 +58,4 @@ for group, (diameter, _) in enumerate(CLASSES):
 axes.set(xlabel="time [s]", ylabel="fraction retained [-]", title=f"{100 * MOISTURE:.1f} % of water", ylim=(0, 1.05))
 axes.legend()
 figure.tight_layout()
-figure.savefig("wet_screen.png", dpi=130)
+script.save(figure, OPTIONS, "wet_screen.png", dpi=130)

@@ -16,6 +16,6 @@ for _lower in _core.api["headers"]:
         _core.fill(_module, _lower)
         _sys.modules[f"riddle.{_lower}"] = _module
         globals()[_lower] = _module
-from . import dem
+from . import dem, script
 
-__all__ = ["Error", "Handle", "Structure", *_core.api["headers"]]
+__all__ = ["Error", "Handle", "Structure", "script", *_core.api["headers"]]

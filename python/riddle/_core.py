@@ -182,7 +182,7 @@ class Structure:
                     part._c[0] = new._c[0]
             else:
                 view[...] = _array(value, view.dtype, what)
-        elif c_type.kind == "pointer":
+        elif c_type.kind in ("pointer", "function"):
             self._set_pointer(name, about, c_type, value, what)
         else:
             try:
@@ -194,7 +194,7 @@ class Structure:
         if value is None:
             setattr(self._c, name, ffi.NULL)
             self._kept.pop(name, None)
-        elif c_type.item.kind == "function":
+        elif c_type.kind == "function":
             made = _callback(c_type, value, what)
             setattr(self._c, name, made)
             self._kept[name] = made
@@ -462,7 +462,7 @@ class Parameter:
         if not isinstance(value, (int, float)):
             raise TypeError(f"{self.function.name}: {self.name}: a number is needed, not {type(value).__name__}")
         if self.type not in ("double", "float"):
-            if isinstance(value, float) and value != int(value):
+            if isinstance(value, float) and not value.is_integer():
                 raise TypeError(f"{self.function.name}: {self.name}: a whole number is needed, not {value}")
             value = int(value)
         return value

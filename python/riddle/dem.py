@@ -12,10 +12,13 @@
     world.run(0.5, dem.LINEAR | dem.FRICTION)
     print(world.positions())
 
-Functions that take a world are methods of World. A run can be stopped by Ctrl-C between steps. A world can be pickled.
+Functions that take a world are methods of World. Ctrl-C stops a run between steps, and a fill before anything is added; the world stays
+usable. A world can be pickled.
 """
+import contextlib
 import signal
 import sys
+import threading
 import time as _time
 
 import numpy as np
@@ -25,6 +28,25 @@ from ._core import Error, Structure, api, ffi, lib
 
 _STATES = {"positions": (0, 3), "velocities": (1, 3), "spins": (2, 3), "radii": (3, 0), "masses": (4, 0)}
 _RECORDS = {"ids": 0, "groups": 1, "materials": 2, "present": 3}
+
+BYTES_OF_A_SPHERE = 1400.0  # with lists and history: scripts/verify long_and_large
+
+
+def _number_in(path, key=""):
+    """The number after key at the beginning of a line of a file; infinite where there is none."""
+    try:
+        with open(path, encoding="ascii") as file:
+            return next((float(line[len(key):].split()[0]) for line in file if line.startswith(key)), np.inf)
+    except (OSError, ValueError, IndexError):
+        return np.inf
+
+
+def _need_memory(what, spheres):
+    """Raises MemoryError where so many spheres more do not fit into what the system has free."""
+    limit, used = _number_in("/sys/fs/cgroup/memory.max"), _number_in("/sys/fs/cgroup/memory.current")
+    free = min(1024.0 * _number_in("/proc/meminfo", "MemAvailable:"), max(limit - used, 0.0) if limit < np.inf else np.inf)
+    if spheres * BYTES_OF_A_SPHERE > free:
+        raise MemoryError(f"{what}: {spheres:.3g} particles take about {1e-9 * spheres * BYTES_OF_A_SPHERE:.3g} GB of memory, of which {1e-9 * free:.3g} GB are free")
 
 
 class View:
@@ -72,6 +94,7 @@ class World(_core.Handle):
         if not isinstance(definition, Structure) or definition._name != "dem_def":
             self._c = None
             raise TypeError("World: a dem.def_ is needed")
+        self._keep.append(definition)  # its functions
         field = ffi.new("const char **")
         status = lib.dem_init(self._c, definition._c, field)
         if status != 0:
@@ -132,6 +155,25 @@ class World(_core.Handle):
             self._check(lib.dem_add_spheres(self._alive, len(centres), ffi.cast("double *", ffi.from_buffer(np.ascontiguousarray(centres))),
                                             ffi.cast("double *", ffi.from_buffer(diameters)), material, group))
         return first
+
+    @contextlib.contextmanager
+    def _stoppable(self):
+        """Around a call that looks for places: Ctrl-C ends it, nothing is added, and KeyboardInterrupt is raised."""
+        stopped, before = [], None
+        asked = ffi.callback("int(void *)", lambda _: len(stopped))
+        if threading.current_thread() is threading.main_thread() and lib.riddle_set_stop(self._alive, asked):
+            before = signal.signal(signal.SIGINT, lambda *_: stopped.append(True))
+        try:
+            yield
+        except Error:
+            if not stopped:
+                raise
+        finally:
+            if before is not None:
+                signal.signal(signal.SIGINT, before)
+                lib.riddle_set_stop(self._c, ffi.NULL)
+        if stopped:
+            raise KeyboardInterrupt
 
     def run(self, duration, features, progress=None):
         """Advances by duration [s]. features: dem.LINEAR | dem.FRICTION | ... Ctrl-C stops between steps: the world is whole, and
@@ -297,9 +339,32 @@ def _method(function):
     return call
 
 
+def _number_of(world, feed, mass):
+    """About how many bodies of a feed have a mass [kg]; 0 where that cannot be told."""
+    random = np.array([1], dtype=np.uint64)
+    volume = np.pi / 6.0 * np.mean([draw_size(feed.sizes, random) ** 3 for _ in range(200)])  # noqa: F821 (made by fill)
+    number = mass / (lib.riddle_density(world._alive, feed.material) * volume)
+    return number if number > 0.0 and feed.polyhedron == 0 else 0.0
+
+
+def _placing(method, name):
+    """A method that looks for places: told at once where memory does not suffice, and stopped by Ctrl-C."""
+    def call(self, *args, **keywords):
+        feed, amount = (list(args) + [keywords.get("feed"), keywords.get("count", keywords.get("mass"))])[:2]
+        if name.startswith("dem_fill") and isinstance(feed, Structure) and feed._name == "dem_feed" and isinstance(amount, (int, float)):
+            number = amount if name == "dem_fill" else _number_of(self, feed, amount)
+            _need_memory(method.__name__, number * (1 if feed.clump is None else feed.clump.spheres))
+        with self._stoppable():
+            return method(self, *args, **keywords)
+
+    call.__name__, call.__doc__, call.c_name = method.__name__, method.__doc__ + "\n\nCtrl-C ends it; nothing has changed then.", method.c_name
+    return call
+
+
 for _name, _function in list(functions.items()):  # noqa: F821 (made by fill)
     _parameters = api["headers"]["dem"]["functions"][_name]["parameters"]
     if _parameters and _parameters[0]["name"] == "world":
         if not hasattr(World, _function.__name__):
-            setattr(World, _function.__name__, _method(_function))
+            _made = _method(_function)
+            setattr(World, _function.__name__, _placing(_made, _name) if _name.startswith(("dem_fill", "dem_feed_")) else _made)
         delattr(_module, _function.__name__)
