@@ -191,7 +191,7 @@ static void bench_soldinger(const program *self, plot *figure, json *report) {
             } else {
                 common_print("model 3, %-9s %-23s diverges at every step down to %.0e s\n", set ? "slow" : "published", names[method],
                              0.5 * riddle_exp(-1.3862943611198906 * (levels - 1)));
-                plot_text_share(figure, 0.29, 0.93, "explicit step: diverges at any size");
+                plot_text_share(figure, 0.29, 0.8, "explicit step: diverges at any size");
             }
             if (method == 2) {
                 json_number(report, set ? "soldinger_slow_error" : "soldinger_published_error", errors[n - 1]);
@@ -226,14 +226,14 @@ static void make_cases(screen_case *cases, double noise, double misfit, uint64_t
 }
 
 static void bench_fit(const program *self, plot *figure, json *report) {
-    static const char *const names[] = {"model 0", "model 1", "model 2"};
+    static const char *const names[] = {"0 first order", "1 Dong", "2 Subasinghe"};
     screen_case cases[CASES];
     screen_def def = batch();
     csv *file = csv_open(self->out, "fit.csv", "data,model,starts,deviation,above_best,processor_s");
     for (int set = 0; set < 2; set++) {
         make_cases(cases, set ? 0.0 : 0.02, set ? 0.15 : 0.0, self->seed);
-        plot_panel(figure, 2, set, "processor time of a fit [s]", "deviation above the best known [-]");
-        plot_title(figure, set ? "fits: 27 curves that in part never pass" : "fits: 27 curves of Subasinghe, noise 0.02");
+        plot_panel(figure, 2, set, "processor time of a fit [s]", "above the best deviation [-]");
+        plot_title(figure, set ? "fits: part never passes" : "fits: curves of Subasinghe, noise 0.02");
         plot_log_x(figure);
         plot_log_y(figure);
         plot_range_y(figure, 3e-11, 1e-3);

@@ -576,8 +576,8 @@ static void draw_laws(const study *st) {
     static const char *const labels[3] = {"dry", "corrected laws", "printed laws"};
     const settings *dry = &st->variants[0].set;
     char title[120];
-    snprintf(title, sizeof title, "Laws of liquid bridges, corrected and as printed: %.3g mm, %.3g Hz, %d seeds", 1e3 * dry->amplitude,
-             dry->frequency, st->seeds);
+    snprintf(title, sizeof title, "Laws of liquid bridges, corrected and as printed: %.3g mm, %.3g Hz, %d seed%s", 1e3 * dry->amplitude,
+             dry->frequency, st->seeds, st->seeds > 1 ? "s" : "");
     plot *figure = plot_new(title, UNDERSIZE, 2);
     for (int c = 0; c < UNDERSIZE; c++)
         for (int m = 0; m < 2; m++) {
@@ -790,7 +790,7 @@ int main(int argc, char **argv) {
     if (compare && !options[TIME].given) s->time = 5.0;
     if (sensitivity) s->time = 10.0;
     if (self.quick && !options[TIME].given && !sensitivity)
-        s->time = st.kind == STUDY_ONE ? 1.5 : 0.1; /* long enough that most small ones pass */
+        s->time = st.kind == STUDY_ONE ? 1.5 : 1.2; /* long enough that most small ones pass */
     if (self.quick) s->mass = fmin(s->mass, st.kind == STUDY_ONE ? 0.3 : 0.03);
     s->screen_diameter = 1e-3 * diameter_mm;
     s->drop = 1e-3 * drop_mm;

@@ -62,8 +62,8 @@ static double way_mean(const way_jobs *jobs, int way, int count, double *error) 
 
 static void report_ways(const program *self, json *report, const way_jobs *jobs) {
     char title[120], header[200] = "time [s]";
-    snprintf(title, sizeof title, "holes of %.3g mm, toss indicator K = %.3g, %.3g %% of the mass hard to screen", 1e3 * jobs->def.opening,
-             jobs->def.K, 1e2 * jobs->def.x_h);
+    snprintf(title, sizeof title, "%.3g mm holes, toss indicator K = %.3g, %.3g %% hard to screen", 1e3 * jobs->def.opening, jobs->def.K,
+             1e2 * jobs->def.x_h);
     plot *figure = plot_new("Holes of a sieve that are free, in batches and under a feed", 1, 1);
     plot_panel_size(figure, 620, 380);
     plot_panel(figure, 0, 0, "time [s]", "free holes f [-]");

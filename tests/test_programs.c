@@ -499,8 +499,9 @@ static void test_screening_studies(void **state) {
         if (r.status != 2 || lines(r.err) != 1) fail_msg("%s: status %d, said '%s'", wrong[i][0], r.status, r.err);
         forget(&r);
     }
-    const char *first[] = {"--quick", "--quiet", "--all-cases", "--seeds", "2", "--out", "all", NULL};
-    const char *again[] = {"--quick", "--quiet", "--all-cases", "--seeds", "2", "--out", "all", "--resume", "--threads", "1", NULL};
+    const char *first[] = {"--quick", "--quiet", "--all-cases", "--seeds", "2", "--time", "0.1", "--out", "all", NULL};
+    const char *again[] = {"--quick", "--quiet", "--all-cases", "--seeds",   "2", "--time", "0.1",
+                           "--out",   "all",     "--resume",    "--threads", "1", NULL};
     char path[6][LONGEST_PATH + 60];
     static const char *const name[6] = {"curves.csv", "case_05.json", "runs/case_05_seed_2_run.csv", "runs/case_07_seed_1.csv",
                                         "cases.svg",  "summary.json"};
