@@ -1789,6 +1789,12 @@ DEM_INLINE int dem__is_shadowed(const dem__touch *far_one, const dem__touch *nea
     return dem__dot(far_one->normal, near_one->normal) > (flat < DEM__SMOOTH ? flat : DEM__SMOOTH);
 }
 
+/* Returns whether p is certainly `far_off` or more away from the plane of a triangle. */
+DEM_INLINE int dem__is_off_plane(const dem__tree *t, int32_t k, dem_vec p, double far_off) {
+    const dem_vec d = dem__sub(p, t->vertex[t->corner[3 * k]]);
+    return fabs(dem__dot(d, t->normal[k])) - 1e-12 * (fabs(d.x) + fabs(d.y) + fabs(d.z)) > far_off;
+}
+
 static inline void dem__meet_triangle(const dem__tree *t, int32_t k, dem_vec p, double radius, dem__touch *touch) {
     double distance;
     int inside;
@@ -1822,6 +1828,7 @@ static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, d
         }
         b++;
         for (int32_t k = node->first; k < node->first + node->count; k++) {
+            if (dem__is_off_plane(t, k, p, radius + *least)) continue;
             dem__meet_triangle(t, k, p, radius, &here);
             if (here.gap < *least) *least = here.gap, out[0] = here, n = 1;
         }
@@ -1835,6 +1842,7 @@ static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, d
         b++;
         for (int32_t k = node->first; k < node->first + node->count; k++) {
             int at = 0, kept;
+            if (dem__is_off_plane(t, k, p, radius + deep)) continue;
             dem__meet_triangle(t, k, p, radius, &here);
             if (!(here.gap < deep)) continue;
             while (at < n && out[at].gap <= here.gap && !dem__is_shadowed(&here, &out[at], radius)) at++;
@@ -2381,8 +2389,8 @@ typedef struct dem__body_room {
     void (*push)(dem_world *w, int32_t c, int has_friction);                              /* applies impulses of the edge step in slot c */
     void (*shift)(dem_world *w, int32_t c);                                               /* applies its shift, after all impulses */
     void (*kick_links)(dem_world *w, dem__rigid *r, double half);                         /* applies the change of the links' forces */
-    double (*swing)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);                /* greatest speed of i in flight, about the centre
-                                                                                             [m/s] */
+    double (*swing)(const dem__rigid *r, double arm);                                     /* greatest speed in flight of what is an arm [m]
+                                                                                             from the centre, about it [m/s] */
     double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);           /* estimated change of i's velocity by links
                                                                                              [m/s] */
     void (*note_strides)(dem_world *w);                                                   /* stores how far flights are integrated */
@@ -5855,7 +5863,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     const double t = dem__since_listed(w, step);
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem__rigid *body = w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight it turns about the centre of mass */
-    const double swing = body ? bodies->room->swing(w, body, i) : 0.0;
+    const double swing = body ? bodies->room->swing(body, dem__length(bodies->offset[i])) : 0.0;
     const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a) : dem__add(v, impact);
     const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),
                  held = 16.0 * w->engine->run.dt * dem__length(dem__sub(w->particle[i].a, g));
@@ -9129,7 +9137,8 @@ DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff
     const dem_vec now = dem__sub(dem__plus(dem__drift_at(w, i, dem__now(w, i)), -t, g), u);
     const double here = dem__length(now), there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
                  end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
-    const double most = here > there ? here : there, swing = r ? w->engine->bodies.room->swing(w, r, k) : 0.0;
+    const double most = here > there ? here : there;
+    const double swing = r ? w->engine->bodies.room->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
     return (most > end ? most : end) + swing;
 }
 
@@ -10298,11 +10307,10 @@ static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_
         bodies->shifted[k] += fabs(shift) / r->mass + dem__length(angle) * dem__length(bodies->offset[k]);
 }
 
-/* Returns the greatest speed of a particle relative to its body's centre, in flight [m/s]. */
-static inline double dem__swing(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
+/* Returns the greatest speed in flight of what is an arm [m] from a body's centre, relative to it [m/s]. */
+static inline double dem__swing(const dem__rigid *r, double arm) {
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    const double arm = dem__length(w->engine->bodies.offset[i]), i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
-                 least = i_min < r->moments.y ? i_min : r->moments.y;
+    const double i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z, least = i_min < r->moments.y ? i_min : r->moments.y;
     if (r->moments.x == r->moments.y) return (1.0 + 1e-9) * arm * dem__length(spin);
     return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the axis of least
                                                                               inertia */
@@ -11395,6 +11403,81 @@ static inline void dem__begin_simplex(dem__simplex *s, const dem_convex *a, cons
     dem__add_corners(s, a, pa, dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, d))), b, pb, dem__farthest(b, dem__into_core(pb, d)));
 }
 
+/* Returns how far a core extends from its centre in the direction n [m]. */
+DEM_INLINE double dem__reach_along(const dem_convex *s, const dem__placed *p, dem_vec n) {
+    const dem_vec u = dem__into_core(p, n);
+    if (s->is_box) return fabs(u.x) * s->half.x + fabs(u.y) * s->half.y + fabs(u.z) * s->half.z;
+    return dem__dot(u, dem__point(s->corner[dem__farthest(s, u)]));
+}
+/* Returns a lower limit of the distance of two cores [m]: that along n, a unit vector from b to a. A negative value says nothing: they may
+   be apart in another direction. */
+DEM_INLINE double dem__apart_along(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec n) {
+    if (n.x == 0.0 && n.y == 0.0 && n.z == 0.0) return -HUGE_VAL;
+    return dem__dot(n, dem__sub(pa->x, pb->x)) - dem__reach_along(a, pa, dem__scale(-1.0, n)) - dem__reach_along(b, pb, n);
+}
+/* Two boxes, seen from the first one: where the other one's centre is not, but whence it is seen (from b to a), and its axes. */
+typedef struct dem__two_boxes {
+    const dem_convex *a, *b;
+    double from[3], turn[3][3], size[3][3]; /* along a's axes; turn[i][m]: cosine of a's axis i and b's axis m; size: without sign */
+} dem__two_boxes;
+
+/* Finds the axis k < 3 of a, or k - 3 of b, along which two boxes are farthest apart. Returns how far, as dem__apart_along; along: k, and
+   the component of the distance along it. */
+static inline double dem__apart_along_faces(const dem__two_boxes *q, int *k, double *along) {
+    double most = -HUGE_VAL;
+    for (int n = 0; n < 6; n++) {
+        const int i = n % 3, of_a = n < 3;
+        const double *u = q->size[i];
+        const dem_vec half = of_a ? q->b->half : q->a->half;
+        const double d = of_a ? q->from[i] : q->from[0] * q->turn[0][i] + q->from[1] * q->turn[1][i] + q->from[2] * q->turn[2][i];
+        const double reach =
+            of_a ? half.x * u[0] + half.y * u[1] + half.z * u[2] : half.x * q->size[0][i] + half.y * q->size[1][i] + half.z * q->size[2][i];
+        const double apart = fabs(d) - dem_axis(of_a ? q->a->half : q->b->half, i) - reach;
+        if (apart > most) most = apart, *k = n, *along = d;
+    }
+    return most;
+}
+/* Does the same for the products of an axis of a and one of b: k = 3 i + m. */
+static inline double dem__apart_along_edges(const dem__two_boxes *q, int *k, double *along) {
+    double most = -HUGE_VAL;
+    for (int n = 0; n < 9; n++) {
+        const int i = n / 3, m = n % 3, j = (i + 1) % 3, l = (i + 2) % 3, r = (m + 1) % 3, s = (m + 2) % 3;
+        const double square = 1.0 - q->turn[i][m] * q->turn[i][m];
+        const double d = q->from[l] * q->turn[j][m] - q->from[j] * q->turn[l][m];
+        const double apart = fabs(d) - dem_axis(q->a->half, j) * q->size[l][m] - dem_axis(q->a->half, l) * q->size[j][m] -
+                             dem_axis(q->b->half, r) * q->size[i][s] - dem_axis(q->b->half, s) * q->size[i][r];
+        if (!(apart > 0.0) || !(square > 1e-6)) continue;
+        const double distance = apart / sqrt(square);
+        if (distance > most) most = distance, *k = n, *along = d;
+    }
+    return most;
+}
+
+/* Looks for a direction along which two boxes are farther apart than `enough`, a unit vector from b to a, among the normals of faces, then
+   the products of edges (separating axes). Returns how far, as dem__apart_along; if it is not enough, the direction is not set. */
+static inline double dem__part_boxes(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
+                                     dem_vec *normal) {
+    dem__two_boxes q;
+    int k = 0;
+    double along = 0.0;
+    const dem_vec d = dem__into_core(pa, dem__sub(pa->x, pb->x));
+    q.a = a, q.b = b;
+    q.from[0] = d.x, q.from[1] = d.y, q.from[2] = d.z;
+    for (int i = 0; i < 3; i++) {
+        for (int m = 0; m < 3; m++) q.turn[i][m] = dem__dot(pa->axis[i], pb->axis[m]), q.size[i][m] = fabs(q.turn[i][m]);
+    }
+    double apart = dem__apart_along_faces(&q, &k, &along);
+    dem_vec n = k < 3 ? pa->axis[k] : pb->axis[k - 3];
+    if (!(apart > enough)) {
+        apart = dem__apart_along_edges(&q, &k, &along);
+        if (!(apart > enough)) return apart;
+        n = dem__cross(pa->axis[k / 3], pb->axis[k % 3]);
+        n = dem__scale(1.0 / dem__length(n), n);
+    }
+    *normal = along < 0.0 ? dem__scale(-1.0, n) : n;
+    return apart;
+}
+
 /* Finds the direction of least overlap of two overlapping cores, among the normals of faces and the products of edges (separating axis
    theorem). */
 static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
@@ -11431,8 +11514,11 @@ static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *
     }
 }
 
-/* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart than `enough`. cache:
-   of this pair, read and written, or NULL. */
+/* A direction is good enough to find the points of two cores if they are as far apart along it as this share of the radii. */
+#define DEM__GOOD_AXIS 0.9
+
+/* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart than `enough`, or
+   certainly nearer and apart along a good direction. cache: of this pair, read and written, or NULL. */
 static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
                                  dem__nearest_cache *cache, dem__gap_of_cores *gap) {
     dem__simplex s;
@@ -11453,6 +11539,7 @@ static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, con
         if (along > gap->separation) gap->separation = along, gap->normal = n;
         for (int k = 0; k < s.n; k++) known |= s.a[k] == i && s.b[k] == j;
         if (known || along > enough || distance - along <= 1e-7 * distance) break;
+        if (distance < enough && along > DEM__GOOD_AXIS * enough) break;
         dem__add_corners(&s, a, pa, i, b, pb, j);
     }
     if (cache) {
@@ -11500,13 +11587,16 @@ static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, dou
 enum { DEM__POINTS_MAX = 256 }; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
 #define DEM__WINDOW 1.000001    /* features are tested up to this multiple of the radii, so that rounding of directions does not decide */
 
-/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. */
-DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
+/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. Beyond `enough`, any larger value
+   without a direction. */
+DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, double enough, dem_vec *n) {
     const dem_vec out = dem_vec3(fabs(p.x) - half.x, fabs(p.y) - half.y, fabs(p.z) - half.z);
     const dem_vec d = dem_vec3(out.x > 0.0 ? out.x : 0.0, out.y > 0.0 ? out.y : 0.0, out.z > 0.0 ? out.z : 0.0);
     const dem_vec side = dem_vec3(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0, p.z < 0.0 ? -1.0 : 1.0);
-    const double distance = dem__length(d);
-    if (distance > 0.0) {
+    const double square = dem__dot(d, d);
+    if (square > enough * enough) return HUGE_VAL;
+    if (square > 0.0) {
+        const double distance = sqrt(square);
         *n = dem_vec3(side.x * d.x / distance, side.y * d.y / distance, side.z * d.z / distance);
         return distance;
     }
@@ -11554,10 +11644,12 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
     return least;
 }
 
-DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, dem_vec *n) {
+/* Returns the signed distance of a point p from a core; n: the direction away from it. Beyond `enough`, any larger value. */
+DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, double enough, dem_vec *n) {
     const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
-    dem_vec m;
-    const double distance = s->is_box ? dem__from_box(s->half, x, &m) : dem__from_faces(s, x, &m);
+    dem_vec m = dem_vec3(0.0, 0.0, 1.0);
+    const double distance = s->is_box ? dem__from_box(s->half, x, enough, &m) : dem__from_faces(s, x, &m);
+    if (distance > enough) return distance;
     *n = dem__from_core_frame(place, m);
     return distance;
 }
@@ -11639,10 +11731,19 @@ DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
     return lean;
 }
 
+/* Returns the vector from the nearest point of an edge to x. */
+DEM_INLINE dem_vec dem__off_edge(const dem__placed_edge *e, dem_vec x) {
+    const dem_vec d = dem__sub(x, e->from);
+    return dem__plus(d, -dem__clamp(dem__dot(d, e->along), 0.0, e->length), e->along);
+}
+/* Returns whether x is farther than a distance from an edge. */
+DEM_INLINE int dem__is_off_edge(const dem__placed_edge *e, dem_vec x, double distance) {
+    const dem_vec off = dem__off_edge(e, x);
+    return dem__dot(off, off) > distance * distance;
+}
 /* Returns the distance of a corner from an edge; n: the unit vector from the nearest point to it. */
 DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *n) {
-    const dem_vec d = dem__sub(x, e->from);
-    const dem_vec off = dem__plus(d, -dem__clamp(dem__dot(d, e->along), 0.0, e->length), e->along);
+    const dem_vec off = dem__off_edge(e, x);
     const double distance = dem__length(off);
     *n = distance > 0.0 ? dem__scale(1.0 / distance, off) : dem_vec3(0.0, 0.0, 1.0);
     return distance;
@@ -11655,8 +11756,11 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
     const dem_vec d = dem__sub(p->from, q->from), product = dem__cross(p->along, q->along);
     const double c = dem__dot(p->along, q->along), square = dem__dot(product, product);
     if (!(square > 1e-12)) return 0; /* parallel: corners suffice */
-    const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), t = (on_q - c * on_p) / square;
-    *s = (c * on_q - on_p) / square;
+    const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), s_square = c * on_q - on_p, t_square = on_q - c * on_p;
+    const double wide = DEM__WINDOW * square; /* most do not cross, which is seen without a division */
+    if (!(s_square > 0.0 && s_square < p->length * wide && t_square > 0.0 && t_square < q->length * wide)) return 0;
+    const double t = t_square / square;
+    *s = s_square / square;
     if (!(*s > 0.0 && *s < p->length && t > 0.0 && t < q->length)) return 0;
     const dem_vec from_q = dem__sub(dem__plus(p->from, *s, p->along), dem__plus(q->from, t, q->along));
     const dem_vec guide = apart ? from_q : dem__sub(q->outward, p->outward);
@@ -11688,8 +11792,11 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
         const dem_vec x = k % 2 ? dem__plus(own->from, own->length, own->along) : own->from;
         dem__convex_point *end = &out[n];
         dem_vec off;
+        share[k] = 0.0, rest[k] = 1.0;
+        if (!(own->ends >> k % 2 & 1) || dem__is_off_edge(other, x, DEM__WINDOW * radii)) continue;
         const double from = dem__from_edge(other, x, &off), at_end = radii - from;
-        share[k] = at_end > 0.0 && own->ends >> k % 2 & 1 ? at_end * at_end / (overlap * overlap) : 0.0;
+        if (!(at_end > 0.0)) continue;
+        share[k] = at_end * at_end / (overlap * overlap);
         rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
         left *= rest[k];
         if (share[k] == 0.0) continue;
@@ -11713,32 +11820,61 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
         if (!(a->near >> k & 1)) continue;
         dem__convex_point *p = &out[n];
         const dem_vec x = dem__corner_at(a->shape, a->place, k);
-        const double distance = dem__from_core(b->shape, b->place, x, &p->normal);
+        const double distance = dem__from_core(b->shape, b->place, x, DEM__WINDOW * radii, &p->normal);
+        if (!(distance < radii)) continue;
         p->key = key + k, p->taken = 0, p->weight = 1.0, p->at = x;
         p->gap = distance - radii;
         if (key > 0) { /* a and b have changed places */
             p->at = dem__plus(x, -distance, p->normal);
             p->normal = dem__scale(-1.0, p->normal);
         }
-        n += p->gap < 0.0;
+        n++;
     }
     return n;
 }
 
-/* Appends the points where edges cross to a list of n. Returns the new number. */
+/* Returns which sides of a box the near part of an edge of another core, with its middle at `here`, comes near to: bits 2 k and 2 k + 1 for
+   the lower and the upper side across axis k. */
+DEM_INLINE unsigned dem__sides_near(const dem__side *box, const dem__placed_edge *p, dem_vec here, double radii) {
+    const dem_vec at = dem__into_core(box->place, dem__sub(here, box->place->x)), u = dem__into_core(box->place, p->along);
+    unsigned sides = 0;
+    for (int k = 0; k < 3; k++) {
+        const double reach = fabs(dem_axis(u, k)) * p->half + radii, x = dem_axis(at, k), half = dem_axis(box->shape->half, k);
+        sides |= (unsigned)(fabs(x + half) < reach) << 2 * k | (unsigned)(fabs(x - half) < reach) << (2 * k + 1);
+    }
+    return sides;
+}
+/* Returns the sides of a box at which a corner lies. */
+DEM_INLINE unsigned dem__sides_of(const dem_convex *box, int corner) {
+    const double *x = box->corner[corner];
+    return 1u << (x[0] > 0.0) | 4u << (x[1] > 0.0) | 16u << (x[2] > 0.0);
+}
+
+/* Appends the points where edges cross to a list of n. Returns the new number. An edge of a box is looked at only if both of its sides are
+   near. */
 static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out, int n) {
-    const double radii = a->shape->radius + b->shape->radius;
+    const double radii = a->shape->radius + b->shape->radius, window = DEM__WINDOW * radii;
     dem__placed_edge p, other[DEM_EDGES_MAX];
+    uint8_t near[DEM_EDGES_MAX], placed[DEM_EDGES_MAX];
     int others = 0;
-    for (int f = 0; f < b->shape->edges; f++) others += dem__place_edge(b, f, apart, &other[others]);
+    for (int f = 0; f < b->shape->edges; f++) {
+        const uint8_t *end = b->shape->edge[f];
+        near[others] = (uint8_t)f, placed[others] = 0;
+        others += (int)((b->near >> end[0] | b->near >> end[1]) & 1u);
+    }
     for (int e = 0; e < a->shape->edges && others > 0; e++) {
         if (!dem__place_edge(a, e, apart, &p)) continue;
         const dem_vec here = dem__plus(p.from, p.middle, p.along);
-        for (int f = 0; f < others && n + 5 <= DEM__POINTS_MAX; f++) {
-            const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p.number * DEM_EDGES_MAX + other[f].number);
-            const dem_vec d = dem__sub(here, dem__plus(other[f].from, other[f].middle, other[f].along));
-            const double near = p.half + other[f].half + DEM__WINDOW * radii;
-            if (dem__dot(d, d) < near * near) n += dem__cross_edges(&p, &other[f], radii, apart, key, &out[n]);
+        const unsigned sides = b->shape->is_box ? dem__sides_near(b, &p, here, window) : 63u;
+        if (((sides & 3u) > 0) + ((sides & 12u) > 0) + ((sides & 48u) > 0) < 2) continue;
+        for (int m = 0; m < others && n + 5 <= DEM__POINTS_MAX; m++) {
+            const uint8_t *end = b->shape->edge[near[m]];
+            if (sides != 63u && (dem__sides_of(b->shape, end[0]) & dem__sides_of(b->shape, end[1]) & ~sides)) continue;
+            if (!placed[m]) placed[m] = (uint8_t)dem__place_edge(b, near[m], apart, &other[m]);
+            const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p.number * DEM_EDGES_MAX + other[m].number);
+            const dem_vec d = dem__sub(here, dem__plus(other[m].from, other[m].middle, other[m].along));
+            const double far_off = p.half + other[m].half + window;
+            if (dem__dot(d, d) < far_off * far_off) n += dem__cross_edges(&p, &other[m], radii, apart, key, &out[n]);
         }
     }
     return n;
@@ -11960,9 +12096,21 @@ DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec t
     return dem__from_edge(e, dem_vec3(0.0, 0.0, 0.0), &n) < q->shape->reach + radius;
 }
 
+/* Returns whether an edge of a wall lies wholly beyond a face of the core, by more than a distance. */
+static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_edge *e, double distance) {
+    const dem_vec from = dem__into_core(&q->core, e->from), to = dem__plus(from, e->length, dem__into_core(&q->core, e->along));
+    for (int f = 0; f < q->shape->faces; f++) {
+        const dem_vec n = dem__point(q->shape->plane[f]);
+        const double limit = q->shape->plane[f][3] + distance;
+        if (dem__dot(n, from) > limit && dem__dot(n, to) > limit) return 1;
+    }
+    return 0;
+}
+
 /* Adds the points of all edges of the polyhedron at an edge of a wall with a radius. sign: 1 or -1 takes only those whose normals are on
    that side, 0 all. */
 static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge *e, double radius, int32_t key, dem_vec side, double sign) {
+    if (dem__is_beyond_face(q, e, DEM__WINDOW * (q->shape->radius + radius))) return;
     dem__list_edges(q);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
         const int n = dem__cross_edges(&q->edge[k], e, q->shape->radius + radius, !e->sided, key + 5 * q->edge[k].number, q->out + q->n);
@@ -11978,7 +12126,7 @@ static inline void dem__touch_wall_corner(dem__at_wall *q, dem_vec x, double rad
     dem__convex_point *point = &q->out[q->n];
     dem_vec n;
     if (q->n == DEM__POINTS_MAX || !(dem__length(x) < q->shape->reach + radius)) return;
-    const double distance = dem__from_core(q->shape, &q->core, x, &n);
+    const double distance = dem__from_core(q->shape, &q->core, x, DEM__WINDOW * (radius + q->shape->radius), &n);
     point->gap = distance - radius - q->shape->radius;
     if (!(point->gap < 0.0) || dem__dot(n, tip) > 0.0) return;
     point->key = key, point->taken = 0, point->weight = 1.0;
@@ -12208,6 +12356,59 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     return q.n;
 }
 
+/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that along the normal of the
+   triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart in another direction. */
+static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t, int32_t k, double enough) {
+    const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
+    const double height = dem__dot(d, up);
+    double most = fabs(height) - dem__reach_along(s, core, dem__scale(height > 0.0 ? -1.0 : 1.0, up));
+    dem_vec corner[3];
+    if (most >= enough) return most;
+    for (int c = 0; c < 3; c++) corner[c] = dem__into_core(core, dem__sub(t->vertex[t->corner[3 * k + c]], core->x));
+    for (int f = 0; f < s->faces; f++) {
+        const dem_vec n = dem__point(s->plane[f]);
+        const double a = dem__dot(n, corner[0]), b = dem__dot(n, corner[1]), c = dem__dot(n, corner[2]);
+        const double lowest = a < b ? (a < c ? a : c) : b < c ? b : c, apart = lowest - s->plane[f][3];
+        most = apart > most ? apart : most;
+    }
+    return most;
+}
+
+/* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: of the core. */
+static inline double dem__clear_of_mesh(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
+    const dem__tree *t = wall->tree;
+    dem__placed core;
+    double least = s->reach;
+    core.x = dem__to_frame(wall, dem__sub(place->x, wall->position));
+    for (int k = 0; k < 3; k++) core.axis[k] = dem__to_frame(wall, place->axis[k]);
+    for (int32_t b = 0; b < t->nodes && least > 0.0;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, core.x, s->reach + least)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            const double apart = dem__apart_from_triangle(s, &core, t, k, least);
+            least = apart < least ? apart : least;
+        }
+    }
+    return least;
+}
+
+/* Returns a lower limit of the gap between a polyhedron that touches nothing and a wall [m]; 0 if none is known. */
+static inline double dem__clear_of_wall(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
+    dem__touch touch[DEM__TOUCHES];
+    double least = HUGE_VAL, gap;
+    if (wall->kind == DEM_MESH) return dem__clear_of_mesh(wall, s, place) - s->radius;
+    if (wall->kind != DEM_PLANE && !(wall->inside && (wall->kind == DEM_CYLINDER || wall->kind == DEM_SPHERE))) return 0.0;
+    for (int k = 0; k < s->corners; k++) { /* nothing of it is nearer than a corner */
+        dem__touch_wall(wall, dem__corner_at(s, place, k), s->radius, 0.0, touch, &gap);
+        least = gap < least ? gap : least;
+    }
+    return least;
+}
+
 /* ---- walls that cut a core ---- */
 
 /* Returns whether the line from p to q passes through a triangle. */
@@ -12290,6 +12491,161 @@ static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const
     return dem__core_passes_mesh(w->tree, s, corner, dem__to_frame(w, dem__sub(place->x, w->position)));
 }
 
+/* ------------------------------------------------------------------------------------ >>convex_idle */
+/* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that cannot touch for some steps. Reads bodies and walls; writes pairs.
+   Promises: a pair is left alone only while both of its bodies fly on, and cannot touch in that time.
+   May be changed here alone: for how long a pair is left alone; never longer. */
+
+/* Returns whether particle i still is in the flight that began at a step. */
+DEM_INLINE int dem__flies_on(const dem_world *w, ptrdiff_t i, int64_t origin) {
+    return w->engine->bodies.activity[i] == DEM__FLYING && w->particle[i].origin == origin;
+}
+/* Returns whether a pair cannot touch at a step. */
+DEM_INLINE int dem__is_idle(const dem_world *w, const dem__convex_pair *p, int64_t step) {
+    if (p->idle_until <= step || !dem__flies_on(w, p->i, p->origin[0])) return 0;
+    if (p->j >= 0) return dem__flies_on(w, p->j, p->origin[1]);
+    const dem_wall *wall = &w->wall[-1 - p->j];
+    return wall->speed_bound <= p->speed && wall->spin_bound <= p->spin;
+}
+
+/* Lets a pair be idle for some steps from a step on. */
+DEM_INLINE void dem__leave_alone(const dem_world *w, dem__convex_pair *p, int64_t step, int steps) {
+    p->idle_until = step + steps;
+    p->origin[0] = w->particle[p->i].origin;
+    if (p->j >= 0) p->origin[1] = w->particle[p->j].origin;
+}
+
+/* Returns whether particle i moves on a parabola until it touches something. Polyhedra have no links. */
+DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
+    return w->engine->bodies.activity[i] == DEM__FLYING && !(w->engine->links.on && !dem__shape_of(w, i));
+}
+/* Returns how fast particle i turns about the centre of its clump, at most [m/s]. */
+DEM_INLINE double dem__swing_of(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
+    return r ? w->engine->bodies.room->swing(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
+}
+/* Returns how fast the surface of particle i, or a clump's sphere, moves relative to the centre of its body, at most [m/s]. */
+DEM_INLINE double dem__stir_of(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    return s ? w->engine->bodies.room->swing(dem__rigid_of(w, i), s->reach) : dem__swing_of(w, i);
+}
+/* Returns the time from the origin step of particle i to a step [s]. */
+DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step) {
+    return (double)(step - w->particle[i].origin) * w->engine->run.dt;
+}
+/* Returns the centre of particle i at a step. That of a polyhedron that flies needs no orientation; others have been placed. */
+DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step) {
+    const double tau = dem__flown_until(w, i, step);
+    if (!dem__shape_of(w, i)) return dem__at(w, i, tau);
+    return w->engine->bodies.activity[i] == DEM__FLYING ? dem__centre_at(w, i, tau) : w->engine->convex.place[i].x;
+}
+
+/* Returns whether two particles may be left alone: both fly. */
+DEM_INLINE int dem__may_rest(const dem_world *w, const dem__convex_pair *p) {
+    return (w->def.skip & DEM_SKIP_PAIRS) && dem__is_in_flight(w, p->i) && dem__is_in_flight(w, p->j);
+}
+/* Returns the velocity of particle i relative to j, of their centres [m/s]. */
+DEM_INLINE dem_vec dem__drift_between(const dem_world *w, const dem__convex_pair *p, int64_t step) {
+    return dem__sub(dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)), dem__drift_at(w, p->j, dem__flown_until(w, p->j, step)));
+}
+/* Returns how fast their relative velocity changes [m/s2]. */
+DEM_INLINE double dem__pull_between(const dem_world *w, const dem__convex_pair *p) {
+    return dem__length(dem__sub(dem__centre_pull(w, p->i), dem__centre_pull(w, p->j)));
+}
+
+/* Finds whether the spheres around two particles touch at a step. If not, and both fly, the pair is left alone. */
+static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p, int64_t step) {
+    const double slack = 2.0 * w->engine->pairs.position_tolerance;
+    const double reach = w->particle[p->i].radius + w->particle[p->j].radius + slack;
+    const dem_vec d = dem__nearest_image(w, dem__sub(dem__centre_in(w, p->i, step), dem__centre_in(w, p->j, step)));
+    p->is_close = dem__dot(d, d) < reach * reach;
+    if (p->is_close || !dem__may_rest(w, p)) return;
+    const double speed = dem__length(dem__drift_between(w, p, step)) + dem__swing_of(w, p->i) + dem__swing_of(w, p->j);
+    dem__leave_alone(w, p, step, dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, dem__pull_between(w, p))));
+}
+
+/* Returns a lower limit of the distance to the images of j that are not the nearest one of i, which is at d from j [m]. */
+DEM_INLINE double dem__far_images(const dem_world *w, dem_vec d) {
+    double least = HUGE_VAL;
+    for (int a = 0; a < 3; a++) {
+        const double length = dem_axis(w->def.high, a) - dem_axis(w->def.low, a) - fabs(dem_axis(d, a));
+        if (w->def.periodic[a] && length < least) least = length;
+    }
+    return least;
+}
+
+/* Leaves two particles alone, if both fly, that do not touch although the spheres around them do. d: from j to i; gap: between their
+   surfaces along n, a direction from j to i, in which nothing of them is nearer. */
+static inline void dem__rest_apart(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec d, double gap, dem_vec n) {
+    const double slack = 2.0 * w->engine->pairs.position_tolerance;
+    if (!(gap > slack) || !dem__may_rest(w, p)) return;
+    const dem_vec v = dem__drift_between(w, p, step);
+    const double stir = dem__stir_of(w, p->i) + dem__stir_of(w, p->j), pull = dem__pull_between(w, p);
+    const double others = dem__far_images(w, d) - w->particle[p->i].radius - w->particle[p->j].radius;
+    const double soonest = dem__time_to_close(gap - slack, stir - dem__dot(n, v), pull),
+                 other = dem__time_to_cover(others - slack, dem__length(v) + stir, pull);
+    dem__leave_alone(w, p, step, dem__steps_until(w, other < soonest ? other : soonest));
+    p->is_close = 0;
+}
+
+/* How a particle moves in the frame of a wall. */
+typedef struct dem__approach {
+    double speed, pull; /* speed now [m/s]; limit of its change [m/s2] */
+    int most;           /* number of steps for which they hold */
+} dem__approach;
+/* Returns this for a particle at x with velocity v and acceleration a. */
+static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall *wall, dem_vec x, dem_vec v, dem_vec a) {
+    const double turn = DEM__RETEST_STEPS * w->engine->run.dt;
+    dem__approach q;
+    q.speed = dem__length(v) + wall->speed_bound, q.pull = dem__length(a), q.most = DEM__STEPS_MAX;
+    if (!(wall->spin_bound > 0.0)) return q;
+    q.most = DEM__RETEST_STEPS;
+    if (wall->asked.drive == DEM_KINEMATIC && wall->speed_bound == 0.0 && wall->spin_bound * turn < 0.02) { /* it turns evenly */
+        const dem_vec arm = dem__sub(x, wall->asked.spin_centre), spin = dem__scale(wall->spin, wall->spin_axis);
+        const double bound = wall->spin_bound;
+        q.speed = dem__length(dem__sub(v, dem__cross(spin, arm)));
+        q.pull = 1.05 * (q.pull + bound * (bound * dem__length(arm) + 2.02 * q.speed)); /* with what they gain meanwhile, 5 % at most */
+        return q;
+    }
+    const double out = turn * (q.speed + turn * q.pull); /* as in dem__test_wall */
+    q.speed += wall->spin_bound * (dem__arm(wall, x) + out);
+    return q;
+}
+
+/* Returns whether particle i may be left alone at walls. */
+DEM_INLINE int dem__may_rest_at_wall(const dem_world *w, ptrdiff_t i) { return (w->def.skip & DEM_SKIP_SPACE) && dem__is_in_flight(w, i); }
+
+/* Leaves a particle at x alone that flies and has a gap to a wall. reach: of what turns with it, 0 for the sphere around it [m]. */
+static inline void dem__rest_from_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec x, double gap, double reach) {
+    const dem_wall *wall = &w->wall[-1 - p->j];
+    const double slack = w->engine->pairs.position_tolerance;
+    if (!(gap > slack)) return;
+    const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
+    const dem_vec v = dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)), a = dem__centre_pull(w, p->i);
+    const dem__approach q = dem__approach_to(w, wall, x, v, a);
+    const double stir = reach > 0.0 ? w->engine->bodies.room->swing(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound : 0.0;
+    const double touch = dem__time_to_cover(gap - slack, q.speed + stir, q.pull),
+                 cross = dem__time_to_cover(crossing - slack, dem__length(v), dem__length(a));
+    const int steps = dem__steps_until(w, cross < touch ? cross : touch);
+    p->speed = wall->speed_bound, p->spin = wall->spin_bound;
+    dem__leave_alone(w, p, step, steps < q.most ? steps : q.most);
+    p->is_close = 0;
+}
+
+/* Finds whether the sphere around a particle touches a wall, which has been moved to the step. If not, and it flies, it is left alone. */
+static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step) {
+    const int may_rest = dem__may_rest_at_wall(w, p->i);
+    const dem_vec x = dem__in_box(w, dem__centre_in(w, p->i, step));
+    dem__touch touch[DEM__TOUCHES];
+    double least;
+    p->is_close = 0;
+    if (!dem__is_at_wall(w, p->i, -1 - p->j)) return;
+    const double slack = w->engine->pairs.position_tolerance;
+    dem__touch_wall(&w->wall[-1 - p->j], x, w->particle[p->i].radius, may_rest ? w->engine->pairs.wall_reach : slack, touch, &least);
+    p->is_close = least < slack;
+    if (!p->is_close && may_rest) dem__rest_from_wall(w, p, step, x, least, 0.0);
+}
+
 /* ----------------------------------------------------------------------------------- >>convex_pairs */
 /* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin and end. Reads bodies,
    walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact depends on its own pair and step alone,
@@ -12322,85 +12678,7 @@ static inline void dem__place_flying(dem_world *w, ptrdiff_t first, ptrdiff_t en
     }
 }
 
-/* ---- pairs that cannot touch for a while ---- */
-
-/* Returns whether particle i still is in the flight that began at a step. */
-DEM_INLINE int dem__flies_on(const dem_world *w, ptrdiff_t i, int64_t origin) {
-    return w->engine->bodies.activity[i] == DEM__FLYING && w->particle[i].origin == origin;
-}
-/* Returns whether a pair cannot touch at a step. */
-DEM_INLINE int dem__is_idle(const dem_world *w, const dem__convex_pair *p, int64_t step) {
-    if (p->idle_until <= step || !dem__flies_on(w, p->i, p->origin[0])) return 0;
-    if (p->j >= 0) return dem__flies_on(w, p->j, p->origin[1]);
-    const dem_wall *wall = &w->wall[-1 - p->j];
-    return wall->speed_bound <= p->speed && wall->spin_bound <= p->spin;
-}
-
-/* Lets a pair be idle for some steps from a step on. */
-DEM_INLINE void dem__leave_alone(const dem_world *w, dem__convex_pair *p, int64_t step, int steps) {
-    p->idle_until = step + steps;
-    p->origin[0] = w->particle[p->i].origin;
-    if (p->j >= 0) p->origin[1] = w->particle[p->j].origin;
-}
-
-/* Returns whether particle i moves on a parabola until it touches something. Polyhedra have no links. */
-DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
-    return w->engine->bodies.activity[i] == DEM__FLYING && !(w->engine->links.on && !dem__shape_of(w, i));
-}
-/* Returns how fast particle i turns about the centre of its clump, at most [m/s]. */
-DEM_INLINE double dem__swing_of(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
-    return r ? w->engine->bodies.room->swing(w, r, i) : 0.0;
-}
-/* Returns the centre of particle i at a step. That of a polyhedron that flies needs no orientation; others have been placed. */
-DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step) {
-    const double tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
-    if (!dem__shape_of(w, i)) return dem__at(w, i, tau);
-    return w->engine->bodies.activity[i] == DEM__FLYING ? dem__centre_at(w, i, tau) : w->engine->convex.place[i].x;
-}
-
-/* Finds whether the spheres around two particles touch at a step. If not, and both fly, the pair is left alone. */
-static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p, int64_t step) {
-    const dem_particle *particle = w->particle;
-    const double dt = w->engine->run.dt, slack = 2.0 * w->engine->pairs.position_tolerance;
-    const double reach = particle[p->i].radius + particle[p->j].radius + slack;
-    const dem_vec d = dem__nearest_image(w, dem__sub(dem__centre_in(w, p->i, step), dem__centre_in(w, p->j, step)));
-    p->is_close = dem__dot(d, d) < reach * reach;
-    if (p->is_close || !(w->def.skip & DEM_SKIP_PAIRS) || !dem__is_in_flight(w, p->i) || !dem__is_in_flight(w, p->j)) return;
-    const dem_vec v = dem__sub(dem__drift_at(w, p->i, (double)(step - particle[p->i].origin) * dt),
-                               dem__drift_at(w, p->j, (double)(step - particle[p->j].origin) * dt));
-    const double speed = dem__length(v) + dem__swing_of(w, p->i) + dem__swing_of(w, p->j);
-    const double pull = dem__length(dem__sub(dem__centre_pull(w, p->i), dem__centre_pull(w, p->j)));
-    dem__leave_alone(w, p, step, dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, pull)));
-}
-
-/* Does so for a particle and a wall, which has been moved to the step. */
-static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step) {
-    const dem_wall *wall = &w->wall[-1 - p->j];
-    const int may_rest = (w->def.skip & DEM_SKIP_SPACE) && dem__is_in_flight(w, p->i);
-    const dem_vec x = dem__in_box(w, dem__centre_in(w, p->i, step));
-    dem__touch touch[DEM__TOUCHES];
-    double least;
-    p->is_close = 0;
-    if (!dem__is_at_wall(w, p->i, -1 - p->j)) return;
-    const double slack = w->engine->pairs.position_tolerance;
-    dem__touch_wall(wall, x, w->particle[p->i].radius, may_rest ? w->engine->pairs.wall_reach : slack, touch, &least);
-    p->is_close = least < slack;
-    if (p->is_close || !may_rest) return;
-    const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
-    const double tau = (double)(step - w->particle[p->i].origin) * w->engine->run.dt, pull = dem__length(dem__centre_pull(w, p->i));
-    double speed = dem__length(dem__drift_at(w, p->i, tau)) + wall->speed_bound;
-    int most = DEM__STEPS_MAX;
-    if (wall->spin_bound > 0.0) { /* as in dem__test_wall */
-        const double turn = DEM__RETEST_STEPS * w->engine->run.dt, out = turn * (speed + turn * pull);
-        speed += wall->spin_bound * (dem__arm(wall, x) + out);
-        most = DEM__RETEST_STEPS;
-    }
-    least = crossing < least ? crossing : least;
-    const int steps = dem__steps_until(w, dem__time_to_cover(least - slack, speed, pull));
-    p->speed = wall->speed_bound, p->spin = wall->spin_bound;
-    dem__leave_alone(w, p, step, steps < most ? steps : most);
-}
+/* ---- pairs that are close ---- */
 
 /* Finds which of pairs first .. end-1 are close at a step. */
 static inline void dem__find_close(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -12436,32 +12714,18 @@ static inline void dem__place_close(dem_world *w, int64_t step) {
 
 /* ---- points ---- */
 
-/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch. sphere_first: the sphere is
-   a, the polyhedron b. */
+/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch: then only its gap and normal
+   are set. sphere_first: the sphere is a, the polyhedron b. */
 static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius, int sphere_first,
                                         dem__convex_point *out) {
     dem_vec n;
-    const double distance = dem__from_core(s, place, x, &n);
+    const double distance = dem__from_core(s, place, x, HUGE_VAL, &n);
     out->gap = distance - radius - s->radius;
+    out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
     if (!(out->gap < 0.0)) return 0;
     out->key = out->taken = 0, out->weight = 1.0;
-    out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
     out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
     return 1;
-}
-
-/* Returns how far a core extends from its centre in the direction n [m]. */
-DEM_INLINE double dem__reach_along(const dem_convex *s, const dem__placed *p, dem_vec n) {
-    const dem_vec u = dem__into_core(p, n);
-    if (s->is_box) return fabs(u.x) * s->half.x + fabs(u.y) * s->half.y + fabs(u.z) * s->half.z;
-    return dem__dot(u, dem__point(s->corner[dem__farthest(s, u)]));
-}
-
-/* Returns a lower limit of the distance of two cores [m]: that along n, a unit vector from b to a. A negative value says nothing: they may
-   be apart in another direction. */
-DEM_INLINE double dem__apart_along(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec n) {
-    if (n.x == 0.0 && n.y == 0.0 && n.z == 0.0) return -HUGE_VAL;
-    return dem__dot(n, dem__sub(pa->x, pb->x)) - dem__reach_along(a, pa, dem__scale(-1.0, n)) - dem__reach_along(b, pb, n);
 }
 
 /* Finds the points of two particles; `at` is measured from the centre of i. Returns their number. */
@@ -12481,25 +12745,34 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
         const int n =
             a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out) : dem__points_of_sphere(b, &pb, d, radius, 1, out);
         *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
+        if (n == 0) dem__rest_apart(w, p, step, d, out->gap, out->normal);
         return n;
     }
-    const double radii = a->radius + b->radius;
+    const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
     pb.x = dem__scale(-1.0, d);
     /* A direction only decides which features are tested. That of an earlier step can be used as long as the cores are nearly as far apart
        along it. */
     double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
-    if (!(apart > 0.9 * radii)) {
+    if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
+    if (!(apart > good)) {
         dem__gap_of_cores gap;
         dem__find_gap(a, &pa, b, &pb, DEM__WINDOW * radii, &p->cache, &gap);
         *overlaps += gap.overlap;
         apart = gap.separation, p->axis = gap.normal;
     }
-    return apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
+    const int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
+    if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
+    return n;
 }
 
 /* Finds the points of a particle at a wall, both at the end of the step. Returns their number. */
-static inline int dem__points_at_wall(const dem_world *w, const dem__convex_pair *p, dem__convex_point *out) {
-    return dem__touch_with_polyhedron(&w->wall[-1 - p->j], dem__shape_of(w, p->i), &w->engine->convex.place[p->i], out);
+static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out) {
+    const dem_wall *wall = &w->wall[-1 - p->j];
+    const dem_convex *s = dem__shape_of(w, p->i);
+    const dem__placed *place = &w->engine->convex.place[p->i];
+    const int n = dem__touch_with_polyhedron(wall, s, place, out);
+    if (n == 0 && dem__may_rest_at_wall(w, p->i)) dem__rest_from_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
+    return n;
 }
 
 /* A test of all pairs by several threads, each of which has a share of the points. */
@@ -12523,7 +12796,7 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
             look->full[part] = 1;
             return;
         }
-        if (p->j < 0) p->count = dem__points_at_wall(w, p, convex->point + at);
+        if (p->j < 0) p->count = dem__points_at_wall(w, p, look->step, convex->point + at);
         else p->count = dem__points_of_pair(w, p, look->step, convex->point + at, &look->overlaps[part]);
         at += p->count;
     }

@@ -132,6 +132,81 @@ static inline void dem__begin_simplex(dem__simplex *s, const dem_convex *a, cons
     dem__add_corners(s, a, pa, dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, d))), b, pb, dem__farthest(b, dem__into_core(pb, d)));
 }
 
+/* Returns how far a core extends from its centre in the direction n [m]. */
+DEM_INLINE double dem__reach_along(const dem_convex *s, const dem__placed *p, dem_vec n) {
+    const dem_vec u = dem__into_core(p, n);
+    if (s->is_box) return fabs(u.x) * s->half.x + fabs(u.y) * s->half.y + fabs(u.z) * s->half.z;
+    return dem__dot(u, dem__point(s->corner[dem__farthest(s, u)]));
+}
+/* Returns a lower limit of the distance of two cores [m]: that along n, a unit vector from b to a. A negative value says nothing: they may
+   be apart in another direction. */
+DEM_INLINE double dem__apart_along(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec n) {
+    if (n.x == 0.0 && n.y == 0.0 && n.z == 0.0) return -HUGE_VAL;
+    return dem__dot(n, dem__sub(pa->x, pb->x)) - dem__reach_along(a, pa, dem__scale(-1.0, n)) - dem__reach_along(b, pb, n);
+}
+/* Two boxes, seen from the first one: where the other one's centre is not, but whence it is seen (from b to a), and its axes. */
+typedef struct dem__two_boxes {
+    const dem_convex *a, *b;
+    double from[3], turn[3][3], size[3][3]; /* along a's axes; turn[i][m]: cosine of a's axis i and b's axis m; size: without sign */
+} dem__two_boxes;
+
+/* Finds the axis k < 3 of a, or k - 3 of b, along which two boxes are farthest apart. Returns how far, as dem__apart_along; along: k, and
+   the component of the distance along it. */
+static inline double dem__apart_along_faces(const dem__two_boxes *q, int *k, double *along) {
+    double most = -HUGE_VAL;
+    for (int n = 0; n < 6; n++) {
+        const int i = n % 3, of_a = n < 3;
+        const double *u = q->size[i];
+        const dem_vec half = of_a ? q->b->half : q->a->half;
+        const double d = of_a ? q->from[i] : q->from[0] * q->turn[0][i] + q->from[1] * q->turn[1][i] + q->from[2] * q->turn[2][i];
+        const double reach =
+            of_a ? half.x * u[0] + half.y * u[1] + half.z * u[2] : half.x * q->size[0][i] + half.y * q->size[1][i] + half.z * q->size[2][i];
+        const double apart = fabs(d) - dem_axis(of_a ? q->a->half : q->b->half, i) - reach;
+        if (apart > most) most = apart, *k = n, *along = d;
+    }
+    return most;
+}
+/* Does the same for the products of an axis of a and one of b: k = 3 i + m. */
+static inline double dem__apart_along_edges(const dem__two_boxes *q, int *k, double *along) {
+    double most = -HUGE_VAL;
+    for (int n = 0; n < 9; n++) {
+        const int i = n / 3, m = n % 3, j = (i + 1) % 3, l = (i + 2) % 3, r = (m + 1) % 3, s = (m + 2) % 3;
+        const double square = 1.0 - q->turn[i][m] * q->turn[i][m];
+        const double d = q->from[l] * q->turn[j][m] - q->from[j] * q->turn[l][m];
+        const double apart = fabs(d) - dem_axis(q->a->half, j) * q->size[l][m] - dem_axis(q->a->half, l) * q->size[j][m] -
+                             dem_axis(q->b->half, r) * q->size[i][s] - dem_axis(q->b->half, s) * q->size[i][r];
+        if (!(apart > 0.0) || !(square > 1e-6)) continue;
+        const double distance = apart / sqrt(square);
+        if (distance > most) most = distance, *k = n, *along = d;
+    }
+    return most;
+}
+
+/* Looks for a direction along which two boxes are farther apart than `enough`, a unit vector from b to a, among the normals of faces, then
+   the products of edges (separating axes). Returns how far, as dem__apart_along; if it is not enough, the direction is not set. */
+static inline double dem__part_boxes(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
+                                     dem_vec *normal) {
+    dem__two_boxes q;
+    int k = 0;
+    double along = 0.0;
+    const dem_vec d = dem__into_core(pa, dem__sub(pa->x, pb->x));
+    q.a = a, q.b = b;
+    q.from[0] = d.x, q.from[1] = d.y, q.from[2] = d.z;
+    for (int i = 0; i < 3; i++) {
+        for (int m = 0; m < 3; m++) q.turn[i][m] = dem__dot(pa->axis[i], pb->axis[m]), q.size[i][m] = fabs(q.turn[i][m]);
+    }
+    double apart = dem__apart_along_faces(&q, &k, &along);
+    dem_vec n = k < 3 ? pa->axis[k] : pb->axis[k - 3];
+    if (!(apart > enough)) {
+        apart = dem__apart_along_edges(&q, &k, &along);
+        if (!(apart > enough)) return apart;
+        n = dem__cross(pa->axis[k / 3], pb->axis[k % 3]);
+        n = dem__scale(1.0 / dem__length(n), n);
+    }
+    *normal = along < 0.0 ? dem__scale(-1.0, n) : n;
+    return apart;
+}
+
 /* Finds the direction of least overlap of two overlapping cores, among the normals of faces and the products of edges (separating axis
    theorem). */
 static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
@@ -168,8 +243,11 @@ static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *
     }
 }
 
-/* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart than `enough`. cache:
-   of this pair, read and written, or NULL. */
+/* A direction is good enough to find the points of two cores if they are as far apart along it as this share of the radii. */
+#define DEM__GOOD_AXIS 0.9
+
+/* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart than `enough`, or
+   certainly nearer and apart along a good direction. cache: of this pair, read and written, or NULL. */
 static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
                                  dem__nearest_cache *cache, dem__gap_of_cores *gap) {
     dem__simplex s;
@@ -190,6 +268,7 @@ static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, con
         if (along > gap->separation) gap->separation = along, gap->normal = n;
         for (int k = 0; k < s.n; k++) known |= s.a[k] == i && s.b[k] == j;
         if (known || along > enough || distance - along <= 1e-7 * distance) break;
+        if (distance < enough && along > DEM__GOOD_AXIS * enough) break;
         dem__add_corners(&s, a, pa, i, b, pb, j);
     }
     if (cache) {

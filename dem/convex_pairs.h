@@ -30,85 +30,7 @@ static inline void dem__place_flying(dem_world *w, ptrdiff_t first, ptrdiff_t en
     }
 }
 
-/* ---- pairs that cannot touch for a while ---- */
-
-/* Returns whether particle i still is in the flight that began at a step. */
-DEM_INLINE int dem__flies_on(const dem_world *w, ptrdiff_t i, int64_t origin) {
-    return w->engine->bodies.activity[i] == DEM__FLYING && w->particle[i].origin == origin;
-}
-/* Returns whether a pair cannot touch at a step. */
-DEM_INLINE int dem__is_idle(const dem_world *w, const dem__convex_pair *p, int64_t step) {
-    if (p->idle_until <= step || !dem__flies_on(w, p->i, p->origin[0])) return 0;
-    if (p->j >= 0) return dem__flies_on(w, p->j, p->origin[1]);
-    const dem_wall *wall = &w->wall[-1 - p->j];
-    return wall->speed_bound <= p->speed && wall->spin_bound <= p->spin;
-}
-
-/* Lets a pair be idle for some steps from a step on. */
-DEM_INLINE void dem__leave_alone(const dem_world *w, dem__convex_pair *p, int64_t step, int steps) {
-    p->idle_until = step + steps;
-    p->origin[0] = w->particle[p->i].origin;
-    if (p->j >= 0) p->origin[1] = w->particle[p->j].origin;
-}
-
-/* Returns whether particle i moves on a parabola until it touches something. Polyhedra have no links. */
-DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
-    return w->engine->bodies.activity[i] == DEM__FLYING && !(w->engine->links.on && !dem__shape_of(w, i));
-}
-/* Returns how fast particle i turns about the centre of its clump, at most [m/s]. */
-DEM_INLINE double dem__swing_of(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
-    return r ? w->engine->bodies.room->swing(w, r, i) : 0.0;
-}
-/* Returns the centre of particle i at a step. That of a polyhedron that flies needs no orientation; others have been placed. */
-DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step) {
-    const double tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
-    if (!dem__shape_of(w, i)) return dem__at(w, i, tau);
-    return w->engine->bodies.activity[i] == DEM__FLYING ? dem__centre_at(w, i, tau) : w->engine->convex.place[i].x;
-}
-
-/* Finds whether the spheres around two particles touch at a step. If not, and both fly, the pair is left alone. */
-static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p, int64_t step) {
-    const dem_particle *particle = w->particle;
-    const double dt = w->engine->run.dt, slack = 2.0 * w->engine->pairs.position_tolerance;
-    const double reach = particle[p->i].radius + particle[p->j].radius + slack;
-    const dem_vec d = dem__nearest_image(w, dem__sub(dem__centre_in(w, p->i, step), dem__centre_in(w, p->j, step)));
-    p->is_close = dem__dot(d, d) < reach * reach;
-    if (p->is_close || !(w->def.skip & DEM_SKIP_PAIRS) || !dem__is_in_flight(w, p->i) || !dem__is_in_flight(w, p->j)) return;
-    const dem_vec v = dem__sub(dem__drift_at(w, p->i, (double)(step - particle[p->i].origin) * dt),
-                               dem__drift_at(w, p->j, (double)(step - particle[p->j].origin) * dt));
-    const double speed = dem__length(v) + dem__swing_of(w, p->i) + dem__swing_of(w, p->j);
-    const double pull = dem__length(dem__sub(dem__centre_pull(w, p->i), dem__centre_pull(w, p->j)));
-    dem__leave_alone(w, p, step, dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, pull)));
-}
-
-/* Does so for a particle and a wall, which has been moved to the step. */
-static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step) {
-    const dem_wall *wall = &w->wall[-1 - p->j];
-    const int may_rest = (w->def.skip & DEM_SKIP_SPACE) && dem__is_in_flight(w, p->i);
-    const dem_vec x = dem__in_box(w, dem__centre_in(w, p->i, step));
-    dem__touch touch[DEM__TOUCHES];
-    double least;
-    p->is_close = 0;
-    if (!dem__is_at_wall(w, p->i, -1 - p->j)) return;
-    const double slack = w->engine->pairs.position_tolerance;
-    dem__touch_wall(wall, x, w->particle[p->i].radius, may_rest ? w->engine->pairs.wall_reach : slack, touch, &least);
-    p->is_close = least < slack;
-    if (p->is_close || !may_rest) return;
-    const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
-    const double tau = (double)(step - w->particle[p->i].origin) * w->engine->run.dt, pull = dem__length(dem__centre_pull(w, p->i));
-    double speed = dem__length(dem__drift_at(w, p->i, tau)) + wall->speed_bound;
-    int most = DEM__STEPS_MAX;
-    if (wall->spin_bound > 0.0) { /* as in dem__test_wall */
-        const double turn = DEM__RETEST_STEPS * w->engine->run.dt, out = turn * (speed + turn * pull);
-        speed += wall->spin_bound * (dem__arm(wall, x) + out);
-        most = DEM__RETEST_STEPS;
-    }
-    least = crossing < least ? crossing : least;
-    const int steps = dem__steps_until(w, dem__time_to_cover(least - slack, speed, pull));
-    p->speed = wall->speed_bound, p->spin = wall->spin_bound;
-    dem__leave_alone(w, p, step, steps < most ? steps : most);
-}
+/* ---- pairs that are close ---- */
 
 /* Finds which of pairs first .. end-1 are close at a step. */
 static inline void dem__find_close(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -144,32 +66,18 @@ static inline void dem__place_close(dem_world *w, int64_t step) {
 
 /* ---- points ---- */
 
-/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch. sphere_first: the sphere is
-   a, the polyhedron b. */
+/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch: then only its gap and normal
+   are set. sphere_first: the sphere is a, the polyhedron b. */
 static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius, int sphere_first,
                                         dem__convex_point *out) {
     dem_vec n;
-    const double distance = dem__from_core(s, place, x, &n);
+    const double distance = dem__from_core(s, place, x, HUGE_VAL, &n);
     out->gap = distance - radius - s->radius;
+    out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
     if (!(out->gap < 0.0)) return 0;
     out->key = out->taken = 0, out->weight = 1.0;
-    out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
     out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
     return 1;
-}
-
-/* Returns how far a core extends from its centre in the direction n [m]. */
-DEM_INLINE double dem__reach_along(const dem_convex *s, const dem__placed *p, dem_vec n) {
-    const dem_vec u = dem__into_core(p, n);
-    if (s->is_box) return fabs(u.x) * s->half.x + fabs(u.y) * s->half.y + fabs(u.z) * s->half.z;
-    return dem__dot(u, dem__point(s->corner[dem__farthest(s, u)]));
-}
-
-/* Returns a lower limit of the distance of two cores [m]: that along n, a unit vector from b to a. A negative value says nothing: they may
-   be apart in another direction. */
-DEM_INLINE double dem__apart_along(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec n) {
-    if (n.x == 0.0 && n.y == 0.0 && n.z == 0.0) return -HUGE_VAL;
-    return dem__dot(n, dem__sub(pa->x, pb->x)) - dem__reach_along(a, pa, dem__scale(-1.0, n)) - dem__reach_along(b, pb, n);
 }
 
 /* Finds the points of two particles; `at` is measured from the centre of i. Returns their number. */
@@ -189,25 +97,34 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
         const int n =
             a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out) : dem__points_of_sphere(b, &pb, d, radius, 1, out);
         *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
+        if (n == 0) dem__rest_apart(w, p, step, d, out->gap, out->normal);
         return n;
     }
-    const double radii = a->radius + b->radius;
+    const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
     pb.x = dem__scale(-1.0, d);
     /* A direction only decides which features are tested. That of an earlier step can be used as long as the cores are nearly as far apart
        along it. */
     double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
-    if (!(apart > 0.9 * radii)) {
+    if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
+    if (!(apart > good)) {
         dem__gap_of_cores gap;
         dem__find_gap(a, &pa, b, &pb, DEM__WINDOW * radii, &p->cache, &gap);
         *overlaps += gap.overlap;
         apart = gap.separation, p->axis = gap.normal;
     }
-    return apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
+    const int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
+    if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
+    return n;
 }
 
 /* Finds the points of a particle at a wall, both at the end of the step. Returns their number. */
-static inline int dem__points_at_wall(const dem_world *w, const dem__convex_pair *p, dem__convex_point *out) {
-    return dem__touch_with_polyhedron(&w->wall[-1 - p->j], dem__shape_of(w, p->i), &w->engine->convex.place[p->i], out);
+static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out) {
+    const dem_wall *wall = &w->wall[-1 - p->j];
+    const dem_convex *s = dem__shape_of(w, p->i);
+    const dem__placed *place = &w->engine->convex.place[p->i];
+    const int n = dem__touch_with_polyhedron(wall, s, place, out);
+    if (n == 0 && dem__may_rest_at_wall(w, p->i)) dem__rest_from_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
+    return n;
 }
 
 /* A test of all pairs by several threads, each of which has a share of the points. */
@@ -231,7 +148,7 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
             look->full[part] = 1;
             return;
         }
-        if (p->j < 0) p->count = dem__points_at_wall(w, p, convex->point + at);
+        if (p->j < 0) p->count = dem__points_at_wall(w, p, look->step, convex->point + at);
         else p->count = dem__points_of_pair(w, p, look->step, convex->point + at, &look->overlaps[part]);
         at += p->count;
     }

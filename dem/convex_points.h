@@ -7,13 +7,16 @@
 enum { DEM__POINTS_MAX = 256 }; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
 #define DEM__WINDOW 1.000001    /* features are tested up to this multiple of the radii, so that rounding of directions does not decide */
 
-/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. */
-DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
+/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. Beyond `enough`, any larger value
+   without a direction. */
+DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, double enough, dem_vec *n) {
     const dem_vec out = dem_vec3(fabs(p.x) - half.x, fabs(p.y) - half.y, fabs(p.z) - half.z);
     const dem_vec d = dem_vec3(out.x > 0.0 ? out.x : 0.0, out.y > 0.0 ? out.y : 0.0, out.z > 0.0 ? out.z : 0.0);
     const dem_vec side = dem_vec3(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0, p.z < 0.0 ? -1.0 : 1.0);
-    const double distance = dem__length(d);
-    if (distance > 0.0) {
+    const double square = dem__dot(d, d);
+    if (square > enough * enough) return HUGE_VAL;
+    if (square > 0.0) {
+        const double distance = sqrt(square);
         *n = dem_vec3(side.x * d.x / distance, side.y * d.y / distance, side.z * d.z / distance);
         return distance;
     }
@@ -61,10 +64,12 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
     return least;
 }
 
-DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, dem_vec *n) {
+/* Returns the signed distance of a point p from a core; n: the direction away from it. Beyond `enough`, any larger value. */
+DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, double enough, dem_vec *n) {
     const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
-    dem_vec m;
-    const double distance = s->is_box ? dem__from_box(s->half, x, &m) : dem__from_faces(s, x, &m);
+    dem_vec m = dem_vec3(0.0, 0.0, 1.0);
+    const double distance = s->is_box ? dem__from_box(s->half, x, enough, &m) : dem__from_faces(s, x, &m);
+    if (distance > enough) return distance;
     *n = dem__from_core_frame(place, m);
     return distance;
 }
@@ -146,10 +151,19 @@ DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
     return lean;
 }
 
+/* Returns the vector from the nearest point of an edge to x. */
+DEM_INLINE dem_vec dem__off_edge(const dem__placed_edge *e, dem_vec x) {
+    const dem_vec d = dem__sub(x, e->from);
+    return dem__plus(d, -dem__clamp(dem__dot(d, e->along), 0.0, e->length), e->along);
+}
+/* Returns whether x is farther than a distance from an edge. */
+DEM_INLINE int dem__is_off_edge(const dem__placed_edge *e, dem_vec x, double distance) {
+    const dem_vec off = dem__off_edge(e, x);
+    return dem__dot(off, off) > distance * distance;
+}
 /* Returns the distance of a corner from an edge; n: the unit vector from the nearest point to it. */
 DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *n) {
-    const dem_vec d = dem__sub(x, e->from);
-    const dem_vec off = dem__plus(d, -dem__clamp(dem__dot(d, e->along), 0.0, e->length), e->along);
+    const dem_vec off = dem__off_edge(e, x);
     const double distance = dem__length(off);
     *n = distance > 0.0 ? dem__scale(1.0 / distance, off) : dem_vec3(0.0, 0.0, 1.0);
     return distance;
@@ -162,8 +176,11 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
     const dem_vec d = dem__sub(p->from, q->from), product = dem__cross(p->along, q->along);
     const double c = dem__dot(p->along, q->along), square = dem__dot(product, product);
     if (!(square > 1e-12)) return 0; /* parallel: corners suffice */
-    const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), t = (on_q - c * on_p) / square;
-    *s = (c * on_q - on_p) / square;
+    const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), s_square = c * on_q - on_p, t_square = on_q - c * on_p;
+    const double wide = DEM__WINDOW * square; /* most do not cross, which is seen without a division */
+    if (!(s_square > 0.0 && s_square < p->length * wide && t_square > 0.0 && t_square < q->length * wide)) return 0;
+    const double t = t_square / square;
+    *s = s_square / square;
     if (!(*s > 0.0 && *s < p->length && t > 0.0 && t < q->length)) return 0;
     const dem_vec from_q = dem__sub(dem__plus(p->from, *s, p->along), dem__plus(q->from, t, q->along));
     const dem_vec guide = apart ? from_q : dem__sub(q->outward, p->outward);
@@ -195,8 +212,11 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
         const dem_vec x = k % 2 ? dem__plus(own->from, own->length, own->along) : own->from;
         dem__convex_point *end = &out[n];
         dem_vec off;
+        share[k] = 0.0, rest[k] = 1.0;
+        if (!(own->ends >> k % 2 & 1) || dem__is_off_edge(other, x, DEM__WINDOW * radii)) continue;
         const double from = dem__from_edge(other, x, &off), at_end = radii - from;
-        share[k] = at_end > 0.0 && own->ends >> k % 2 & 1 ? at_end * at_end / (overlap * overlap) : 0.0;
+        if (!(at_end > 0.0)) continue;
+        share[k] = at_end * at_end / (overlap * overlap);
         rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
         left *= rest[k];
         if (share[k] == 0.0) continue;
@@ -220,32 +240,61 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
         if (!(a->near >> k & 1)) continue;
         dem__convex_point *p = &out[n];
         const dem_vec x = dem__corner_at(a->shape, a->place, k);
-        const double distance = dem__from_core(b->shape, b->place, x, &p->normal);
+        const double distance = dem__from_core(b->shape, b->place, x, DEM__WINDOW * radii, &p->normal);
+        if (!(distance < radii)) continue;
         p->key = key + k, p->taken = 0, p->weight = 1.0, p->at = x;
         p->gap = distance - radii;
         if (key > 0) { /* a and b have changed places */
             p->at = dem__plus(x, -distance, p->normal);
             p->normal = dem__scale(-1.0, p->normal);
         }
-        n += p->gap < 0.0;
+        n++;
     }
     return n;
 }
 
-/* Appends the points where edges cross to a list of n. Returns the new number. */
+/* Returns which sides of a box the near part of an edge of another core, with its middle at `here`, comes near to: bits 2 k and 2 k + 1 for
+   the lower and the upper side across axis k. */
+DEM_INLINE unsigned dem__sides_near(const dem__side *box, const dem__placed_edge *p, dem_vec here, double radii) {
+    const dem_vec at = dem__into_core(box->place, dem__sub(here, box->place->x)), u = dem__into_core(box->place, p->along);
+    unsigned sides = 0;
+    for (int k = 0; k < 3; k++) {
+        const double reach = fabs(dem_axis(u, k)) * p->half + radii, x = dem_axis(at, k), half = dem_axis(box->shape->half, k);
+        sides |= (unsigned)(fabs(x + half) < reach) << 2 * k | (unsigned)(fabs(x - half) < reach) << (2 * k + 1);
+    }
+    return sides;
+}
+/* Returns the sides of a box at which a corner lies. */
+DEM_INLINE unsigned dem__sides_of(const dem_convex *box, int corner) {
+    const double *x = box->corner[corner];
+    return 1u << (x[0] > 0.0) | 4u << (x[1] > 0.0) | 16u << (x[2] > 0.0);
+}
+
+/* Appends the points where edges cross to a list of n. Returns the new number. An edge of a box is looked at only if both of its sides are
+   near. */
 static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out, int n) {
-    const double radii = a->shape->radius + b->shape->radius;
+    const double radii = a->shape->radius + b->shape->radius, window = DEM__WINDOW * radii;
     dem__placed_edge p, other[DEM_EDGES_MAX];
+    uint8_t near[DEM_EDGES_MAX], placed[DEM_EDGES_MAX];
     int others = 0;
-    for (int f = 0; f < b->shape->edges; f++) others += dem__place_edge(b, f, apart, &other[others]);
+    for (int f = 0; f < b->shape->edges; f++) {
+        const uint8_t *end = b->shape->edge[f];
+        near[others] = (uint8_t)f, placed[others] = 0;
+        others += (int)((b->near >> end[0] | b->near >> end[1]) & 1u);
+    }
     for (int e = 0; e < a->shape->edges && others > 0; e++) {
         if (!dem__place_edge(a, e, apart, &p)) continue;
         const dem_vec here = dem__plus(p.from, p.middle, p.along);
-        for (int f = 0; f < others && n + 5 <= DEM__POINTS_MAX; f++) {
-            const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p.number * DEM_EDGES_MAX + other[f].number);
-            const dem_vec d = dem__sub(here, dem__plus(other[f].from, other[f].middle, other[f].along));
-            const double near = p.half + other[f].half + DEM__WINDOW * radii;
-            if (dem__dot(d, d) < near * near) n += dem__cross_edges(&p, &other[f], radii, apart, key, &out[n]);
+        const unsigned sides = b->shape->is_box ? dem__sides_near(b, &p, here, window) : 63u;
+        if (((sides & 3u) > 0) + ((sides & 12u) > 0) + ((sides & 48u) > 0) < 2) continue;
+        for (int m = 0; m < others && n + 5 <= DEM__POINTS_MAX; m++) {
+            const uint8_t *end = b->shape->edge[near[m]];
+            if (sides != 63u && (dem__sides_of(b->shape, end[0]) & dem__sides_of(b->shape, end[1]) & ~sides)) continue;
+            if (!placed[m]) placed[m] = (uint8_t)dem__place_edge(b, near[m], apart, &other[m]);
+            const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p.number * DEM_EDGES_MAX + other[m].number);
+            const dem_vec d = dem__sub(here, dem__plus(other[m].from, other[m].middle, other[m].along));
+            const double far_off = p.half + other[m].half + window;
+            if (dem__dot(d, d) < far_off * far_off) n += dem__cross_edges(&p, &other[m], radii, apart, key, &out[n]);
         }
     }
     return n;

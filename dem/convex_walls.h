@@ -68,9 +68,21 @@ DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec t
     return dem__from_edge(e, dem_vec3(0.0, 0.0, 0.0), &n) < q->shape->reach + radius;
 }
 
+/* Returns whether an edge of a wall lies wholly beyond a face of the core, by more than a distance. */
+static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_edge *e, double distance) {
+    const dem_vec from = dem__into_core(&q->core, e->from), to = dem__plus(from, e->length, dem__into_core(&q->core, e->along));
+    for (int f = 0; f < q->shape->faces; f++) {
+        const dem_vec n = dem__point(q->shape->plane[f]);
+        const double limit = q->shape->plane[f][3] + distance;
+        if (dem__dot(n, from) > limit && dem__dot(n, to) > limit) return 1;
+    }
+    return 0;
+}
+
 /* Adds the points of all edges of the polyhedron at an edge of a wall with a radius. sign: 1 or -1 takes only those whose normals are on
    that side, 0 all. */
 static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge *e, double radius, int32_t key, dem_vec side, double sign) {
+    if (dem__is_beyond_face(q, e, DEM__WINDOW * (q->shape->radius + radius))) return;
     dem__list_edges(q);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
         const int n = dem__cross_edges(&q->edge[k], e, q->shape->radius + radius, !e->sided, key + 5 * q->edge[k].number, q->out + q->n);
@@ -86,7 +98,7 @@ static inline void dem__touch_wall_corner(dem__at_wall *q, dem_vec x, double rad
     dem__convex_point *point = &q->out[q->n];
     dem_vec n;
     if (q->n == DEM__POINTS_MAX || !(dem__length(x) < q->shape->reach + radius)) return;
-    const double distance = dem__from_core(q->shape, &q->core, x, &n);
+    const double distance = dem__from_core(q->shape, &q->core, x, DEM__WINDOW * (radius + q->shape->radius), &n);
     point->gap = distance - radius - q->shape->radius;
     if (!(point->gap < 0.0) || dem__dot(n, tip) > 0.0) return;
     point->key = key, point->taken = 0, point->weight = 1.0;
@@ -314,6 +326,59 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     if (wall->kind == DEM_MESH) dem__touch_mesh_with_edges(&q);
     if (wall->kind == DEM_CONE) dem__touch_cone_with_edges(&q);
     return q.n;
+}
+
+/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that along the normal of the
+   triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart in another direction. */
+static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t, int32_t k, double enough) {
+    const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
+    const double height = dem__dot(d, up);
+    double most = fabs(height) - dem__reach_along(s, core, dem__scale(height > 0.0 ? -1.0 : 1.0, up));
+    dem_vec corner[3];
+    if (most >= enough) return most;
+    for (int c = 0; c < 3; c++) corner[c] = dem__into_core(core, dem__sub(t->vertex[t->corner[3 * k + c]], core->x));
+    for (int f = 0; f < s->faces; f++) {
+        const dem_vec n = dem__point(s->plane[f]);
+        const double a = dem__dot(n, corner[0]), b = dem__dot(n, corner[1]), c = dem__dot(n, corner[2]);
+        const double lowest = a < b ? (a < c ? a : c) : b < c ? b : c, apart = lowest - s->plane[f][3];
+        most = apart > most ? apart : most;
+    }
+    return most;
+}
+
+/* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: of the core. */
+static inline double dem__clear_of_mesh(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
+    const dem__tree *t = wall->tree;
+    dem__placed core;
+    double least = s->reach;
+    core.x = dem__to_frame(wall, dem__sub(place->x, wall->position));
+    for (int k = 0; k < 3; k++) core.axis[k] = dem__to_frame(wall, place->axis[k]);
+    for (int32_t b = 0; b < t->nodes && least > 0.0;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, core.x, s->reach + least)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            const double apart = dem__apart_from_triangle(s, &core, t, k, least);
+            least = apart < least ? apart : least;
+        }
+    }
+    return least;
+}
+
+/* Returns a lower limit of the gap between a polyhedron that touches nothing and a wall [m]; 0 if none is known. */
+static inline double dem__clear_of_wall(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
+    dem__touch touch[DEM__TOUCHES];
+    double least = HUGE_VAL, gap;
+    if (wall->kind == DEM_MESH) return dem__clear_of_mesh(wall, s, place) - s->radius;
+    if (wall->kind != DEM_PLANE && !(wall->inside && (wall->kind == DEM_CYLINDER || wall->kind == DEM_SPHERE))) return 0.0;
+    for (int k = 0; k < s->corners; k++) { /* nothing of it is nearer than a corner */
+        dem__touch_wall(wall, dem__corner_at(s, place, k), s->radius, 0.0, touch, &gap);
+        least = gap < least ? gap : least;
+    }
+    return least;
 }
 
 /* ---- walls that cut a core ---- */

@@ -108,6 +108,7 @@
 #include "convex_points.h"
 #include "convex_mesh.h"
 #include "convex_walls.h"
+#include "convex_idle.h"
 #include "convex_pairs.h"
 #include "convex_rows.h"
 #include "convex_add.h"

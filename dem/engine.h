@@ -100,8 +100,8 @@ typedef struct dem__body_room {
     void (*push)(dem_world *w, int32_t c, int has_friction);                              /* applies impulses of the edge step in slot c */
     void (*shift)(dem_world *w, int32_t c);                                               /* applies its shift, after all impulses */
     void (*kick_links)(dem_world *w, dem__rigid *r, double half);                         /* applies the change of the links' forces */
-    double (*swing)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);                /* greatest speed of i in flight, about the centre
-                                                                                             [m/s] */
+    double (*swing)(const dem__rigid *r, double arm);                                     /* greatest speed in flight of what is an arm [m]
+                                                                                             from the centre, about it [m/s] */
     double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);           /* estimated change of i's velocity by links
                                                                                              [m/s] */
     void (*note_strides)(dem_world *w);                                                   /* stores how far flights are integrated */

@@ -60,7 +60,8 @@ DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff
     const dem_vec now = dem__sub(dem__plus(dem__drift_at(w, i, dem__now(w, i)), -t, g), u);
     const double here = dem__length(now), there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
                  end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
-    const double most = here > there ? here : there, swing = r ? w->engine->bodies.room->swing(w, r, k) : 0.0;
+    const double most = here > there ? here : there;
+    const double swing = r ? w->engine->bodies.room->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
     return (most > end ? most : end) + swing;
 }
 

@@ -71,6 +71,12 @@ DEM_INLINE int dem__is_shadowed(const dem__touch *far_one, const dem__touch *nea
     return dem__dot(far_one->normal, near_one->normal) > (flat < DEM__SMOOTH ? flat : DEM__SMOOTH);
 }
 
+/* Returns whether p is certainly `far_off` or more away from the plane of a triangle. */
+DEM_INLINE int dem__is_off_plane(const dem__tree *t, int32_t k, dem_vec p, double far_off) {
+    const dem_vec d = dem__sub(p, t->vertex[t->corner[3 * k]]);
+    return fabs(dem__dot(d, t->normal[k])) - 1e-12 * (fabs(d.x) + fabs(d.y) + fabs(d.z)) > far_off;
+}
+
 static inline void dem__meet_triangle(const dem__tree *t, int32_t k, dem_vec p, double radius, dem__touch *touch) {
     double distance;
     int inside;
@@ -104,6 +110,7 @@ static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, d
         }
         b++;
         for (int32_t k = node->first; k < node->first + node->count; k++) {
+            if (dem__is_off_plane(t, k, p, radius + *least)) continue;
             dem__meet_triangle(t, k, p, radius, &here);
             if (here.gap < *least) *least = here.gap, out[0] = here, n = 1;
         }
@@ -117,6 +124,7 @@ static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, d
         b++;
         for (int32_t k = node->first; k < node->first + node->count; k++) {
             int at = 0, kept;
+            if (dem__is_off_plane(t, k, p, radius + deep)) continue;
             dem__meet_triangle(t, k, p, radius, &here);
             if (!(here.gap < deep)) continue;
             while (at < n && out[at].gap <= here.gap && !dem__is_shadowed(&here, &out[at], radius)) at++;

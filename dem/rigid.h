@@ -201,11 +201,10 @@ static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_
         bodies->shifted[k] += fabs(shift) / r->mass + dem__length(angle) * dem__length(bodies->offset[k]);
 }
 
-/* Returns the greatest speed of a particle relative to its body's centre, in flight [m/s]. */
-static inline double dem__swing(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
+/* Returns the greatest speed in flight of what is an arm [m] from a body's centre, relative to it [m/s]. */
+static inline double dem__swing(const dem__rigid *r, double arm) {
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    const double arm = dem__length(w->engine->bodies.offset[i]), i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
-                 least = i_min < r->moments.y ? i_min : r->moments.y;
+    const double i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z, least = i_min < r->moments.y ? i_min : r->moments.y;
     if (r->moments.x == r->moments.y) return (1.0 + 1e-9) * arm * dem__length(spin);
     return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the axis of least
                                                                               inertia */

@@ -277,7 +277,7 @@ static void test_box_is_polyhedron(void **state) {
     for (int k = 0; k < 20000; k++) {
         const dem_vec p = dem_vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1.5, 1.5));
         dem_vec m, n;
-        const double d = dem__from_box(s.half, p, &m);
+        const double d = dem__from_box(s.half, p, HUGE_VAL, &m);
         near(d, dem__from_faces(&s, p, &n), 1e-14);
         if (fabs(d) > 1e-6 && d > 0.0) assert_true(dem__length(dem__sub(m, n)) < 1e-8);
     }
@@ -296,7 +296,7 @@ static void test_simple_cores(void **state) {
         for (int k = 0; k < 3; k++) x[k] = dem_vec3(uniform(-3, 3), uniform(-3, 3), uniform(-3, 3));
         dem__point_core(&other, &q, x[0], 0.1);
         dem__find_gap(&other, &q, &s, &p, HUGE_VAL, NULL, &gap);
-        near(gap.separation, dem__from_core(&s, &p, x[0], &normal), 1e-7);
+        near(gap.separation, dem__from_core(&s, &p, x[0], HUGE_VAL, &normal), 1e-7);
         dem__segment_core(&other, &q, x[0], x[1], 0.1);
         dem__find_gap(&other, &q, &s, &p, HUGE_VAL, NULL, &gap);
         if (!gap.overlap) near(gap.separation, by_features(&other, &q, &s, &p), 1e-6);

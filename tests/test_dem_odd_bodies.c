@@ -144,6 +144,28 @@ static void periodic(dem_world *w, int threads) {
     }
 }
 
+/* Bricks that tumble fast and a few spheres, without gravity, about two crossed paddles that turn in a tube, which is periodic along its
+   axis: most of the time all fly close to each other or to a wall. */
+static void paddles(dem_world *w, int threads) {
+    dem_def def = definition(5e-6, 4000.0, 0.9, dem_vec3(0, 0, 0));
+    def.threads = threads, def.periodic[2] = 1;
+    def.low = dem_vec3(-0.03, -0.03, 0), def.high = dem_vec3(0.03, 0.03, 0.016);
+    assert_int_equal(dem_init(w, &def, NULL), DEM_OK);
+    const int wall[2] = {dem_add_box(w, 0, dem_vec3(-0.02, -5e-4, -0.02), dem_vec3(0.02, 5e-4, 0.036)),
+                         dem_add_box(w, 0, dem_vec3(-5e-4, -0.02, -0.02), dem_vec3(5e-4, 0.02, 0.036))};
+    for (int k = 0; k < 2; k++) assert_int_equal(dem_rotate(w, wall[k], dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 40.0), DEM_OK);
+    assert_true(dem_add_cylinder(w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 0.025, 1) >= 0);
+    const int shape = brick(w, 2e-3, 2e-3, 4.16e-3, 0.05);
+    for (int k = 0; k < 24; k++) { /* three layers of two by two in two quarters */
+        const double side = k % 8 < 4 ? 1.0 : -1.0, x = side * (5.2e-3 * (k % 2 + 0.6) + 1e-3),
+                     y = side * (5.2e-3 * (k / 2 % 2 + 0.6) + 1e-3);
+        if (k % 9 == 4) put_sphere(w, x, y, 2.6e-3 + 5.2e-3 * (k / 8), 3e-3);
+        else put(w, shape, x, y, 2.6e-3 + 5.2e-3 * (k / 8));
+        const dem_vec v = dem_vec3(uniform(-0.5, 0.5), uniform(-0.5, 0.5), uniform(-0.5, 0.5));
+        assert_int_equal(dem_set_motion(w, k, v, dem_vec3(uniform(-400, 400), uniform(-400, 400), uniform(-400, 400))), DEM_OK);
+    }
+}
+
 typedef struct scene {
     const char *name;
     void (*build)(dem_world *w, int threads);
@@ -193,8 +215,9 @@ static void test_scenes(void **state) {
     static const scene all[] = {{"drum", drum, 0.08, 5e-3},
                                 {"drum of triangles", drum_of_mesh, 0.06, 5e-3},
                                 {"plates and needles", thin_ones, 0.05, 5e-3},
-                                {"periodic, shaken", periodic, 0.06, 5e-3}};
-    for (int k = 0; k < 4; k++) in_scene(&all[k]);
+                                {"periodic, shaken", periodic, 0.06, 5e-3},
+                                {"paddles", paddles, 0.05, 5e-3}};
+    for (int k = 0; k < 5; k++) in_scene(&all[k]);
 }
 
 /* ---- across periodic edges ---- */

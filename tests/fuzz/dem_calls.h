@@ -152,7 +152,7 @@ typedef struct side {
     int most_threads;       /* that it has had */
     int links;              /* have they a law? */
     double interval, near;
-    int bodies; /* may the feeds have clumps? */
+    int bodies; /* may the feeds have clumps (1), and polyhedra (2)? */
     dem_clump clump;
     dem_gas gas;
     dem_force_field field; /* without a kernel: none is set */
@@ -197,9 +197,15 @@ static dem_sizes sizes_of(const call *c) {
     }
 }
 
+static int shapes_of(const dem_world *w) {
+    int n = 0;
+    while (dem_get_shape(w, n)) n++;
+    return n;
+}
 static void set_feed(side *s, const call *c) {
     dem_feed *feed = &s->feed;
     feed->clump = s->bodies && c->pick[0] % 4 == 3 ? &s->clump : NULL;
+    feed->polyhedron = s->bodies > 1 && c->pick[0] % 4 < 2 ? 1 + pick(c, 1, shapes_of(&s->w)) : 0; /* there is one from the beginning */
     feed->region = region_of(c);
     feed->sizes = sizes_of(c);
     feed->material = c->pick[3] % 2;
@@ -317,11 +323,6 @@ static dem_status add_clumps(dem_world *w, const call *c) {
     return dem_add_clumps(w, n, &clump, at, c->pick[3] % 2 ? size : NULL, c->pick[3] % 3 ? turn : NULL, pick(c, 0, 2), c->pick[3] % 40);
 }
 
-static int shapes_of(const dem_world *w) {
-    int n = 0;
-    while (dem_get_shape(w, n)) n++;
-    return n;
-}
 static dem_status add_shape(dem_world *w, const call *c) {
     enum { CORNERS = 6 };
     double corner[3 * CORNERS];

@@ -222,6 +222,10 @@ static void begin(side *s, const dem_def *def, int skip, int threads, int backwa
     s->bodies = bodies;
     FUZZ_HOLDS(dem_make_clump(2, of_clump, sizes, &s->clump) == DEM_OK);
     FUZZ_HOLDS(dem_init(&s->w, &own, NULL) == DEM_OK);
+    if (bodies > 1) {
+        dem_convex brick;
+        FUZZ_HOLDS(dem_make_brick(&brick, dem_vec3(2e-3, 2e-3, 4e-3), 0.05, NULL) == DEM_OK && dem_add_shape(&s->w, &brick) == 0);
+    }
     set_threads(s);
 }
 static void end(side *s) {
@@ -389,8 +393,8 @@ static uint64_t run_program(fuzz_draws *d) {
     uint64_t hash = 0xcbf29ce484222325u;
     memset(&p, 0, sizeof p);
     const dem_def def = draw_def(d);
-    const int bodies = fuzz_seed >= FIRST_WITH_BODIES || d->bytes;
-    const int kinds = fuzz_seed >= FIRST_WITH_FIXED || d->bytes ? CALLS : bodies ? MIDDLE_CALLS : OLD_CALLS;
+    const int kinds = fuzz_seed >= FIRST_WITH_FIXED || d->bytes ? CALLS : fuzz_seed >= FIRST_WITH_BODIES ? MIDDLE_CALLS : OLD_CALLS;
+    const int bodies = kinds == OLD_CALLS ? 0 : d->bytes || (kinds == CALLS && fuzz_seed % 3 == 2) ? 2 : 1; /* a third feeds polyhedra */
     begin(&p.a, &def, DEM_SKIP_ALL, 1, 0, bodies);
     begin(&p.b, &def, fuzz_one_of(d, DEM_SKIP_ALL + 1), 1 + fuzz_one_of(d, 3), 1, bodies);
     const int lasts = fuzz_one_of(d, 1000) == 0; /* many calls, legal ones, and short runs: does memory grow? */
