@@ -8106,7 +8106,7 @@ DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int32_t p = contacts->near[c];
     dem__prefetch_flight(w, contacts->i[c]);
-    if (p < 0) return;
+    if (p < 0 || p >= w->engine->pairs.count) return; /* its list may be gone */
     dem__prefetch_flight(w, contacts->j[c]);
     DEM__PREFETCH(&w->engine->pairs.near[p]);
     DEM__PREFETCH(&w->engine->pairs.timers.due[p]);
@@ -9084,7 +9084,8 @@ DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_ve
 static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__field_task q = *(const dem__field_task *)context;
     (void)part;
-    q.particle += first, q.n = end - first;
+    q.n = end - first;
+    if (q.n > 0) q.particle += first;
     w->engine->field.def.kernel(w, &q);
 }
 /* Runs a task of the kernel for a list of particles, on one thread or several. */

@@ -273,7 +273,7 @@ DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int32_t p = contacts->near[c];
     dem__prefetch_flight(w, contacts->i[c]);
-    if (p < 0) return;
+    if (p < 0 || p >= w->engine->pairs.count) return; /* its list may be gone */
     dem__prefetch_flight(w, contacts->j[c]);
     DEM__PREFETCH(&w->engine->pairs.near[p]);
     DEM__PREFETCH(&w->engine->pairs.timers.due[p]);

@@ -7,7 +7,8 @@
 static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__field_task q = *(const dem__field_task *)context;
     (void)part;
-    q.particle += first, q.n = end - first;
+    q.n = end - first;
+    if (q.n > 0) q.particle += first;
     w->engine->field.def.kernel(w, &q);
 }
 /* Runs a task of the kernel for a list of particles, on one thread or several. */
