@@ -125,6 +125,10 @@ static void draw_machine(const study *st, const deck_run *r, const char *name) {
             draw_disc(&v, level_of(d, dem_vec3(x + wall->position.x - wall->asked.origin.x, 0.0, wall->position.z)), 0.5 * d->wire[k],
                       "black");
     }
+    const double most = 150.0 / v.scale, power = pow(10.0, floor(log10(most))); /* of the scale bar */
+    const double bar = power * (most >= 5.0 * power ? 5.0 : most >= 2.0 * power ? 2.0 : 1.0), low = height * v.scale + 18.0;
+    output_print(v.file, "<path d='M%.1f %.0fv8v-4H985v-4v8' fill='none' stroke='black'/><text x='%.1f' y='%.0f'>%.3g mm</text>\n",
+                 985.0 - bar * v.scale, low - 4.0, 965.0 - 0.5 * bar * v.scale, low - 7.0, 1e3 * bar);
     double at = 20.0;
     for (int q = 0; q < 5; q++) {
         output_print(v.file, "<circle cx='%.0f' cy='%.0f' r='6' fill='%s'/><text x='%.0f' y='%.0f'>%s</text>\n", at,

@@ -636,7 +636,7 @@ static int study_pouw(const program *self, json *report, granulation_def def, in
     draw_classes(self, &e, &laws,
                  "Gantt & Gatzke, Fig 5: their Table 1 by size class, discrete simulation (full) and population balance (dashed)",
                  "figure5.svg", "figure5.csv", 0, 5);
-    plot *figure = plot_new("Discrete simulation beside population balances, Table 1 at 360 rpm", 1, 2);
+    plot *figure = plot_new("Gantt & Gatzke, Table 1 at 360 rpm: discrete simulation, population balances", 1, 2);
     for (int panel = 0; panel < 2; panel++) {
         double unit = panel ? 1e6 : 1.0;
         plot_panel(figure, 0, panel, "step [s]", panel ? "mean size d43 [µm]" : "granules [-]");
@@ -727,7 +727,7 @@ static void keep(void *user, const granulation_event *e) {
 static int study_map(const program *self, json *report, granulation_def def, int runs, int steps) {
     enum { MOST = 200000, SIDE = 140 };
     events all = {(granulation_event *)malloc(MOST * sizeof(granulation_event)), 0, MOST};
-    static const char *const names[4] = {"rebound", "Type II", "Type I", "Type I, (21) also met"};
+    static const char *const names[4] = {"rebound", "Type II", "Type I", "Type I, eq 21 met, too"};
     double(*xy)[2][MOST] = (double(*)[2][MOST])malloc(4 * sizeof *xy);
     if (!all.list || !xy) {
         free(all.list);
@@ -813,7 +813,7 @@ static int study_map(const program *self, json *report, granulation_def def, int
     plot_write(figure, self->out, "figure10.svg");
     int type1 = n[2] >= n[3] ? 2 : 3;
     table t =
-        table_begin("figure 10|rebound [%]|Type II [%]|Type I only [%]|Type I, (21) also met [%]|events a run|St_v II / I|St_def II / I");
+        table_begin("figure 10|rebound [%]|Type II [%]|Type I only [%]|Type I, eq 21 met, too [%]|events a run|St_v II / I|St_def II / I");
     table_cell(&t, "%d runs", runs);
     for (int k = 0; k < 4; k++) table_cell(&t, "%.1f", share[k]);
     table_cell(&t, "%.0f", (double)all.n / runs);
@@ -947,7 +947,7 @@ static int study_sound(const program *self, json *report, int replicates, int st
     const char *conditions[6] = {"120 rpm", "360", "720", "840", "15 %", "25 %"};
     ten_classes(edges);
     table t =
-        table_begin("reading|mean miss I, II [points]|mean miss d43 [um]|interactions|I / II at 120|360|720|840 rpm|15 %|25 % binder");
+        table_begin("reading|mean error I, II [points]|mean error d43 [um]|interactions|I / II at 120|360|720|840 rpm|15 %|25 % binder");
     csv *file = csv_open(self->out, "sound.csv",
                          "reading,rpm,binder,type1_pct,type2_pct,d43_m,interactions,paper_type1_pct,paper_type2_pct,paper_d43_m");
     progress bar;
@@ -992,9 +992,9 @@ static int study_sound(const program *self, json *report, int replicates, int st
     plot *figure =
         plot_new("Physically sounder readings of Gantt & Gatzke (G1: as printed; docs/granulation.md explains the others)", 2, 2);
     plot_panel_size(figure, 560, 280);
-    plot_panel(figure, 0, 0, "reading", "mean miss of Type I and II, % of collisions");
+    plot_panel(figure, 0, 0, "reading", "error of Types I, II [% of collisions]");
     plot_bars(figure, NULL, short_names, points, READINGS);
-    plot_panel(figure, 0, 1, "reading", "mean miss of d43 [µm]");
+    plot_panel(figure, 0, 1, "reading", "mean error of d43 [µm]");
     plot_bars(figure, NULL, short_names, microns, READINGS);
     plot_panel(figure, 1, 0, "condition (refitted reading)", "Type I [% of collisions]");
     plot_bars(figure, "granulation.h", conditions, last[0], 6);

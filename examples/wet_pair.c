@@ -49,8 +49,8 @@ static double damping_share(double e) {
 
 enum { GAPS = 120, LAWS = 5, WILLETT = 2 };
 
-static const char *const law_names[LAWS] = {"table of the header", "energy form (12a)", "Willett, full fit", "eq 12 / 13, corrected",
-                                            "eq 12 / 13, as printed"};
+static const char *const law_names[LAWS] = {"bridge_attraction", "by energy, eq 12a", "Willett, full fit", "eqs 12, 13, corrected",
+                                            "eqs 12, 13, as printed"};
 
 static double law_force(int law, const bridge_pair *pair, const bridge *b, double gap) {
     const bridge_pair_def *d = &pair->def;
@@ -84,10 +84,10 @@ static bridge formed(const bridge_pair *pair, double volume) {
 
 static const char *solids(const bridge_pair_def *def, char *text, size_t size) {
     if (isinf(def->radius_j))
-        snprintf(text, size, "sphere of %.3g mm on a plate; contact angles %.0f and %.0f degrees", 2e3 * def->radius_i,
+        snprintf(text, size, "Sphere of %.3g mm on a plate; contact angles %.0f and %.0f degrees", 2e3 * def->radius_i,
                  def->angle_i / degree, def->angle_j / degree);
     else
-        snprintf(text, size, "spheres of %.3g and %.3g mm; contact angles %.0f and %.0f degrees", 2e3 * def->radius_i, 2e3 * def->radius_j,
+        snprintf(text, size, "Spheres of %.3g and %.3g mm; contact angles %.0f and %.0f degrees", 2e3 * def->radius_i, 2e3 * def->radius_j,
                  def->angle_i / degree, def->angle_j / degree);
     return text;
 }
@@ -119,6 +119,7 @@ static void draw_laws(const program *self, const scene *s, const bridge_pair *pa
     csv_close(file);
     plot *figure = plot_new(solids(&pair->def, text, sizeof text), 1, 2);
     plot_panel(figure, 0, 0, "gap [mm]", "attraction [mN]");
+    plot_title(figure, "eqs of Elskamp & Kruggel-Emden");
     const unsigned outside = bridge_outside(pair, pair->def.radius_i, pair->def.radius_j, s->volume);
     for (int law = LAWS - 1; law >= 0; law--) {
         const bool beyond = law == WILLETT && (outside & BRIDGE_OUTSIDE_WILLETT);
@@ -132,7 +133,7 @@ static void draw_laws(const program *self, const scene *s, const bridge_pair *pa
     }
     plot_points(figure, "Young-Laplace", few_mm, few, GAPS / 6);
     plot_style(figure, 0, PLOT_BLACK);
-    plot_panel(figure, 0, 1, "gap / rupture gap [-]", "off Young-Laplace [%]");
+    plot_panel(figure, 0, 1, "gap / rupture gap [-]", "error against Young-Laplace [%]");
     plot_log_y(figure);
     plot_range_y(figure, 1e-3, 1e3);
     for (int law = LAWS - 1; law >= 0; law--) plot_line(figure, law_names[law], share, off[law], GAPS);
@@ -403,7 +404,7 @@ static void draw_doublet(const program *self, const scene *s, const bridge_pair 
     put_lathe(p, profile, neck, -1.0);
     meridian(&shape, sigma, shape.ring_j, profile);
     put_lathe(p, profile, neck, 1.0);
-    snprintf(text, sizeof text, "%.3g ul, gap %.3g mm", 1e9 * s->volume, 1e3 * gap);
+    snprintf(text, sizeof text, "bridge of %.3g mm3, gap %.3g mm", 1e9 * s->volume, 1e3 * gap);
     picture_title(p, text);
     picture_look(p, direction);
     picture_write(p, self->out, "wet_pair.png");

@@ -580,11 +580,12 @@ static void draw_legend(image *m, const picture *s, double size) {
         write_text(m, x, y, size, s->legend[k], INK, true);
     }
     if (!*s->bar) return;
-    const double length = 0.22 * m->width, x0 = m->width - length - 1.5 * size, y = 2.4 * size;
     char text[40];
+    snprintf(text, sizeof text, "%.3g", s->bar_high);
+    const double words = write_text(m, 0, 0, size, s->bar, INK, false) + 2.0 * write_text(m, 0, 0, size, text, INK, false);
+    const double length = fmax(0.22 * m->width, words + size), x0 = m->width - length - 1.5 * size, y = 2.4 * size;
     for (int k = 0; k < 100; k++)
         stroke(m, x0 + length * k / 100.0, y, x0 + length * (k + 1) / 100.0, y, 0.7 * size, picture_scale((k + 0.5) / 100.0));
-    snprintf(text, sizeof text, "%.3g", s->bar_high);
     write_text(m, x0 - 0.3 * size, y + 2.0 * size, size, "0", INK, true);
     write_text(m, x0 + length - 0.7 * write_text(m, 0, 0, size, text, INK, false), y + 2.0 * size, size, text, INK, true);
     write_text(m, x0 + 0.5 * length - 0.5 * write_text(m, 0, 0, size, s->bar, INK, false), y + 2.0 * size, size, s->bar, INK, true);
