@@ -718,124 +718,160 @@ static void report(const study *st, double wall) {
     if (st->kind == STUDY_SENSITIVITY) report_sensitivity(st);
 }
 
+/* ---- what was asked for ---- */
+
+typedef struct wish {
+    settings set;
+    double amplitude_mm, frequency_hz, diameter_mm, drop_mm, moisture;
+    int number, seeds; /* number: of the case */
+    bool no_frames, film, no_energy, all_cases, vary, compare, sensitivity, resume;
+} wish;
+enum { CASE, AMPLITUDE, FREQUENCY, MOISTURE, TIME, DROP, OUTLET, MASS }; /* the first of the options */
+
+static wish default_wish(void) {
+    wish w = {0};
+    w.set.time = 20.0, w.set.dt_ratio = 8.0, w.set.mass = 1.41, w.set.outlet_delay = 0.5, w.set.exit_depth = 0.012;
+    w.set.vertical = 0.9, w.set.sideways = 0.1;
+    w.amplitude_mm = 1.0, w.frequency_hz = 50.6, w.diameter_mm = 190.0, w.drop_mm = 30.0;
+    w.number = 5, w.seeds = 1;
+    return w;
+}
+
+static study_kind kind_of(const wish *w) {
+    return w->all_cases ? STUDY_CASES : w->vary ? STUDY_VARY : w->compare ? STUDY_MOISTURE : w->sensitivity ? STUDY_SENSITIVITY : STUDY_ONE;
+}
+
+/* Refuses what does not go together. */
+static void check_wish(const program *self, const option *options, const wish *w) {
+    const bool motion = options[AMPLITUDE].given || options[FREQUENCY].given, of_screen = w->set.scene == SCENE_SCREEN;
+    if (options[CASE].given && motion) program_refuse(self, "case", NULL, "not together with --amplitude-mm or --frequency-hz");
+    if (w->all_cases + w->vary + w->compare + w->sensitivity > 1)
+        program_refuse(self, "all-cases, --vary, --compare-moisture, --sensitivity", NULL, "only one of them");
+    if (w->resume && kind_of(w) == STUDY_ONE) program_refuse(self, "resume", NULL, "only with a study of several runs");
+    if (w->all_cases && (options[CASE].given || motion || options[MOISTURE].given))
+        program_refuse(self, "all-cases", NULL, "not together with a case, an amplitude, a frequency or a moisture");
+    if (w->set.outlet && !of_screen) program_refuse(self, "outlet", "wall", "only with --scene screen");
+    if (w->set.outlet && options[OUTLET].given) program_refuse(self, "outlet", "wall", "not together with --outlet-delay");
+    if (!of_screen && (w->all_cases || w->compare || w->sensitivity)) program_refuse(self, "scene", NULL, "this study is of the screen");
+}
+
+/* Completes the settings: options that were not given get the defaults of their scene and study. */
+static void complete_settings(const program *self, const option *options, wish *w) {
+    const study_kind kind = kind_of(w);
+    settings *s = &w->set;
+    choose_case(s, w->number);
+    if (options[AMPLITUDE].given || options[FREQUENCY].given)
+        s->case_number = 0, s->amplitude = 1e-3 * w->amplitude_mm, s->frequency = w->frequency_hz;
+    if (options[MOISTURE].given) s->moisture = w->moisture, s->case_number = 0;
+    if (s->scene != SCENE_SCREEN && !options[DROP].given) w->drop_mm = 0.0;
+    if (s->scene == SCENE_CLOSED_PLATE && !options[TIME].given) s->time = 10.0;
+    if ((s->scene == SCENE_THIN_LAYER || w->compare) && !options[TIME].given) s->time = 5.0;
+    if (s->scene == SCENE_THIN_LAYER) { /* passage counts when a centre is below the mesh plane */
+        if (!options[OUTLET].given) s->outlet_delay = 0.0;
+        s->exit_depth = 0.0;
+        s->mass *= 0.25;
+    }
+    if (s->outlet) s->outlet_delay = 0.0;
+    if (w->sensitivity) s->time = 10.0;
+    if (self->quick && !options[TIME].given && !w->sensitivity)
+        s->time = kind == STUDY_ONE ? 1.5 : 1.2; /* long enough that most small ones pass */
+    if (self->quick) s->mass = fmin(s->mass, kind == STUDY_ONE ? 0.3 : 0.03);
+    s->screen_diameter = 1e-3 * w->diameter_mm;
+    s->drop = 1e-3 * w->drop_mm;
+    s->energy = !w->no_energy && kind == STUDY_ONE;
+}
+
+/* Adds the variants of a study. */
+static void plan(study *st, settings *s) {
+    char name[NAME];
+    switch (st->kind) {
+    case STUDY_ONE: add_variant(st, s, "run"); break;
+    case STUDY_CASES:
+        for (int k = 1; k <= CASES; k++) {
+            choose_case(s, k);
+            snprintf(name, sizeof name, "case_%02d", k);
+            add_variant(st, s, name);
+        }
+        break;
+    case STUDY_VARY: add_neighbours(st, s); break;
+    case STUDY_MOISTURE: add_moistures(st, s); break;
+    case STUDY_SENSITIVITY: add_sensitivity(st, s); break;
+    }
+}
+
+/* Makes the folder of single runs, and reads those that are done. */
+static void open_runs(study *st, char *path, size_t size, bool resume) {
+    char message[300];
+    st->runs = output_path(path, size, st->self->out, "runs");
+    if (output_make_folder(st->runs, message, sizeof message)) common_fail("%s: %s", st->runs, message);
+    for (int k = 0; k < st->variant_count * st->seeds && resume; k++) read_run(st, k / st->seeds, k % st->seeds);
+}
+
 int main(int argc, char **argv) {
     static study st;
-    settings set = {0}, *s = &set;
-    double amplitude_mm = 1.0, frequency_hz = 50.6, diameter_mm = 190.0, drop_mm = 30.0, moisture = 0.0;
-    bool no_frames = false, no_energy = false, all_cases = false, vary = false, compare = false, sensitivity = false, resume = false,
-         film = false;
-    int number = 5, seeds = 1;
-    s->time = 20.0, s->dt_ratio = 8.0, s->mass = 1.41, s->outlet_delay = 0.5, s->exit_depth = 0.012, s->vertical = 0.9, s->sideways = 0.1;
-    enum { CASE, AMPLITUDE, FREQUENCY, MOISTURE, TIME, DROP, OUTLET, MASS }; /* the first of the options */
+    wish w = default_wish();
     option options[] = {
-        option_int("case", "N", &number, 1, CASES, "case of table 5 of the paper: 1-9 dry, 10-18 with 2.5 %, 19-27 with 5 % of water"),
-        option_double("amplitude-mm", "MM", &amplitude_mm, 0.0, 5.0, "set amplitude [mm], instead of a case"),
-        option_double("frequency-hz", "HZ", &frequency_hz, 0.0, 200.0, "frequency [Hz], instead of a case"),
-        option_double("moisture", "SHARE", &moisture, 0.0, 0.08, "mass of water over mass of particles [-], instead of the case's"),
-        option_positive("time", "S", &s->time, 1e4,
+        option_int("case", "N", &w.number, 1, CASES, "case of table 5 of the paper: 1-9 dry, 10-18 with 2.5 %, 19-27 with 5 % of water"),
+        option_double("amplitude-mm", "MM", &w.amplitude_mm, 0.0, 5.0, "set amplitude [mm], instead of a case"),
+        option_double("frequency-hz", "HZ", &w.frequency_hz, 0.0, 200.0, "frequency [Hz], instead of a case"),
+        option_double("moisture", "SHARE", &w.moisture, 0.0, 0.08, "mass of water over mass of particles [-], instead of the case's"),
+        option_positive("time", "S", &w.set.time, 1e4,
                         "simulated time [s]; default on a closed plate 10, thin layer and --compare-moisture 5"),
-        option_double("drop-mm", "MM", &drop_mm, 0.0, 500.0, "height of the bin's floor over the bars [mm]; default 0 without a bin"),
-        option_double("outlet-delay", "S", &s->outlet_delay, 0.0, 10.0, "time from the screen to the outlet's end [s]; thin layer 0"),
-        option_double("mass", "KG", &s->mass, 0.005, 1000.0, "mass of the batch [kg]; thin layer: a quarter of it is used"),
-        option_choice("scene", &s->scene, "screen|closed-plate|thin-layer",
+        option_double("drop-mm", "MM", &w.drop_mm, 0.0, 500.0, "height of the bin's floor over the bars [mm]; default 0 without a bin"),
+        option_double("outlet-delay", "S", &w.set.outlet_delay, 0.0, 10.0, "time from the screen to the outlet's end [s]; thin layer 0"),
+        option_double("mass", "KG", &w.set.mass, 0.005, 1000.0, "mass of the batch [kg]; thin layer: a quarter of it is used"),
+        option_choice("scene", &w.set.scene, "screen|closed-plate|thin-layer",
                       "batch on the screen, on a plate without apertures, or a quarter"),
-        option_choice("laws", &s->laws, "corrected|printed", "liquid bridges by Young-Laplace, or by eqs 12-18 as printed"),
-        option_int("seeds", "N", &seeds, 1, SEEDS_MAX, "independent mixtures, one per core; mean and interval"),
-        option_double("screen-diameter-mm", "MM", &diameter_mm, 50.0, 2000.0, "clear diameter of the deck [mm]"),
-        option_double("sideways", "SHARE", &s->sideways, 0.0, 1.0, "horizontal over set amplitude [-]"),
-        option_double("vertical", "SHARE", &s->vertical, 0.0, 2.0, "vertical over set amplitude [-]"),
-        option_choice("profile", &s->profile, "semicircle|round", "section of the bars"),
-        option_choice("side-wall", &s->walls, "steel|pvc", "material of the side wall: PVC has another contact angle, of water"),
-        option_choice("outlet", &s->outlet, "delay|wall", "passage counts after a delay, or at the end of an inclined wall"),
-        option_choice("restitution", &s->restitution, "clipped|naive", "how damping follows from the coefficient of restitution"),
-        option_double("steps-per-contact", "N", &s->dt_ratio, 8.0, 1000.0, "duration of the shortest contact over the time step [-]"),
-        option_flag("no-frames", &no_frames, "no .vtp series"),
-        option_flag("movie", &film, "batch_screening.mp4, half as fast as it is, by ffmpeg"),
-        option_flag("no-energy", &no_energy, "no energy ledger"),
-        option_flag("all-cases", &all_cases, "the 27 cases, --seeds runs each: a file a case, all curves, summary.json"),
-        option_flag("vary", &vary, "the case and its neighbours in table 3: amplitude, frequency, moisture, one at a time"),
-        option_flag("compare-moisture", &compare, "what 2.5 and 5 % of water change, corrected and printed laws"),
-        option_flag("sensitivity", &sensitivity, "vary what the paper leaves open, one thing at a time; 10 s"),
-        option_flag("resume", &resume, "with one of these studies: runs whose files are in the folder are not run again"),
+        option_choice("laws", &w.set.laws, "corrected|printed", "liquid bridges by Young-Laplace, or by eqs 12-18 as printed"),
+        option_int("seeds", "N", &w.seeds, 1, SEEDS_MAX, "independent mixtures, one per core; mean and interval"),
+        option_double("screen-diameter-mm", "MM", &w.diameter_mm, 50.0, 2000.0, "clear diameter of the deck [mm]"),
+        option_double("sideways", "SHARE", &w.set.sideways, 0.0, 1.0, "horizontal over set amplitude [-]"),
+        option_double("vertical", "SHARE", &w.set.vertical, 0.0, 2.0, "vertical over set amplitude [-]"),
+        option_choice("profile", &w.set.profile, "semicircle|round", "section of the bars"),
+        option_choice("side-wall", &w.set.walls, "steel|pvc", "material of the side wall: PVC has another contact angle, of water"),
+        option_choice("outlet", &w.set.outlet, "delay|wall", "passage counts after a delay, or at the end of an inclined wall"),
+        option_choice("restitution", &w.set.restitution, "clipped|naive", "how damping follows from the coefficient of restitution"),
+        option_double("steps-per-contact", "N", &w.set.dt_ratio, 8.0, 1000.0, "duration of the shortest contact over the time step [-]"),
+        option_flag("no-frames", &w.no_frames, "no .vtp series"),
+        option_flag("movie", &w.film, "batch_screening.mp4, half as fast as it is, by ffmpeg"),
+        option_flag("no-energy", &w.no_energy, "no energy ledger"),
+        option_flag("all-cases", &w.all_cases, "the 27 cases, --seeds runs each: a file a case, all curves, summary.json"),
+        option_flag("vary", &w.vary, "the case and its neighbours in table 3: amplitude, frequency, moisture, one at a time"),
+        option_flag("compare-moisture", &w.compare, "what 2.5 and 5 % of water change, corrected and printed laws"),
+        option_flag("sensitivity", &w.sensitivity, "vary what the paper leaves open, one thing at a time; 10 s"),
+        option_flag("resume", &w.resume, "with one of these studies: runs whose files are in the folder are not run again"),
     };
     program self =
         program_start("batch_screening",
                       "Glass spheres of 5, 7 and 10 mm on a vibrated sieve with 8 mm apertures, dry or wet (Elskamp & Kruggel-Emden 2019).",
                       options, sizeof options / sizeof *options, argc, argv);
-    if (options[CASE].given && (options[AMPLITUDE].given || options[FREQUENCY].given))
-        program_refuse(&self, "case", NULL, "not together with --amplitude-mm or --frequency-hz");
-    if (all_cases + vary + compare + sensitivity > 1)
-        program_refuse(&self, "all-cases, --vary, --compare-moisture, --sensitivity", NULL, "only one of them");
-    st.kind = all_cases ? STUDY_CASES : vary ? STUDY_VARY : compare ? STUDY_MOISTURE : sensitivity ? STUDY_SENSITIVITY : STUDY_ONE;
-    if (resume && st.kind == STUDY_ONE) program_refuse(&self, "resume", NULL, "only with a study of several runs");
-    if (all_cases && (options[CASE].given || options[AMPLITUDE].given || options[FREQUENCY].given || options[MOISTURE].given))
-        program_refuse(&self, "all-cases", NULL, "not together with a case, an amplitude, a frequency or a moisture");
-    if (s->outlet && s->scene != SCENE_SCREEN) program_refuse(&self, "outlet", "wall", "only with --scene screen");
-    if (s->outlet && options[OUTLET].given) program_refuse(&self, "outlet", "wall", "not together with --outlet-delay");
-    if (s->outlet) s->outlet_delay = 0.0;
-    if (s->scene != SCENE_SCREEN && (all_cases || compare || sensitivity))
-        program_refuse(&self, "scene", NULL, "this study is of the screen");
-    choose_case(s, number);
-    if (options[AMPLITUDE].given || options[FREQUENCY].given)
-        s->case_number = 0, s->amplitude = 1e-3 * amplitude_mm, s->frequency = frequency_hz;
-    if (options[MOISTURE].given) s->moisture = moisture, s->case_number = 0;
-    if (s->scene != SCENE_SCREEN && !options[DROP].given) drop_mm = 0.0;
-    if (s->scene == SCENE_CLOSED_PLATE && !options[TIME].given) s->time = 10.0;
-    if (s->scene == SCENE_THIN_LAYER) { /* passage counts when a centre is below the mesh plane */
-        if (!options[TIME].given) s->time = 5.0;
-        if (!options[OUTLET].given) s->outlet_delay = 0.0;
-        s->exit_depth = 0.0;
-        s->mass *= 0.25;
-    }
-    if (compare && !options[TIME].given) s->time = 5.0;
-    if (sensitivity) s->time = 10.0;
-    if (self.quick && !options[TIME].given && !sensitivity)
-        s->time = st.kind == STUDY_ONE ? 1.5 : 1.2; /* long enough that most small ones pass */
-    if (self.quick) s->mass = fmin(s->mass, st.kind == STUDY_ONE ? 0.3 : 0.03);
-    s->screen_diameter = 1e-3 * diameter_mm;
-    s->drop = 1e-3 * drop_mm;
-    s->energy = !no_energy && st.kind == STUDY_ONE;
-    st.seeds = seeds;
+    check_wish(&self, options, &w);
+    complete_settings(&self, options, &w);
+    st.kind = kind_of(&w);
+    st.seeds = w.seeds;
     st.seed = self.seed * 1000003u;
     st.self = &self;
-    st.samples = (int)(s->time / SAMPLE + 1e-9) + 1;
-    switch (st.kind) {
-    case STUDY_ONE: add_variant(&st, s, "run"); break;
-    case STUDY_CASES:
-        for (int k = 1; k <= CASES; k++) {
-            char name[NAME];
-            choose_case(s, k);
-            snprintf(name, sizeof name, "case_%02d", k);
-            add_variant(&st, s, name);
-        }
-        break;
-    case STUDY_VARY: add_neighbours(&st, s); break;
-    case STUDY_MOISTURE: add_moistures(&st, s); break;
-    case STUDY_SENSITIVITY: add_sensitivity(&st, s); break;
-    }
+    st.samples = (int)(w.set.time / SAMPLE + 1e-9) + 1;
+    plan(&st, &w.set);
 
-    const int at_once = st.variant_count * st.seeds < self.threads ? st.variant_count * st.seeds : self.threads;
-    program_need_spheres(&self, "mass", at_once * batch_spheres(s));
-    char runs[4096], message[300];
+    const int runs = st.variant_count * st.seeds, at_once = runs < self.threads ? runs : self.threads;
+    program_need_spheres(&self, "mass", at_once * batch_spheres(&w.set));
     if (make_results(&st)) {
         common_fail("out of memory for %d seeds of %d samples", st.seeds, st.samples);
         return common_exit_status();
     }
-    if (st.kind != STUDY_ONE) {
-        st.runs = output_path(runs, sizeof runs, self.out, "runs");
-        if (output_make_folder(st.runs, message, sizeof message)) common_fail("%s: %s", st.runs, message);
-    }
-    for (int k = 0; k < st.variant_count * st.seeds && resume; k++) read_run(&st, k / st.seeds, k % st.seeds);
+    char path[4096];
     dem_io_series series;
     world_movie reel;
-    if (st.kind == STUDY_ONE && !no_frames) series = dem_io_open(self.out, "particles"), st.series = &series;
-    if (st.kind == STUDY_ONE && film) reel = world_movie_open(self.out, "batch_screening.mp4", &screen_view), st.reel = &reel;
+    if (st.kind != STUDY_ONE) open_runs(&st, path, sizeof path, w.resume);
+    if (st.kind == STUDY_ONE && !w.no_frames) series = dem_io_open(self.out, "particles"), st.series = &series;
+    if (st.kind == STUDY_ONE && w.film) reel = world_movie_open(self.out, "batch_screening.mp4", &screen_view), st.reel = &reel;
     const double started = machine_seconds();
     run_study(&st);
     if (st.series) dem_io_close(st.series);
     if (st.reel) world_movie_close(st.reel);
     if (!common_interrupted() && common_exit_status() == 0) report(&st, machine_seconds() - started);
-    for (int k = 0; k < st.variant_count * st.seeds; k++) free(st.results[k].curve[0]);
+    for (int k = 0; k < runs; k++) free(st.results[k].curve[0]);
     free(st.results);
     return common_exit_status();
 }

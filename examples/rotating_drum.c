@@ -191,6 +191,127 @@ static void draw(const curves *c, const dem_world *world, const drum *d, const c
     plot_write(figure, out, "rotating_drum.svg");
 }
 
+/* ---- the scene, as the options say ---- */
+
+/* The drum of Dosta et al. (2024), with a share of its spheres and of its width. */
+static void choose_dosta(drum *d, double scale, double time) {
+    d->diameter[SMALL] = 0.002, d->diameter[LARGE] = 0.004, d->density[LARGE] = 2000.0, d->rolling = 0.0;
+    d->radius = 0.1, d->width = 0.06 * scale, d->speed = 2.0, d->turns = time * d->speed / (2.0 * RIDDLE_PI);
+    d->count[SMALL] = (int)(30000 * scale), d->count[LARGE] = (int)(8000 * scale);
+}
+
+/* Half of the solid volume for each species; 0.58 of the bed is solid. */
+static void count_by_fill(drum *d, const program *self) {
+    for (int s = 0; s < SPECIES; s++) {
+        const double wanted = 0.5 * 0.58 * d->fill * d->radius * d->radius * d->width * 6.0 / pow(d->diameter[s], 3.0);
+        if (!(wanted <= 1e7)) program_refuse(self, s == SMALL ? "small" : "large", NULL, "such that 10 000 000 spheres are enough");
+        d->count[s] = (int)wanted;
+    }
+}
+
+static void read_spheres(drum *d, const program *self, const char *from, particles *given) {
+    char message[400], allowed[500];
+    if (particles_read(from, given, message, sizeof message) != 0) {
+        snprintf(allowed, sizeof allowed, "a readable file of particles (%s)", message);
+        program_refuse(self, "from", from, allowed);
+    }
+    d->count[SMALL] = d->count[LARGE] = 0;
+    for (int i = 0; i < given->n; i++) d->count[given->group[i] ? LARGE : SMALL]++;
+}
+
+static void check(const drum *d, const program *self, const char *from) {
+    if (!(d->width > 1.4999999 * d->diameter[LARGE] && d->radius > 3.0 * d->diameter[LARGE])) /* 1.5 itself passes: dosta's default */
+        program_refuse(self, "large", NULL, "below a third of the drum's radius and at most two thirds of its width");
+    if (d->count[SMALL] < 10 || d->count[LARGE] < 10)
+        program_refuse(self, from ? "from" : "fill", from, "enough for ten spheres of each species");
+    program_need_spheres(self, from ? "from" : d->dosta ? "scale" : "small", (double)d->count[SMALL] + d->count[LARGE]);
+}
+
+/* ---- the run and its results ---- */
+
+/* Turns the drum, whose wall and two ends begin at number `wall`. */
+static dem_status turn(dem_world *world, const drum *d, int wall, const program *self, bool film, progress *bar, curves *c) {
+    const double duration = d->turns * 2.0 * RIDDLE_PI / d->speed, sample = fmax(duration / (SAMPLES_MAX - 2), self->quick ? 0.01 : 0.02);
+    const int samples = (int)(duration / sample + 0.5);
+    dem_status status = DEM_OK;
+    for (int k = 0; k < 3 && status == DEM_OK; k++) status = dem_rotate(world, wall + k, dem_vec3(0, 0, 0), dem_vec3(0, 1, 0), d->speed);
+    dem_io_series series = dem_io_open(self->out, "particles");
+    world_movie reel = film ? world_movie_open(self->out, "rotating_drum.mp4", &view) : (world_movie){0};
+    for (int k = 0; k <= samples && status == DEM_OK && !common_interrupted(); k++) {
+        if (k > 0) status = dem_run(world, sample, features(d));
+        look(c, world, d, k * sample);
+        if (k % (samples / 50 + 1) == 0) dem_io_add(&series, world);
+        world_movie_add(&reel, world);
+        progress_add(bar, 0.8 / (samples + 1));
+    }
+    dem_io_close(&series);
+    world_movie_close(&reel);
+    return status;
+}
+
+/* Means of the second half of the time; scatter: standard deviation of the angle in time. */
+typedef struct means {
+    double angle, scatter, error, lacey, unlike, radial;
+} means;
+static means means_of(const curves *c) {
+    means m = {0};
+    double square = 0.0;
+    const double late = c->n - c->n / 2;
+    for (int k = c->n / 2; k < c->n; k++) {
+        m.angle += c->angle[k], square += c->angle[k] * c->angle[k];
+        m.lacey += c->lacey[k], m.unlike += c->unlike[k], m.radial += c->radial[k];
+    }
+    m.angle /= late, m.lacey /= late, m.unlike /= late, m.radial /= late;
+    m.scatter = sqrt(fmax(square / late - m.angle * m.angle, 0.0));
+    m.error = error_of_mean(c->angle, c->n / 2, c->n);
+    return m;
+}
+
+static void write_curves(const curves *c, const char *out) {
+    csv *file =
+        csv_open(out, "rotating_drum.csv",
+                 "time_s,lacey,unlike_contacts,radial_segregation,surface_angle_deg,small_upper_right,small_upper_left,small_lower_left,"
+                 "small_lower_right,large_upper_right,large_upper_left,large_lower_left,large_lower_right");
+    for (int k = 0; k < c->n; k++) {
+        double row[13] = {c->time[k], c->lacey[k], c->unlike[k], c->radial[k], c->angle[k]};
+        for (int q = 0; q < 8; q++) row[5 + q] = c->quadrant[q / 4][q % 4][k];
+        csv_row(file, row, 13);
+    }
+    csv_close(file);
+}
+
+static void write_json(const program *self, const drum *d, const dem_world *world, const curves *c, const means *m) {
+    json *j = json_open(self->json);
+    json_integer(j, "small_spheres", d->count[SMALL]);
+    json_integer(j, "large_spheres", d->count[LARGE]);
+    json_number(j, "angle_of_repose_deg", m->angle);
+    json_number(j, "angle_standard_error_deg", m->error);
+    json_number(j, "angle_scatter_deg", m->scatter);
+    json_number(j, "lacey_start", c->lacey[0]);
+    json_number(j, "lacey_end", m->lacey);
+    json_number(j, "unlike_contacts_start", c->unlike[0]);
+    json_number(j, "unlike_contacts_end", m->unlike);
+    json_number(j, "radial_segregation_start", c->radial[0]);
+    json_number(j, "radial_segregation_end", m->radial);
+    json_array(j, "time_s", c->time, c->n);
+    json_array(j, "lacey", c->lacey, c->n);
+    json_number(j, "dt_s", world->def.dt);
+    json_program(j, self);
+    json_close(j);
+}
+
+static void report(const program *self, const drum *d, const dem_world *world, const curves *c) {
+    const means m = means_of(c);
+    write_curves(c, self->out);
+    draw(c, world, d, self->out, m.angle, m.error);
+    draw_world(world, &view, self->out, "rotating_drum.png");
+    common_print("%d small, %d large spheres, %.3g turns, dt %.3g s. Second half of the time: angle %.1f degrees (standard error %.1f; it "
+                 "scatters by %.1f in time), Lacey %.3f, unlike contacts %.3f, radial segregation %.3f (at first %.3f, %.3f, %.3f)\n",
+                 d->count[SMALL], d->count[LARGE], d->turns, world->def.dt, m.angle, m.error, m.scatter, m.lacey, m.unlike, m.radial,
+                 c->lacey[0], c->unlike[0], c->radial[0]);
+    write_json(self, d, world, c, &m);
+}
+
 int main(int argc, char **argv) {
     drum d = {0, 0, {0.003, 0.006}, {2500.0, 2500.0}, {0, 0}, 0.05, 0.02, 4.0, 3.0, 0.4, 300.0, 0.5, 0.5, 0.0};
     const char *from = NULL;
@@ -223,107 +344,26 @@ int main(int argc, char **argv) {
     d.diameter[SMALL] = 1e-3 * small, d.diameter[LARGE] = 1e-3 * large, d.radius = 1e-3 * radius, d.width = 1e-3 * width;
     if (self.quick && !options[9].given) d.turns = 0.2;
     if (self.quick && !options[7].given) d.width = 0.012;
-    if (d.dosta) {
-        d.diameter[SMALL] = 0.002, d.diameter[LARGE] = 0.004, d.density[LARGE] = 2000.0, d.radius = 0.1, d.width = 0.06 * scale,
-        d.speed = 2.0;
-        d.count[SMALL] = (int)(30000 * scale), d.count[LARGE] = (int)(8000 * scale);
-        if (self.quick && !options[15].given) time = 0.01;
-        d.turns = time * d.speed / (2.0 * RIDDLE_PI);
-        d.rolling = 0.0;
-    } else {
-        for (int s = 0; s < SPECIES; s++) { /* half of the solid volume each, 0.58 of the bed */
-            const double wanted = 0.5 * 0.58 * d.fill * d.radius * d.radius * d.width * 6.0 / pow(d.diameter[s], 3.0);
-            if (!(wanted <= 1e7)) program_refuse(&self, s == SMALL ? "small" : "large", NULL, "such that 10 000 000 spheres are enough");
-            d.count[s] = (int)wanted;
-        }
-    }
-    if (from) {
-        char message[400], allowed[500];
-        if (particles_read(from, &given, message, sizeof message) != 0) {
-            snprintf(allowed, sizeof allowed, "a readable file of particles (%s)", message);
-            program_refuse(&self, "from", from, allowed);
-        }
-        d.count[SMALL] = d.count[LARGE] = 0;
-        for (int i = 0; i < given.n; i++) d.count[given.group[i] ? LARGE : SMALL]++;
-    }
-    if (!(d.width > 1.4999999 * d.diameter[LARGE] && d.radius > 3.0 * d.diameter[LARGE])) /* 1.5 itself passes: dosta's default */
-        program_refuse(&self, "large", NULL, "below a third of the drum's radius and at most two thirds of its width");
-    if (d.count[SMALL] < 10 || d.count[LARGE] < 10)
-        program_refuse(&self, from ? "from" : "fill", from, "enough for ten spheres of each species");
-    program_need_spheres(&self, from ? "from" : d.dosta ? "scale" : "small", (double)d.count[SMALL] + d.count[LARGE]);
+    if (self.quick && !options[15].given) time = 0.01;
+    if (d.dosta) choose_dosta(&d, scale, time);
+    else count_by_fill(&d, &self);
+    if (from) read_spheres(&d, &self, from, &given);
+    check(&d, &self, from);
 
     static curves c;
     dem_world world;
     progress bar;
     int wall = 0;
     memset(&world, 0, sizeof world);
-    const double duration = d.turns * 2.0 * RIDDLE_PI / d.speed, sample = fmax(duration / (SAMPLES_MAX - 2), self.quick ? 0.01 : 0.02);
     progress_begin(&bar, "turning", 1.0);
     dem_status status = build(&world, &d, &wall);
     if (status == DEM_OK) status = from ? take(&world, &d, &given) : fill(&world, &d, self.seed, &bar, 0.2);
     particles_free(&given);
     if (status == DEM_BAD_ARGUMENT && !from) program_refuse(&self, "fill", NULL, "so much that the spheres find a place");
-    for (int k = 0; k < 3 && status == DEM_OK; k++) /* the cylinder and its two ends */
-        status = dem_rotate(&world, wall + k, dem_vec3(0, 0, 0), dem_vec3(0, 1, 0), d.speed);
-    dem_io_series series = dem_io_open(self.out, "particles");
-    world_movie reel = film ? world_movie_open(self.out, "rotating_drum.mp4", &view) : (world_movie){0};
-    const int samples = (int)(duration / sample + 0.5);
-    for (int k = 0; k <= samples && status == DEM_OK && !common_interrupted(); k++) {
-        if (k > 0) status = dem_run(&world, sample, features(&d));
-        look(&c, &world, &d, k * sample);
-        if (k % (samples / 50 + 1) == 0) dem_io_add(&series, &world);
-        world_movie_add(&reel, &world);
-        progress_add(&bar, 0.8 / (samples + 1));
-    }
-    dem_io_close(&series);
-    world_movie_close(&reel);
+    if (status == DEM_OK) status = turn(&world, &d, wall, &self, film, &bar, &c);
     progress_end(&bar);
     if (status != DEM_OK) common_fail("%s", dem_status_text(status));
-    if (common_exit_status() == 0) {
-        double angle = 0.0, square = 0.0, late = 0.0, lacey = 0.0, unlike = 0.0, radial = 0.0;
-        csv *file = csv_open(
-            self.out, "rotating_drum.csv",
-            "time_s,lacey,unlike_contacts,radial_segregation,surface_angle_deg,small_upper_right,small_upper_left,small_lower_left,"
-            "small_lower_right,large_upper_right,large_upper_left,large_lower_left,large_lower_right");
-        for (int k = 0; k < c.n; k++) {
-            double row[13] = {c.time[k], c.lacey[k], c.unlike[k], c.radial[k], c.angle[k]};
-            for (int q = 0; q < 8; q++) row[5 + q] = c.quadrant[q / 4][q % 4][k];
-            csv_row(file, row, 13);
-            if (k < c.n / 2) continue; /* the second half */
-            late += 1.0, angle += c.angle[k], square += c.angle[k] * c.angle[k];
-            lacey += c.lacey[k], unlike += c.unlike[k], radial += c.radial[k];
-        }
-        csv_close(file);
-        angle /= late;
-        const double scatter = sqrt(fmax(square / late - angle * angle, 0.0));
-        const double error = error_of_mean(c.angle, c.n / 2, c.n);
-        draw(&c, &world, &d, self.out, angle, error);
-        draw_world(&world, &view, self.out, "rotating_drum.png");
-        common_print(
-            "%d small, %d large spheres, %.3g turns, dt %.3g s. Second half of the time: angle %.1f degrees (standard error %.1f; it "
-            "scatters by %.1f in time), "
-            "Lacey %.3f, unlike "
-            "contacts %.3f, radial segregation %.3f (at first %.3f, %.3f, %.3f)\n",
-            d.count[SMALL], d.count[LARGE], d.turns, world.def.dt, angle, error, scatter, lacey / late, unlike / late, radial / late,
-            c.lacey[0], c.unlike[0], c.radial[0]);
-        json *j = json_open(self.json);
-        json_integer(j, "small_spheres", d.count[SMALL]);
-        json_integer(j, "large_spheres", d.count[LARGE]);
-        json_number(j, "angle_of_repose_deg", angle);
-        json_number(j, "angle_standard_error_deg", error);
-        json_number(j, "angle_scatter_deg", scatter);
-        json_number(j, "lacey_start", c.lacey[0]);
-        json_number(j, "lacey_end", lacey / late);
-        json_number(j, "unlike_contacts_start", c.unlike[0]);
-        json_number(j, "unlike_contacts_end", unlike / late);
-        json_number(j, "radial_segregation_start", c.radial[0]);
-        json_number(j, "radial_segregation_end", radial / late);
-        json_array(j, "time_s", c.time, c.n);
-        json_array(j, "lacey", c.lacey, c.n);
-        json_number(j, "dt_s", world.def.dt);
-        json_program(j, &self);
-        json_close(j);
-    }
+    if (common_exit_status() == 0) report(&self, &d, &world, &c);
     dem_free(&world);
     return common_exit_status();
 }

@@ -687,128 +687,182 @@ static bool is_given(const option *options, const char *name) {
     return options->given;
 }
 
-int main(int argc, char **argv) {
-    const char *data = NULL, *sizes = NULL, *many = NULL;
-    bool simulated = false, swept = false, compared = false;
-    int seeds = 2;
-    int which = 1, holes = 400, shape = 0;
-    sieve_patch_def patch_def = sieve_patch_default();
-    double vibrated = 8.0;
-    double K = 1.5, x_h = 0.5, n = 70.0 / 3.0, A = 0.7, slope = 15.0, direction = 90.0;
-    double opening = 0.63, wire = 0.4, passing = 0.08, capacity = 2.0, run_time = 600.0;
-    option options[] = {
-        option_string("data", "FILE", &data, "counted holes: CSV with time_s,free_holes,holes or time_s,free_fraction"),
-        option_choice("row", &which, "7a|7b|8a|8b", "without --data: the experiment of Table 2 to draw readings from"),
-        option_int("holes", "N", &holes, 1, 100000, "without --data: holes counted at each time"),
-        option_string("sizes", "FILE", &sizes, "size curve of the feed: CSV with size_mm,passing (0..1); gives x_h"),
-        option_double("xh", "X", &x_h, 0.0, 1.0, "hard-to-screen content of the feed [-], a fraction"),
-        option_double("k", "K", &K, 0.0, 100.0, "toss indicator [-]; otherwise from the next four"),
-        option_positive("frequency-hz", "N", &n, 1000.0, "frequency of the deck [Hz]"),
-        option_positive("amplitude-mm", "A", &A, 100.0, "amplitude of the deck, half its stroke [mm]"),
-        option_double("direction-deg", "BETA", &direction, 0.0, 180.0, "direction of the vibration against the deck [degrees]"),
-        option_double("slope-deg", "ALPHA", &slope, 0.0, 89.0, "slope of the deck [degrees]"),
-        option_choice("shape", &shape, "spherical|irregular|sharp|sharp-repaired", "grains, for Table 3"),
-        option_positive("opening-mm", "L", &opening, 1000.0, "size of the holes [mm]"),
-        option_double("wire-mm", "W", &wire, 0.0, 1000.0, "diameter of the wires [mm]"),
-        option_positive("passing-kg-s", "M", &passing, 1e6, "duty: undersize that must pass [kg/s]"),
-        option_positive("capacity", "C", &capacity, 1e6,
-                        "what passes a square metre of free holes [kg/(s m2)]; from a test with your feed"),
-        option_double("run-time-s", "T", &run_time, 0.0, 1e9, "time between two cleanings of the deck [s]"),
-        option_flag("simulate", &simulated, "readings from a simulation of spheres on a vibrated patch of this sieve at --k, --xh"),
-        option_flag("sweep", &swept, "simulations at five K and three x_h beside Table 3"),
-        option_flag("continuous", &compared, "simulations of Fig 12: intermittent and continuous screening at --k, --xh"),
-        option_int("seeds", "N", &seeds, 1, WAY_SEEDS, "continuous: layers of each"),
-        option_double("vibrated-s", "T", &vibrated, 0.2, 2048.0, "simulation: time of vibration [s]"),
-        option_int("patch", "N", &patch_def.across, 6, 200, "simulation: holes along each side of the periodic patch"),
-        option_double("load-kg-m2", "M", &patch_def.load, 0.1, 100.0, "simulation: grains laid on the sieve [kg/m2]"),
-        option_double("friction", "MU", &patch_def.friction, 0.0, 10.0, "simulation: Coulomb coefficient of grains and wires [-]"),
-        option_double("overlap", "S", &patch_def.overlap, 1e-4, 0.1,
-                      "simulation: overlap of a grain that hits a wire, over its size [-]: sets the stiffness and the step"),
-        option_string("tests", "FILE", &many, "many tests: k1 and k2 as laws of K, x_h, moisture, their values and the deck at --k, --xh"),
-    };
-    program self = program_start(
-        "sieve_blocking", "Blocking of sieve holes: curves, rate constants from counted holes, Table 3 and the deck area for a duty.",
-        options, (int)(sizeof options / sizeof *options), argc, argv);
-    const option *frequency = &options[6], *given_k = &options[5];
-    if (!given_k->given) K = blocking_toss_indicator(n, 1e-3 * A, direction * pi / 180.0, slope * pi / 180.0, 9.81);
-    else if (frequency->given || options[7].given || options[8].given || options[9].given)
-        program_refuse(&self, "k", NULL, "either --k or the motion of the deck");
-    if (sizes && options[4].given) program_refuse(&self, "xh", NULL, "either --xh or --sizes");
-    if (sizes) x_h = hard_content(&self, sizes, 1e-3 * opening);
-    if (many && (data || simulated || swept || compared)) program_refuse(&self, "tests", many, "without --data and without a simulation");
-    if ((simulated || swept || compared) && data) program_refuse(&self, "data", data, "either --data or a simulation");
-    if ((simulated || swept || compared) && !(wire > 0.0)) program_refuse(&self, "wire-mm", NULL, "above 0 for a simulation");
-    if (self.quick && !is_given(options, "patch")) patch_def.across = swept || compared ? 6 : 8;
-    if (self.quick && !is_given(options, "vibrated-s")) vibrated = swept || compared ? 0.25 : 1.0;
-    if (self.quick && !is_given(options, "load-kg-m2")) patch_def.load = 0.5;
-    if (self.quick && !is_given(options, "overlap")) patch_def.overlap = 0.04;
-    patch_def.opening = 1e-3 * opening, patch_def.wire = 1e-3 * wire;
-    patch_def.K = K, patch_def.frequency = n, patch_def.x_h = x_h;
-    patch_def.seed = self.seed; /* one thread: too few contacts for more */
-    if (simulated || swept || compared) {
-        const int at_once = simulated ? 1 : swept ? KS * XS : WAYS * seeds;
-        program_need_spheres(&self, "load-kg-m2", sieve_patch_expected(&patch_def) * (self.threads < at_once ? self.threads : at_once));
-    }
-    json *report = json_open(self.json);
+/* ---- what was asked for ---- */
+
+typedef struct wish {
+    const char *data, *sizes, *tests; /* files, or NULL */
+    bool simulated, swept, compared;
+    int row, holes; /* without these: readings of a row of Table 2 */
+    sieve_patch_def patch;
+    int seeds, shape;                              /* shape: a blocking_shape */
+    double vibrated, K, x_h;                       /* [s], [-], [-] */
+    double frequency, amplitude, direction, slope; /* [Hz], [mm], [degrees], [degrees]: they give K unless it was given */
+    double opening, wire;                          /* [mm] */
+    double passing, capacity, run_time;            /* [kg/s], [kg/(s m2)], [s] */
+} wish;
+
+static wish default_wish(void) {
+    wish w = {0};
+    w.row = 1, w.holes = 400, w.seeds = 2;
+    w.patch = sieve_patch_default();
+    w.vibrated = 8.0, w.K = 1.5, w.x_h = 0.5;
+    w.frequency = 70.0 / 3.0, w.amplitude = 0.7, w.direction = 90.0, w.slope = 15.0;
+    w.opening = 0.63, w.wire = 0.4;
+    w.passing = 0.08, w.capacity = 2.0, w.run_time = 600.0;
+    return w;
+}
+
+/* Refuses what does not go together. */
+static void check_wish(const program *self, const option *options, const wish *w) {
+    const bool process = w->simulated || w->swept || w->compared;
+    if (is_given(options, "k") && (is_given(options, "frequency-hz") || is_given(options, "amplitude-mm") ||
+                                   is_given(options, "direction-deg") || is_given(options, "slope-deg")))
+        program_refuse(self, "k", NULL, "either --k or the motion of the deck");
+    if (w->sizes && is_given(options, "xh")) program_refuse(self, "xh", NULL, "either --xh or --sizes");
+    if (w->tests && (w->data || process)) program_refuse(self, "tests", w->tests, "without --data and without a simulation");
+    if (process && w->data) program_refuse(self, "data", w->data, "either --data or a simulation");
+    if (process && !(w->wire > 0.0)) program_refuse(self, "wire-mm", NULL, "above 0 for a simulation");
+}
+
+/* Computes what follows from the options. */
+static void complete_wish(const program *self, const option *options, wish *w) {
+    const bool several = w->swept || w->compared;
+    if (!is_given(options, "k"))
+        w->K = blocking_toss_indicator(w->frequency, 1e-3 * w->amplitude, w->direction * pi / 180.0, w->slope * pi / 180.0, 9.81);
+    if (w->sizes) w->x_h = hard_content(self, w->sizes, 1e-3 * w->opening);
+    if (self->quick && !is_given(options, "patch")) w->patch.across = several ? 6 : 8;
+    if (self->quick && !is_given(options, "vibrated-s")) w->vibrated = several ? 0.25 : 1.0;
+    if (self->quick && !is_given(options, "load-kg-m2")) w->patch.load = 0.5;
+    if (self->quick && !is_given(options, "overlap")) w->patch.overlap = 0.04;
+    w->patch.opening = 1e-3 * w->opening, w->patch.wire = 1e-3 * w->wire;
+    w->patch.K = w->K, w->patch.frequency = w->frequency, w->patch.x_h = w->x_h;
+    w->patch.seed = self->seed; /* one thread: too few contacts for more */
+    if (!w->simulated && !several) return;
+    const int at_once = w->simulated ? 1 : w->swept ? KS * XS : WAYS * w->seeds;
+    program_need_spheres(self, "load-kg-m2", sieve_patch_expected(&w->patch) * (self->threads < at_once ? self->threads : at_once));
+}
+
+/* Mean free fraction by Table 3. */
+static blocking_average average_of(const wish *w) {
     blocking_conditions conditions = blocking_default_conditions();
-    conditions.K = K;
-    conditions.x_h = x_h;
-    conditions.opening = 1e-3 * opening;
     blocking_average average;
-    blocking_average_free((blocking_shape)shape, &conditions, &average);
+    conditions.K = w->K;
+    conditions.x_h = w->x_h;
+    conditions.opening = 1e-3 * w->opening;
+    blocking_average_free((blocking_shape)w->shape, &conditions, &average);
+    return average;
+}
+
+static blocking_duty duty_of(const wish *w) {
     blocking_duty duty = blocking_default_duty();
-    duty.passing = passing;
-    duty.capacity = capacity;
-    duty.clearance = blocking_open_area(opening, wire);
-    duty.run_time = run_time;
-    if (many) {
-        fit_tests(&self, report, many, K, x_h, &duty);
-        design(&self, report, duty, &average, (blocking_shape)shape);
-        return finish(report, &self);
-    }
-    if (swept) {
-        sweep(&self, report, &patch_def, vibrated);
-        return finish(report, &self);
-    }
-    if (compared) {
-        compare_ways(&self, report, &patch_def, vibrated, self.quick ? 1 : seeds);
-        return finish(report, &self);
-    }
-    readings r;
-    char source[200];
-    if (data) read_readings(&self, data, &r);
-    else if (simulated) {
+    duty.passing = w->passing;
+    duty.capacity = w->capacity;
+    duty.clearance = blocking_open_area(w->opening, w->wire);
+    duty.run_time = w->run_time;
+    return duty;
+}
+
+/* Gets readings from the file, from a simulation, or from Table 2, and the name of their source. Returns -1 if a simulation failed. */
+static int get_readings(const program *self, json *report, const wish *w, readings *r, char *source, size_t size) {
+    if (w->data) {
+        read_readings(self, w->data, r);
+        snprintf(source, size, "%.150s", w->data);
+    } else if (w->simulated) {
         sieve_patch patch;
         progress bar;
-        progress_begin(&bar, "simulating", vibrated);
-        const int failed = simulate(&patch_def, vibrated, &r, &patch, &bar);
+        progress_begin(&bar, "simulating", w->vibrated);
+        const int failed = simulate(&w->patch, w->vibrated, r, &patch, &bar);
         progress_end(&bar);
-        if (!failed) report_simulation(report, &patch, &r);
+        if (!failed) report_simulation(report, &patch, r);
         dem_free(&patch.world);
-        if (failed) return finish(report, &self);
-    } else draw_readings(&r, &table2[2 * which], holes, self.seed);
-    if (data) snprintf(source, sizeof source, "%.150s", data);
-    else if (simulated) snprintf(source, sizeof source, "simulated spheres, K %.3g, x_h %.3g, %g mm", K, x_h, opening);
-    else snprintf(source, sizeof source, "drawn from Lawinska et al. (2016), Table 2, row %s, %d holes", table2[2 * which].figure, holes);
+        snprintf(source, size, "simulated spheres, K %.3g, x_h %.3g, %g mm", w->K, w->x_h, w->opening);
+        return failed;
+    } else {
+        const row *from = &table2[2 * w->row];
+        draw_readings(r, from, w->holes, self->seed);
+        snprintf(source, size, "drawn from Lawinska et al. (2016), Table 2, row %s, %d holes", from->figure, w->holes);
+    }
+    return 0;
+}
+
+/* The pages of readings: Table 2, the curve fitted to them, Table 3, and the deck for the duty. */
+static void evaluate(const program *self, json *report, const wish *w, readings *r, const char *source) {
+    const double K = w->K;
+    const blocking_average average = average_of(w);
     blocking_fit_result fit;
-    blocking_status status = fit_readings(&r, &fit);
-    if (status >= BLOCKING_OUT_OF_RANGE && data) refuse_file(&self, "data", data, counts_file, blocking_status_text(status));
+    const blocking_status status = fit_readings(r, &fit);
+    if (status >= BLOCKING_OUT_OF_RANGE && w->data) refuse_file(self, "data", w->data, counts_file, blocking_status_text(status));
 
     common_print("Toss indicator K %.4f: %s\n\n", K, blocking_toss_text(blocking_toss_range(K)));
     json_number(report, "toss_indicator", K);
     json_string(report, "toss_range", blocking_toss_text(blocking_toss_range(K)));
-    draw_table2(&self, report);
-    report_fit(report, &r, status, &fit, source);
-    draw_fit(&self, report, &r, &fit, source, data || simulated ? NULL : &table2[2 * which]);
-    draw_polynomials(&self, report, K, x_h);
+    draw_table2(self, report);
+    report_fit(report, r, status, &fit, source);
+    draw_fit(self, report, r, &fit, source, w->data || w->simulated ? NULL : &table2[2 * w->row]);
+    draw_polynomials(self, report, K, w->x_h);
 
+    blocking_duty duty = duty_of(w);
     duty.f0 = fit.f0;
     duty.f_inf = fit.f_inf;
     duty.k = status == BLOCKING_NO_CHANGE ? 0.0 : fit.k;
     blocking_fit_def ranges = blocking_default_fit_def();
     ranges.z = z95;
-    blocking_fit_range(&ranges, r.t, r.f, r.counted ? r.sigma : NULL, (size_t)r.n, run_time, &duty.last_lowest, &duty.last_highest,
+    blocking_fit_range(&ranges, r->t, r->f, r->counted ? r->sigma : NULL, (size_t)r->n, w->run_time, &duty.last_lowest, &duty.last_highest,
                        &duty.mean_lowest, &duty.mean_highest);
-    design(&self, report, duty, &average, (blocking_shape)shape);
+    design(self, report, duty, &average, (blocking_shape)w->shape);
+}
+
+static void evaluate_tests(const program *self, json *report, const wish *w) {
+    const blocking_average average = average_of(w);
+    blocking_duty duty = duty_of(w);
+    fit_tests(self, report, w->tests, w->K, w->x_h, &duty);
+    design(self, report, duty, &average, (blocking_shape)w->shape);
+}
+
+int main(int argc, char **argv) {
+    wish w = default_wish();
+    option options[] = {
+        option_string("data", "FILE", &w.data, "counted holes: CSV with time_s,free_holes,holes or time_s,free_fraction"),
+        option_choice("row", &w.row, "7a|7b|8a|8b", "without --data: the experiment of Table 2 to draw readings from"),
+        option_int("holes", "N", &w.holes, 1, 100000, "without --data: holes counted at each time"),
+        option_string("sizes", "FILE", &w.sizes, "size curve of the feed: CSV with size_mm,passing (0..1); gives x_h"),
+        option_double("xh", "X", &w.x_h, 0.0, 1.0, "hard-to-screen content of the feed [-], a fraction"),
+        option_double("k", "K", &w.K, 0.0, 100.0, "toss indicator [-]; otherwise from the next four"),
+        option_positive("frequency-hz", "N", &w.frequency, 1000.0, "frequency of the deck [Hz]"),
+        option_positive("amplitude-mm", "A", &w.amplitude, 100.0, "amplitude of the deck, half its stroke [mm]"),
+        option_double("direction-deg", "BETA", &w.direction, 0.0, 180.0, "direction of the vibration against the deck [degrees]"),
+        option_double("slope-deg", "ALPHA", &w.slope, 0.0, 89.0, "slope of the deck [degrees]"),
+        option_choice("shape", &w.shape, "spherical|irregular|sharp|sharp-repaired", "grains, for Table 3"),
+        option_positive("opening-mm", "L", &w.opening, 1000.0, "size of the holes [mm]"),
+        option_double("wire-mm", "W", &w.wire, 0.0, 1000.0, "diameter of the wires [mm]"),
+        option_positive("passing-kg-s", "M", &w.passing, 1e6, "duty: undersize that must pass [kg/s]"),
+        option_positive("capacity", "C", &w.capacity, 1e6,
+                        "what passes a square metre of free holes [kg/(s m2)]; from a test with your feed"),
+        option_double("run-time-s", "T", &w.run_time, 0.0, 1e9, "time between two cleanings of the deck [s]"),
+        option_flag("simulate", &w.simulated, "readings from a simulation of spheres on a vibrated patch of this sieve at --k, --xh"),
+        option_flag("sweep", &w.swept, "simulations at five K and three x_h beside Table 3"),
+        option_flag("continuous", &w.compared, "simulations of Fig 12: intermittent and continuous screening at --k, --xh"),
+        option_int("seeds", "N", &w.seeds, 1, WAY_SEEDS, "continuous: layers of each"),
+        option_double("vibrated-s", "T", &w.vibrated, 0.2, 2048.0, "simulation: time of vibration [s]"),
+        option_int("patch", "N", &w.patch.across, 6, 200, "simulation: holes along each side of the periodic patch"),
+        option_double("load-kg-m2", "M", &w.patch.load, 0.1, 100.0, "simulation: grains laid on the sieve [kg/m2]"),
+        option_double("friction", "MU", &w.patch.friction, 0.0, 10.0, "simulation: Coulomb coefficient of grains and wires [-]"),
+        option_double("overlap", "S", &w.patch.overlap, 1e-4, 0.1,
+                      "simulation: overlap of a grain that hits a wire, over its size [-]: sets the stiffness and the step"),
+        option_string("tests", "FILE", &w.tests,
+                      "many tests: k1 and k2 as laws of K, x_h, moisture, their values and the deck at --k, --xh"),
+    };
+    program self = program_start(
+        "sieve_blocking", "Blocking of sieve holes: curves, rate constants from counted holes, Table 3 and the deck area for a duty.",
+        options, (int)(sizeof options / sizeof *options), argc, argv);
+    check_wish(&self, options, &w);
+    complete_wish(&self, options, &w);
+    json *report = json_open(self.json);
+    readings r;
+    char source[200];
+    if (w.tests) evaluate_tests(&self, report, &w);
+    else if (w.swept) sweep(&self, report, &w.patch, w.vibrated);
+    else if (w.compared) compare_ways(&self, report, &w.patch, w.vibrated, self.quick ? 1 : w.seeds);
+    else if (!get_readings(&self, report, &w, &r, source, sizeof source)) evaluate(&self, report, &w, &r, source);
     return finish(report, &self);
 }
