@@ -434,6 +434,7 @@ typedef struct dem_wall {
                                        reset */
     double acceleration_bound;      /* private: kinematic: limit of the acceleration of its origin, apart from rotation [m/s2] */
     double side_bound;              /* private: the same perpendicular to axis[2] */
+    dem_vec phase_sine;             /* private: sine of the vibration's phase, by component */
 } dem_wall;
 
 /* A particle that passed an exit. Owned by the world, in the order of passing. */
@@ -1259,11 +1260,20 @@ static inline double riddle__sin_quarter(double r, int quarter) {
     return quarter & 2 ? -value : value;
 }
 
-static inline double riddle__sin_shifted(double x, int quarters) {
+/* Returns an angle less its quarter turns, and the number of these modulo 4. */
+static inline double riddle__within_quarter(double x, int *quarter) {
+    *quarter = 0;
     if (!(fabs(x) <= 1e6)) return (double)NAN;
     double n = floor(x * 0.63661977236758134 + 0.5);
-    double r = ((x - n * 1.5707963267341256) - n * 6.077100506303966e-11) - n * 2.0222662487959506e-21;
-    return riddle__sin_quarter(r, (int)(n - 4.0 * floor(n * 0.25)) + quarters);
+    *quarter = (int)(n - 4.0 * floor(n * 0.25));
+    return ((x - n * 1.5707963267341256) - n * 6.077100506303966e-11) - n * 2.0222662487959506e-21;
+}
+
+/* Returns the sine of an angle to which some quarter turns are added. */
+static inline double riddle__sin_shifted(double x, int quarters) {
+    int quarter;
+    double r = riddle__within_quarter(x, &quarter);
+    return riddle__sin_quarter(r, quarter + quarters);
 }
 
 /* Return the sine and the cosine for |x| <= 1e6 rad, NaN beyond; absolute error 2e-16. */
@@ -1498,23 +1508,39 @@ DEM_INLINE dem_vec dem__cross(dem_vec a, dem_vec b) {
 }
 DEM_INLINE double dem__length(dem_vec a) { return sqrt(dem__dot(a, a)); }
 
+/* Returns the sine of an angle, and its cosine: the bits of riddle_sin and riddle_cos, which both find the quarter turn. */
+DEM_INLINE double dem__sine(double angle, double *cosine) {
+    int quarter;
+    const double r = riddle__within_quarter(angle, &quarter);
+    *cosine = riddle__sin_quarter(r, quarter + 1);
+    return riddle__sin_quarter(r, quarter);
+}
+
 /* Rotates v by an angle [rad] about a unit axis (Rodrigues). */
 static inline dem_vec dem__rotated(dem_vec v, dem_vec axis, double angle) {
     double turns = angle / (2.0 * RIDDLE_PI), phase = 2.0 * RIDDLE_PI * (turns - floor(turns));
-    double s = riddle_sin(phase), c = riddle_cos(phase);
+    double c, s = dem__sine(phase, &c);
     return dem__add(dem__add(dem__scale(c, v), dem__scale(s, dem__cross(axis, v))), dem__scale((1.0 - c) * dem__dot(axis, v), axis));
 }
 
-/* Returns the displacement of a harmonic vibration from its start [m], and its velocity and acceleration. turns: frequency times time. */
-DEM_INLINE double dem__vibration(double amplitude, double phase, double turns, double rate, double *velocity, double *acceleration) {
+/* Returns the displacement of a harmonic vibration from its start [m], and its velocity and acceleration. start: sine of the phase; angle:
+   2 pi times frequency and time. */
+DEM_INLINE double dem__vibration(double amplitude, double phase, double start, double angle, double rate, double *velocity,
+                                 double *acceleration) {
     if (amplitude == 0.0) {
         *velocity = *acceleration = 0.0;
         return 0.0;
     }
-    double angle = 2.0 * RIDDLE_PI * (turns - floor(turns)) + phase, s = riddle_sin(angle);
-    *velocity = amplitude * rate * riddle_cos(angle);
+    double c, s = dem__sine(angle + phase, &c);
+    *velocity = amplitude * rate * c;
     *acceleration = -amplitude * rate * rate * s;
-    return amplitude * (phase == 0.0 ? s : s - riddle_sin(phase));
+    return amplitude * (s - start);
+}
+
+/* Sets the sines of a vibration's phases, which do not change while it lasts. */
+static inline void dem__set_phase_sine(dem_wall *w) {
+    const dem_vec phase = w->asked.phase;
+    w->phase_sine = dem_vec3(riddle_sin(phase.x) + 0.0, riddle_sin(phase.y) + 0.0, riddle_sin(phase.z) + 0.0); /* no -0 */
 }
 
 /* Displacement, velocity and acceleration of a wall by vibration. */
@@ -1523,11 +1549,20 @@ typedef struct dem__sway {
 } dem__sway;
 static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
     const double rate = 2.0 * RIDDLE_PI * w->asked.frequency, turns = w->asked.frequency * t;
+    const double angle = 2.0 * RIDDLE_PI * (turns - floor(turns));
+    const dem_vec size = w->asked.amplitude, phase = w->asked.phase, start = w->phase_sine;
     dem__sway s;
-    s.shift.x = dem__vibration(w->asked.amplitude.x, w->asked.phase.x, turns, rate, &s.velocity.x, &s.acceleration.x);
-    s.shift.y = dem__vibration(w->asked.amplitude.y, w->asked.phase.y, turns, rate, &s.velocity.y, &s.acceleration.y);
-    s.shift.z = dem__vibration(w->asked.amplitude.z, w->asked.phase.z, turns, rate, &s.velocity.z, &s.acceleration.z);
+    s.shift.x = dem__vibration(size.x, phase.x, start.x, angle, rate, &s.velocity.x, &s.acceleration.x);
+    s.shift.y = dem__vibration(size.y, phase.y, start.y, angle, rate, &s.velocity.y, &s.acceleration.y);
+    s.shift.z = dem__vibration(size.z, phase.z, start.z, angle, rate, &s.velocity.z, &s.acceleration.z);
     return s;
+}
+
+/* Returns whether two walls vibrate alike, as a deck and its side wall do. */
+DEM_INLINE int dem__sways_like(const dem_wall *a, const dem_wall *b) {
+    return memcmp(&a->asked.amplitude, &b->asked.amplitude, sizeof a->asked.amplitude) == 0 &&
+           memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 && a->asked.frequency == b->asked.frequency &&
+           a->asked.motion_start == b->asked.motion_start;
 }
 
 /* Returns the position of a wall in a pose; axis: its axes in the pose. */
@@ -1589,11 +1624,10 @@ static inline void dem__controlled_wall(dem_wall *w, double time) {
 }
 
 /* Moves a kinematic wall to its place t after its motion began [s]. */
-static inline void dem__kinematic_wall(dem_wall *w, double t) {
-    const dem__sway sway = dem__sway_at(w, t);
-    const dem_vec shift = dem__add(sway.shift, dem__scale(t, w->asked.drift));
-    w->velocity = dem__add(sway.velocity, w->asked.drift);
-    w->acceleration = sway.acceleration;
+static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *sway) {
+    const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->asked.drift));
+    w->velocity = dem__add(sway->velocity, w->asked.drift);
+    w->acceleration = sway->acceleration;
     dem_vec origin = w->asked.origin;
     if (w->spin != 0.0) {
         double angle = w->spin * t;
@@ -1612,7 +1646,10 @@ static inline void dem__kinematic_wall(dem_wall *w, double t) {
 static inline void dem__move_wall(dem_wall *w, double time) {
     if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
     else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
-    else dem__kinematic_wall(w, time - w->asked.motion_start);
+    else {
+        const dem__sway sway = dem__sway_at(w, time - w->asked.motion_start);
+        dem__kinematic_wall(w, time - w->asked.motion_start, &sway);
+    }
 }
 
 /* A place where a sphere is near a wall. */
@@ -1952,23 +1989,13 @@ static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radi
         *least = out[0].gap;
         return out[0].gap < limit;
     }
-    if (w->kind == DEM_CYLINDER) {
-        dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
-        double distance = dem__length(radial);
-        out[0].gap = (w->inside ? w->radius - distance : distance - w->radius) - radius;
-        *least = out[0].gap;
+    if (w->kind == DEM_CYLINDER || w->kind == DEM_SPHERE) {
+        const dem_vec radial = w->kind == DEM_SPHERE ? d : dem__plus(d, -up, w->axis[2]);
+        const double distance = dem__length(radial), side = w->inside ? -1.0 : 1.0;
+        *least = out[0].gap = side * (distance - w->radius) - radius;
         if (!(out[0].gap < limit) || !(distance > 0.0)) return 0;
-        out[0].normal = dem__scale((w->inside ? -1.0 : 1.0) / distance, radial);
-        out[0].curvature = (w->inside ? -0.5 : 0.5) / w->radius;
-        return 1;
-    }
-    if (w->kind == DEM_SPHERE) {
-        const double distance = dem__length(d);
-        out[0].gap = (w->inside ? w->radius - distance : distance - w->radius) - radius;
-        *least = out[0].gap;
-        if (!(out[0].gap < limit) || !(distance > 0.0)) return 0;
-        out[0].normal = dem__scale((w->inside ? -1.0 : 1.0) / distance, d);
-        out[0].curvature = (w->inside ? -1.0 : 1.0) / w->radius;
+        out[0].normal = dem__scale(side / distance, radial);
+        out[0].curvature = (w->kind == DEM_SPHERE ? side : 0.5 * side) / w->radius;
         return 1;
     }
     if (w->kind == DEM_CONE) return dem__touch_cone(w, d, up, radius, limit, out, least);
@@ -2066,9 +2093,8 @@ static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double
     if (w->kind == DEM_CONE) return dem__normal_rate_of_cone(w, dem__sub(centre, w->position), radius, n, u);
     if (w->kind == DEM_SCREEN) {
         const dem_vec along = w->axis[(uint32_t)element & 1u];
-        if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side); /* at a bar's end */
-        if (!(fabs(dem__dot(n, w->axis[2])) < 1.0 - 1e-12) && w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) < 0.0)
-            return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
+        if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side);                                      /* at a bar's end */
+        if (w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) <= 1e-12 - 1.0) return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
         return dem__scale(inverse, dem__plus(side, -dem__dot(side, along), along));
     }
     return dem_vec3(0.0, 0.0, 0.0);
@@ -3545,16 +3571,20 @@ DEM_INLINE double dem__since_evaluated(const dem_world *w) {
     return w->engine->run.dt * (double)(w->step - w->engine->links.evaluated_step);
 }
 
-/* Returns the work of the link forces on particle i since they were evaluated [J]. */
-static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
+/* Returns the work of the link forces on particle i, which is at x and has a spin, since they were evaluated [J]. */
+DEM_INLINE double dem__link_work_until(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin) {
     const dem__bodies *bodies = &w->engine->bodies;
     const dem__links *links = &w->engine->links;
-    if (!links->is_loaded[i] || dem__is_fixed(w, i)) return 0.0;
-    const double tau = dem__now(w, i), turned = 0.5 * dem__since_evaluated(w);
-    const dem_vec way = dem__nearest_image(w, dem__sub(dem__at(w, i, tau), dem__first(links->evaluated_at[i])));
+    const double turned = 0.5 * dem__since_evaluated(w);
+    const dem_vec way = dem__nearest_image(w, dem__sub(x, dem__first(links->evaluated_at[i])));
     const dem_vec force = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->external[i]));
     const dem_vec torque = dem__sub(dem__second(bodies->load[i]), dem__second(bodies->external[i]));
-    return dem__dot(force, way) + turned * dem__dot(torque, dem__add(dem__spin_at(w, i, tau), dem__second(links->evaluated_at[i])));
+    return dem__dot(force, way) + turned * dem__dot(torque, dem__add(spin, dem__second(links->evaluated_at[i])));
+}
+static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
+    const double tau = dem__now(w, i);
+    if (!w->engine->links.is_loaded[i] || dem__is_fixed(w, i)) return 0.0;
+    return dem__link_work_until(w, i, dem__at(w, i, tau), dem__spin_at(w, i, tau));
 }
 
 /* Stop and resume counting the work of links on some particles, while a caller changes how they move. The spin from which counting resumes
@@ -4107,6 +4137,7 @@ DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, de
     a->asked.amplitude = amplitude;
     a->asked.phase = phase;
     a->asked.frequency = frequency;
+    dem__set_phase_sine(a);
     dem__bound_speed(a);
     return DEM_OK;
 }
@@ -6010,10 +6041,16 @@ static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
 static inline int dem__move_walls(dem_world *w, int64_t step) {
     const dem__run *run = &w->engine->run;
     const double time = run->start_time + (double)(step - run->start_step) * run->dt;
+    const dem_wall *last = NULL; /* to which the sway belongs */
+    dem__sway sway;
     for (int k = 0; k < w->walls; k++) {
         dem_wall *a = &w->wall[k];
+        const double t = time - a->asked.motion_start;
         if (a->asked.drive == DEM_KINEMATIC) {
-            if (a->speed_bound > 0.0 || a->spin_bound > 0.0) dem__kinematic_wall(a, time - a->asked.motion_start);
+            if (!(a->speed_bound > 0.0 || a->spin_bound > 0.0)) continue;
+            if (!last || !dem__sways_like(a, last)) sway = dem__sway_at(a, t);
+            last = a;
+            dem__kinematic_wall(a, t, &sway);
             continue;
         }
         const dem_vec from = a->position, axis[3] = {a->axis[0], a->axis[1], a->axis[2]};
@@ -6999,7 +7036,8 @@ DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_w
     if (slot >= 0 && wall->kind == DEM_MESH) {
         touch->normal = dem_vec3(contacts->touch[0][slot], contacts->touch[1][slot], contacts->touch[2][slot]);
         touch->gap = contacts->touch[3][slot];
-    } else dem__touch_element(wall, x, radius, element, touch);
+    } else if (wall->kind == DEM_PLANE) dem__touch_plane(wall, x, radius, touch);
+    else dem__touch_element(wall, x, radius, element, touch);
 }
 
 /* A row of a block that is at a wall. */
@@ -7098,9 +7136,13 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
         t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
     } else {
         const dem_vec spin = dem__scale(wall->spin, wall->spin_axis);
-        dem_vec carried = dem__plus(wall->velocity, -half, wall->acceleration);
-        if (wall->spin != 0.0) carried = dem__add(carried, dem__cross(spin, dem__sub(s->x, wall->position)));
-        t = dem__normal_rate(wall, s->x, s->radius, at->element, n, b->inverse[k], dem__sub(s->v, carried));
+        dem_vec u = dem_vec3(b->vx[k], b->vy[k], b->vz[k]);
+        if (wall->slides) { /* u is relative to its surface, not to its frame */
+            dem_vec carried = dem__plus(wall->velocity, -half, wall->acceleration);
+            if (wall->spin != 0.0) carried = dem__add(carried, dem__cross(spin, dem__sub(s->x, wall->position)));
+            u = dem__sub(s->v, carried);
+        }
+        t = dem__normal_rate(wall, s->x, s->radius, at->element, n, b->inverse[k], u);
         if (wall->spin != 0.0) t = dem__add(t, dem__cross(spin, n));
         t = dem__scale(turn, t);
     }
@@ -9400,10 +9442,11 @@ static inline int dem__prepare_lists(dem_world *w) {
 static inline void dem__prepare_pairs(dem_world *w) {
     w->engine->run.has_unset_pairs = 0;
     for (int a = 0; a < w->def.materials; a++) {
-        for (int b = 0; b < w->def.materials; b++) {
-            const dem_pair_def *pair = a < b ? &w->def.pair[a][b] : &w->def.pair[b][a];
+        for (int b = a; b < w->def.materials; b++) {
+            const dem_pair_def *pair = &w->def.pair[a][b];
+            double(*ratio)[DEM_MATERIALS_MAX] = w->engine->run.damping_ratio;
             w->engine->run.has_unset_pairs |= a != b && !pair->given;
-            w->engine->run.damping_ratio[a][b] = dem_damping_ratio(pair->restitution, pair->mode);
+            ratio[a][b] = ratio[b][a] = dem_damping_ratio(pair->restitution, pair->mode);
         }
     }
 }
@@ -9755,6 +9798,28 @@ DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
     return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
 }
 
+/* Returns the kinetic energy of a sphere whose origin is the present step [J]. */
+DEM_INLINE double dem__energy_at_origin(const dem_world *w, ptrdiff_t i) {
+    const dem_particle *p = &w->particle[i];
+    return 0.5 * p->mass * dem__dot(p->v, p->v) + 0.5 * dem__inertia(w, i) * dem__dot(p->spin, p->spin);
+}
+
+/* Makes the present step the origin of a linked particle, books the work of its links until now, and moves its load to the sums. */
+static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__rigid *r = dem__rigid_of(w, i);
+    const dem_particle *p = &w->particle[i];
+    dem__set_origin(w, i);
+    if (r) bodies->room->wrap(w, r), bodies->room->place(w, r);
+    else dem__wrap(w, i);
+    if (w->engine->ledger.on && r) dem__book_link_work(w, dem__link_work(w, i));
+    else if (w->engine->ledger.on && !dem__is_fixed(w, i)) {
+        const double work = w->engine->links.is_loaded[i] ? dem__link_work_until(w, i, p->x, p->spin) : 0.0;
+        dem__book_link_work(w, work - dem__energy_at_origin(w, i));
+    }
+    for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
+}
+
 /* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at its first linked
    particle. */
 static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
@@ -9776,7 +9841,7 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const dem_vec b = dem__scale(sum->per_inertia, dem__sub(dem__second(load), dem__second(sum->load)));
     p->v = dem__flushed_vec(dem__plus(p->v, half, a)), p->a = dem__add(p->a, a);
     p->spin = dem__flushed_vec(dem__plus(p->spin, half, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
-    if (w->engine->ledger.on) dem__book_link_work(w, dem__motion_energy(w, i));
+    if (w->engine->ledger.on) dem__book_link_work(w, dem__energy_at_origin(w, i));
 }
 
 /* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a new one. */
@@ -9796,32 +9861,27 @@ static inline void dem__step_links(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
     dem__links *links = &w->engine->links;
-    dem__ledger *ledger = &w->engine->ledger;
+    int32_t *linked = w->engine->scratch.index;
+    ptrdiff_t n = 0;
     const double h = (double)links->stride * run->dt;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        dem__rigid *r = dem__rigid_of(w, i);
-        if (!dem__is_linked(w, i)) continue;
-        dem__set_origin(w, i);
-        if (r) bodies->room->wrap(w, r), bodies->room->place(w, r);
-        else dem__wrap(w, i);
-        if (ledger->on) dem__book_link_work(w, dem__link_work(w, i) - (r ? 0.0 : dem__motion_energy(w, i)));
-        for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        linked[n] = i;
+        n += dem__is_linked(w, i);
     }
+    for (ptrdiff_t q = 0; q < n; q++) dem__stop_linked(w, linked[q]);
     run->kernel_dt = h;
     links->evaluated_step = w->step;
     dem__evaluate_links(w);
     if (dem__link_parts(w) > 1) dem__add_links(w, 0, links->count);
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__is_linked(w, i)) dem__kick_linked(w, i, 0.5 * h);
-    }
-    for (ptrdiff_t i = 0; i < w->count; i++) { /* after all particles of a body have changed */
+    for (ptrdiff_t q = 0; q < n; q++) dem__kick_linked(w, linked[q], 0.5 * h);
+    for (ptrdiff_t q = 0; q < n; q++) { /* after all particles of a body have changed */
+        const int32_t i = linked[q];
         const dem__pieces own = dem__pieces_of(w, i);
         const dem_particle *p = &w->particle[i];
-        if (!dem__is_linked(w, i)) continue;
-        for (int q = 0; q < 6; q++) bodies->sum[i].load[q] = 0.0;
+        for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = 0.0;
         links->is_loaded[i] = links->first_link[i] >= 0;
-        for (int q = 0; q < 3 && ledger->on; q++)
-            links->evaluated_at[i][q] = dem_axis(p->x, q), links->evaluated_at[i][3 + q] = dem_axis(p->spin, q);
+        for (int a = 0; a < 3 && w->engine->ledger.on; a++)
+            links->evaluated_at[i][a] = dem_axis(p->x, a), links->evaluated_at[i][3 + a] = dem_axis(p->spin, a);
         if (run->needs_lists) continue;
         for (ptrdiff_t k = own.first; k < own.end; k++) dem__check_linked(w, k);
     }
@@ -9840,7 +9900,8 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
     dem__links *links = &w->engine->links;
     const dem_law *law = kernel->law;
     if (links->count > 0 && law->states != links->states) return DEM_LAW_MISMATCH;
-    const int goes_on = links->on && links->interval == interval; /* a loaded world whose law is set again */
+    dem__pieces others = dem__all_particles(w);                              /* whose work is counted with another interval from now on */
+    if (links->on && links->interval == interval) others.end = others.first; /* a loaded world whose law is set again */
     links->on = 1;
     links->law = law;
     links->loop = kernel->loop, links->step = dem__step_links;
@@ -9853,9 +9914,9 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
         links->capacity = 0;
         links->states = law->states;
     }
-    if (!goes_on) dem__stop_link_work(w, dem__all_particles(w));
+    dem__stop_link_work(w, others);
     dem__set_stride(w);
-    if (!goes_on) dem__resume_link_work(w, dem__all_particles(w));
+    dem__resume_link_work(w, others);
     return DEM_OK;
 }
 
@@ -15361,6 +15422,7 @@ static inline dem_status dem__read_walls(const dem__file *file, dem_world *w, de
         if (a->kind == DEM_MESH) dem__count_mesh(w);
         walls->touch_keepers += a->kind == DEM_MESH || a->kind == DEM_CONE;
         walls->controls |= a->asked.drive >= DEM_FORCE_CONTROLLED;
+        dem__set_phase_sine(a);
     }
     return DEM_OK;
 }

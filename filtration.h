@@ -813,11 +813,20 @@ static inline double riddle__sin_quarter(double r, int quarter) {
     return quarter & 2 ? -value : value;
 }
 
-static inline double riddle__sin_shifted(double x, int quarters) {
+/* Returns an angle less its quarter turns, and the number of these modulo 4. */
+static inline double riddle__within_quarter(double x, int *quarter) {
+    *quarter = 0;
     if (!(fabs(x) <= 1e6)) return (double)NAN;
     double n = floor(x * 0.63661977236758134 + 0.5);
-    double r = ((x - n * 1.5707963267341256) - n * 6.077100506303966e-11) - n * 2.0222662487959506e-21;
-    return riddle__sin_quarter(r, (int)(n - 4.0 * floor(n * 0.25)) + quarters);
+    *quarter = (int)(n - 4.0 * floor(n * 0.25));
+    return ((x - n * 1.5707963267341256) - n * 6.077100506303966e-11) - n * 2.0222662487959506e-21;
+}
+
+/* Returns the sine of an angle to which some quarter turns are added. */
+static inline double riddle__sin_shifted(double x, int quarters) {
+    int quarter;
+    double r = riddle__within_quarter(x, &quarter);
+    return riddle__sin_quarter(r, quarter + quarters);
 }
 
 /* Return the sine and the cosine for |x| <= 1e6 rad, NaN beyond; absolute error 2e-16. */

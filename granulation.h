@@ -751,11 +751,20 @@ static inline double riddle__sin_quarter(double r, int quarter) {
     return quarter & 2 ? -value : value;
 }
 
-static inline double riddle__sin_shifted(double x, int quarters) {
+/* Returns an angle less its quarter turns, and the number of these modulo 4. */
+static inline double riddle__within_quarter(double x, int *quarter) {
+    *quarter = 0;
     if (!(fabs(x) <= 1e6)) return (double)NAN;
     double n = floor(x * 0.63661977236758134 + 0.5);
-    double r = ((x - n * 1.5707963267341256) - n * 6.077100506303966e-11) - n * 2.0222662487959506e-21;
-    return riddle__sin_quarter(r, (int)(n - 4.0 * floor(n * 0.25)) + quarters);
+    *quarter = (int)(n - 4.0 * floor(n * 0.25));
+    return ((x - n * 1.5707963267341256) - n * 6.077100506303966e-11) - n * 2.0222662487959506e-21;
+}
+
+/* Returns the sine of an angle to which some quarter turns are added. */
+static inline double riddle__sin_shifted(double x, int quarters) {
+    int quarter;
+    double r = riddle__within_quarter(x, &quarter);
+    return riddle__sin_quarter(r, quarter + quarters);
 }
 
 /* Return the sine and the cosine for |x| <= 1e6 rad, NaN beyond; absolute error 2e-16. */
@@ -1672,6 +1681,12 @@ static inline int granulation__cells_for(int n) {
     return cells < 1 ? 1 : cells > 512 ? 512 : cells;
 }
 
+/* Returns the cell of a place in the box along one axis. Rounding may give the box's length, which is in the last cell. */
+static inline int granulation__cell_of(double x, double box, int cells) {
+    int cell = (int)(x * (cells / box));
+    return cell < cells ? cell : cells - 1;
+}
+
 /* Fills cell_start and items; positions must lie in the box */
 static inline bool granulation__sort(granulation_sim *sim, int *cells_used) {
     int n = sim->n, cells = granulation__cells_for(n), total = cells * cells * cells;
@@ -1682,13 +1697,11 @@ static inline bool granulation__sort(granulation_sim *sim, int *cells_used) {
     if (!granulation__grow(&sim->def.memory, &sim->hits, &sim->hit_capacity, n, sizeof(int))) return false;
     int *first = sim->cell_start, *cell = (int *)sim->hits;
     granulation__item *items = (granulation__item *)sim->items;
-    double per_cell = cells / sim->def.box;
+    double box = sim->def.box;
     memset(first, 0, ((size_t)total + 1) * sizeof(int));
     for (int i = 0; i < n; i++) {
-        int cx = (int)(sim->x[i] * per_cell), cy = (int)(sim->y[i] * per_cell), cz = (int)(sim->z[i] * per_cell);
-        cx = cx < cells ? cx : cells - 1;
-        cy = cy < cells ? cy : cells - 1;
-        cz = cz < cells ? cz : cells - 1;
+        int cx = granulation__cell_of(sim->x[i], box, cells), cy = granulation__cell_of(sim->y[i], box, cells),
+            cz = granulation__cell_of(sim->z[i], box, cells);
         cell[i] = (cz * cells + cy) * cells + cx;
         first[cell[i] + 1]++;
     }
@@ -1738,13 +1751,9 @@ static inline granulation_status granulation__make_chains(granulation_sim *sim, 
 
 /* Puts granule i into the chain of its cell. */
 static inline void granulation__link(const granulation_sim *sim, const granulation__chains *chains, int i) {
-    const double centre[3] = {sim->x[i], sim->y[i], sim->z[i]};
-    int at[3], cells = chains->cells;
-    for (int k = 0; k < 3; k++) {
-        at[k] = (int)(centre[k] / sim->def.box * cells);
-        at[k] = at[k] < cells ? at[k] : cells - 1;
-    }
-    int c = (at[2] * cells + at[1]) * cells + at[0];
+    double box = sim->def.box;
+    int cells = chains->cells, x = granulation__cell_of(sim->x[i], box, cells), y = granulation__cell_of(sim->y[i], box, cells),
+        z = granulation__cell_of(sim->z[i], box, cells), c = (z * cells + y) * cells + x;
     chains->next[i] = chains->head[c];
     chains->head[c] = i;
 }
@@ -1754,7 +1763,7 @@ static inline bool granulation__is_free(const granulation_sim *sim, const granul
                                         double diameter) {
     double box = sim->def.box;
     int cells = chains->cells, at[3], width = cells < 3 ? 1 : 27;
-    for (int k = 0; k < 3; k++) at[k] = (int)(centre[k] / box * cells);
+    for (int k = 0; k < 3; k++) at[k] = granulation__cell_of(centre[k], box, cells);
     for (int c = 0; c < width; c++) {
         int cx = (at[0] + c % 3 - 1 + cells) % cells, cy = (at[1] + c / 3 % 3 - 1 + cells) % cells,
             cz = (at[2] + c / 9 - 1 + cells) % cells;

@@ -108,16 +108,20 @@ DEM_INLINE double dem__since_evaluated(const dem_world *w) {
     return w->engine->run.dt * (double)(w->step - w->engine->links.evaluated_step);
 }
 
-/* Returns the work of the link forces on particle i since they were evaluated [J]. */
-static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
+/* Returns the work of the link forces on particle i, which is at x and has a spin, since they were evaluated [J]. */
+DEM_INLINE double dem__link_work_until(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin) {
     const dem__bodies *bodies = &w->engine->bodies;
     const dem__links *links = &w->engine->links;
-    if (!links->is_loaded[i] || dem__is_fixed(w, i)) return 0.0;
-    const double tau = dem__now(w, i), turned = 0.5 * dem__since_evaluated(w);
-    const dem_vec way = dem__nearest_image(w, dem__sub(dem__at(w, i, tau), dem__first(links->evaluated_at[i])));
+    const double turned = 0.5 * dem__since_evaluated(w);
+    const dem_vec way = dem__nearest_image(w, dem__sub(x, dem__first(links->evaluated_at[i])));
     const dem_vec force = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->external[i]));
     const dem_vec torque = dem__sub(dem__second(bodies->load[i]), dem__second(bodies->external[i]));
-    return dem__dot(force, way) + turned * dem__dot(torque, dem__add(dem__spin_at(w, i, tau), dem__second(links->evaluated_at[i])));
+    return dem__dot(force, way) + turned * dem__dot(torque, dem__add(spin, dem__second(links->evaluated_at[i])));
+}
+static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
+    const double tau = dem__now(w, i);
+    if (!w->engine->links.is_loaded[i] || dem__is_fixed(w, i)) return 0.0;
+    return dem__link_work_until(w, i, dem__at(w, i, tau), dem__spin_at(w, i, tau));
 }
 
 /* Stop and resume counting the work of links on some particles, while a caller changes how they move. The spin from which counting resumes

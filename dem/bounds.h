@@ -175,10 +175,16 @@ static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
 static inline int dem__move_walls(dem_world *w, int64_t step) {
     const dem__run *run = &w->engine->run;
     const double time = run->start_time + (double)(step - run->start_step) * run->dt;
+    const dem_wall *last = NULL; /* to which the sway belongs */
+    dem__sway sway;
     for (int k = 0; k < w->walls; k++) {
         dem_wall *a = &w->wall[k];
+        const double t = time - a->asked.motion_start;
         if (a->asked.drive == DEM_KINEMATIC) {
-            if (a->speed_bound > 0.0 || a->spin_bound > 0.0) dem__kinematic_wall(a, time - a->asked.motion_start);
+            if (!(a->speed_bound > 0.0 || a->spin_bound > 0.0)) continue;
+            if (!last || !dem__sways_like(a, last)) sway = dem__sway_at(a, t);
+            last = a;
+            dem__kinematic_wall(a, t, &sway);
             continue;
         }
         const dem_vec from = a->position, axis[3] = {a->axis[0], a->axis[1], a->axis[2]};

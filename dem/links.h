@@ -18,6 +18,28 @@ DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
     return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
 }
 
+/* Returns the kinetic energy of a sphere whose origin is the present step [J]. */
+DEM_INLINE double dem__energy_at_origin(const dem_world *w, ptrdiff_t i) {
+    const dem_particle *p = &w->particle[i];
+    return 0.5 * p->mass * dem__dot(p->v, p->v) + 0.5 * dem__inertia(w, i) * dem__dot(p->spin, p->spin);
+}
+
+/* Makes the present step the origin of a linked particle, books the work of its links until now, and moves its load to the sums. */
+static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__rigid *r = dem__rigid_of(w, i);
+    const dem_particle *p = &w->particle[i];
+    dem__set_origin(w, i);
+    if (r) bodies->room->wrap(w, r), bodies->room->place(w, r);
+    else dem__wrap(w, i);
+    if (w->engine->ledger.on && r) dem__book_link_work(w, dem__link_work(w, i));
+    else if (w->engine->ledger.on && !dem__is_fixed(w, i)) {
+        const double work = w->engine->links.is_loaded[i] ? dem__link_work_until(w, i, p->x, p->spin) : 0.0;
+        dem__book_link_work(w, work - dem__energy_at_origin(w, i));
+    }
+    for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
+}
+
 /* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at its first linked
    particle. */
 static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
@@ -39,7 +61,7 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const dem_vec b = dem__scale(sum->per_inertia, dem__sub(dem__second(load), dem__second(sum->load)));
     p->v = dem__flushed_vec(dem__plus(p->v, half, a)), p->a = dem__add(p->a, a);
     p->spin = dem__flushed_vec(dem__plus(p->spin, half, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
-    if (w->engine->ledger.on) dem__book_link_work(w, dem__motion_energy(w, i));
+    if (w->engine->ledger.on) dem__book_link_work(w, dem__energy_at_origin(w, i));
 }
 
 /* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a new one. */
@@ -59,32 +81,27 @@ static inline void dem__step_links(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
     dem__links *links = &w->engine->links;
-    dem__ledger *ledger = &w->engine->ledger;
+    int32_t *linked = w->engine->scratch.index;
+    ptrdiff_t n = 0;
     const double h = (double)links->stride * run->dt;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        dem__rigid *r = dem__rigid_of(w, i);
-        if (!dem__is_linked(w, i)) continue;
-        dem__set_origin(w, i);
-        if (r) bodies->room->wrap(w, r), bodies->room->place(w, r);
-        else dem__wrap(w, i);
-        if (ledger->on) dem__book_link_work(w, dem__link_work(w, i) - (r ? 0.0 : dem__motion_energy(w, i)));
-        for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        linked[n] = i;
+        n += dem__is_linked(w, i);
     }
+    for (ptrdiff_t q = 0; q < n; q++) dem__stop_linked(w, linked[q]);
     run->kernel_dt = h;
     links->evaluated_step = w->step;
     dem__evaluate_links(w);
     if (dem__link_parts(w) > 1) dem__add_links(w, 0, links->count);
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__is_linked(w, i)) dem__kick_linked(w, i, 0.5 * h);
-    }
-    for (ptrdiff_t i = 0; i < w->count; i++) { /* after all particles of a body have changed */
+    for (ptrdiff_t q = 0; q < n; q++) dem__kick_linked(w, linked[q], 0.5 * h);
+    for (ptrdiff_t q = 0; q < n; q++) { /* after all particles of a body have changed */
+        const int32_t i = linked[q];
         const dem__pieces own = dem__pieces_of(w, i);
         const dem_particle *p = &w->particle[i];
-        if (!dem__is_linked(w, i)) continue;
-        for (int q = 0; q < 6; q++) bodies->sum[i].load[q] = 0.0;
+        for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = 0.0;
         links->is_loaded[i] = links->first_link[i] >= 0;
-        for (int q = 0; q < 3 && ledger->on; q++)
-            links->evaluated_at[i][q] = dem_axis(p->x, q), links->evaluated_at[i][3 + q] = dem_axis(p->spin, q);
+        for (int a = 0; a < 3 && w->engine->ledger.on; a++)
+            links->evaluated_at[i][a] = dem_axis(p->x, a), links->evaluated_at[i][3 + a] = dem_axis(p->spin, a);
         if (run->needs_lists) continue;
         for (ptrdiff_t k = own.first; k < own.end; k++) dem__check_linked(w, k);
     }
@@ -103,7 +120,8 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
     dem__links *links = &w->engine->links;
     const dem_law *law = kernel->law;
     if (links->count > 0 && law->states != links->states) return DEM_LAW_MISMATCH;
-    const int goes_on = links->on && links->interval == interval; /* a loaded world whose law is set again */
+    dem__pieces others = dem__all_particles(w);                              /* whose work is counted with another interval from now on */
+    if (links->on && links->interval == interval) others.end = others.first; /* a loaded world whose law is set again */
     links->on = 1;
     links->law = law;
     links->loop = kernel->loop, links->step = dem__step_links;
@@ -116,9 +134,9 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
         links->capacity = 0;
         links->states = law->states;
     }
-    if (!goes_on) dem__stop_link_work(w, dem__all_particles(w));
+    dem__stop_link_work(w, others);
     dem__set_stride(w);
-    if (!goes_on) dem__resume_link_work(w, dem__all_particles(w));
+    dem__resume_link_work(w, others);
     return DEM_OK;
 }
 

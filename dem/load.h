@@ -144,6 +144,7 @@ static inline dem_status dem__read_walls(const dem__file *file, dem_world *w, de
         if (a->kind == DEM_MESH) dem__count_mesh(w);
         walls->touch_keepers += a->kind == DEM_MESH || a->kind == DEM_CONE;
         walls->controls |= a->asked.drive >= DEM_FORCE_CONTROLLED;
+        dem__set_phase_sine(a);
     }
     return DEM_OK;
 }

@@ -45,6 +45,7 @@ DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, de
     a->asked.amplitude = amplitude;
     a->asked.phase = phase;
     a->asked.frequency = frequency;
+    dem__set_phase_sine(a);
     dem__bound_speed(a);
     return DEM_OK;
 }

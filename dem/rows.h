@@ -186,7 +186,8 @@ DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_w
     if (slot >= 0 && wall->kind == DEM_MESH) {
         touch->normal = dem_vec3(contacts->touch[0][slot], contacts->touch[1][slot], contacts->touch[2][slot]);
         touch->gap = contacts->touch[3][slot];
-    } else dem__touch_element(wall, x, radius, element, touch);
+    } else if (wall->kind == DEM_PLANE) dem__touch_plane(wall, x, radius, touch);
+    else dem__touch_element(wall, x, radius, element, touch);
 }
 
 /* A row of a block that is at a wall. */
@@ -285,9 +286,13 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
         t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
     } else {
         const dem_vec spin = dem__scale(wall->spin, wall->spin_axis);
-        dem_vec carried = dem__plus(wall->velocity, -half, wall->acceleration);
-        if (wall->spin != 0.0) carried = dem__add(carried, dem__cross(spin, dem__sub(s->x, wall->position)));
-        t = dem__normal_rate(wall, s->x, s->radius, at->element, n, b->inverse[k], dem__sub(s->v, carried));
+        dem_vec u = dem_vec3(b->vx[k], b->vy[k], b->vz[k]);
+        if (wall->slides) { /* u is relative to its surface, not to its frame */
+            dem_vec carried = dem__plus(wall->velocity, -half, wall->acceleration);
+            if (wall->spin != 0.0) carried = dem__add(carried, dem__cross(spin, dem__sub(s->x, wall->position)));
+            u = dem__sub(s->v, carried);
+        }
+        t = dem__normal_rate(wall, s->x, s->radius, at->element, n, b->inverse[k], u);
         if (wall->spin != 0.0) t = dem__add(t, dem__cross(spin, n));
         t = dem__scale(turn, t);
     }

@@ -17,23 +17,39 @@ DEM_INLINE dem_vec dem__cross(dem_vec a, dem_vec b) {
 }
 DEM_INLINE double dem__length(dem_vec a) { return sqrt(dem__dot(a, a)); }
 
+/* Returns the sine of an angle, and its cosine: the bits of riddle_sin and riddle_cos, which both find the quarter turn. */
+DEM_INLINE double dem__sine(double angle, double *cosine) {
+    int quarter;
+    const double r = riddle__within_quarter(angle, &quarter);
+    *cosine = riddle__sin_quarter(r, quarter + 1);
+    return riddle__sin_quarter(r, quarter);
+}
+
 /* Rotates v by an angle [rad] about a unit axis (Rodrigues). */
 static inline dem_vec dem__rotated(dem_vec v, dem_vec axis, double angle) {
     double turns = angle / (2.0 * RIDDLE_PI), phase = 2.0 * RIDDLE_PI * (turns - floor(turns));
-    double s = riddle_sin(phase), c = riddle_cos(phase);
+    double c, s = dem__sine(phase, &c);
     return dem__add(dem__add(dem__scale(c, v), dem__scale(s, dem__cross(axis, v))), dem__scale((1.0 - c) * dem__dot(axis, v), axis));
 }
 
-/* Returns the displacement of a harmonic vibration from its start [m], and its velocity and acceleration. turns: frequency times time. */
-DEM_INLINE double dem__vibration(double amplitude, double phase, double turns, double rate, double *velocity, double *acceleration) {
+/* Returns the displacement of a harmonic vibration from its start [m], and its velocity and acceleration. start: sine of the phase; angle:
+   2 pi times frequency and time. */
+DEM_INLINE double dem__vibration(double amplitude, double phase, double start, double angle, double rate, double *velocity,
+                                 double *acceleration) {
     if (amplitude == 0.0) {
         *velocity = *acceleration = 0.0;
         return 0.0;
     }
-    double angle = 2.0 * RIDDLE_PI * (turns - floor(turns)) + phase, s = riddle_sin(angle);
-    *velocity = amplitude * rate * riddle_cos(angle);
+    double c, s = dem__sine(angle + phase, &c);
+    *velocity = amplitude * rate * c;
     *acceleration = -amplitude * rate * rate * s;
-    return amplitude * (phase == 0.0 ? s : s - riddle_sin(phase));
+    return amplitude * (s - start);
+}
+
+/* Sets the sines of a vibration's phases, which do not change while it lasts. */
+static inline void dem__set_phase_sine(dem_wall *w) {
+    const dem_vec phase = w->asked.phase;
+    w->phase_sine = dem_vec3(riddle_sin(phase.x) + 0.0, riddle_sin(phase.y) + 0.0, riddle_sin(phase.z) + 0.0); /* no -0 */
 }
 
 /* Displacement, velocity and acceleration of a wall by vibration. */
@@ -42,11 +58,20 @@ typedef struct dem__sway {
 } dem__sway;
 static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
     const double rate = 2.0 * RIDDLE_PI * w->asked.frequency, turns = w->asked.frequency * t;
+    const double angle = 2.0 * RIDDLE_PI * (turns - floor(turns));
+    const dem_vec size = w->asked.amplitude, phase = w->asked.phase, start = w->phase_sine;
     dem__sway s;
-    s.shift.x = dem__vibration(w->asked.amplitude.x, w->asked.phase.x, turns, rate, &s.velocity.x, &s.acceleration.x);
-    s.shift.y = dem__vibration(w->asked.amplitude.y, w->asked.phase.y, turns, rate, &s.velocity.y, &s.acceleration.y);
-    s.shift.z = dem__vibration(w->asked.amplitude.z, w->asked.phase.z, turns, rate, &s.velocity.z, &s.acceleration.z);
+    s.shift.x = dem__vibration(size.x, phase.x, start.x, angle, rate, &s.velocity.x, &s.acceleration.x);
+    s.shift.y = dem__vibration(size.y, phase.y, start.y, angle, rate, &s.velocity.y, &s.acceleration.y);
+    s.shift.z = dem__vibration(size.z, phase.z, start.z, angle, rate, &s.velocity.z, &s.acceleration.z);
     return s;
+}
+
+/* Returns whether two walls vibrate alike, as a deck and its side wall do. */
+DEM_INLINE int dem__sways_like(const dem_wall *a, const dem_wall *b) {
+    return memcmp(&a->asked.amplitude, &b->asked.amplitude, sizeof a->asked.amplitude) == 0 &&
+           memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 && a->asked.frequency == b->asked.frequency &&
+           a->asked.motion_start == b->asked.motion_start;
 }
 
 /* Returns the position of a wall in a pose; axis: its axes in the pose. */
@@ -108,11 +133,10 @@ static inline void dem__controlled_wall(dem_wall *w, double time) {
 }
 
 /* Moves a kinematic wall to its place t after its motion began [s]. */
-static inline void dem__kinematic_wall(dem_wall *w, double t) {
-    const dem__sway sway = dem__sway_at(w, t);
-    const dem_vec shift = dem__add(sway.shift, dem__scale(t, w->asked.drift));
-    w->velocity = dem__add(sway.velocity, w->asked.drift);
-    w->acceleration = sway.acceleration;
+static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *sway) {
+    const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->asked.drift));
+    w->velocity = dem__add(sway->velocity, w->asked.drift);
+    w->acceleration = sway->acceleration;
     dem_vec origin = w->asked.origin;
     if (w->spin != 0.0) {
         double angle = w->spin * t;
@@ -131,7 +155,10 @@ static inline void dem__kinematic_wall(dem_wall *w, double t) {
 static inline void dem__move_wall(dem_wall *w, double time) {
     if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
     else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
-    else dem__kinematic_wall(w, time - w->asked.motion_start);
+    else {
+        const dem__sway sway = dem__sway_at(w, time - w->asked.motion_start);
+        dem__kinematic_wall(w, time - w->asked.motion_start, &sway);
+    }
 }
 
 /* A place where a sphere is near a wall. */

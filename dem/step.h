@@ -33,10 +33,11 @@ static inline int dem__prepare_lists(dem_world *w) {
 static inline void dem__prepare_pairs(dem_world *w) {
     w->engine->run.has_unset_pairs = 0;
     for (int a = 0; a < w->def.materials; a++) {
-        for (int b = 0; b < w->def.materials; b++) {
-            const dem_pair_def *pair = a < b ? &w->def.pair[a][b] : &w->def.pair[b][a];
+        for (int b = a; b < w->def.materials; b++) {
+            const dem_pair_def *pair = &w->def.pair[a][b];
+            double(*ratio)[DEM_MATERIALS_MAX] = w->engine->run.damping_ratio;
             w->engine->run.has_unset_pairs |= a != b && !pair->given;
-            w->engine->run.damping_ratio[a][b] = dem_damping_ratio(pair->restitution, pair->mode);
+            ratio[a][b] = ratio[b][a] = dem_damping_ratio(pair->restitution, pair->mode);
         }
     }
 }

@@ -270,6 +270,7 @@ typedef struct dem_wall {
                                        reset */
     double acceleration_bound;      /* private: kinematic: limit of the acceleration of its origin, apart from rotation [m/s2] */
     double side_bound;              /* private: the same perpendicular to axis[2] */
+    dem_vec phase_sine;             /* private: sine of the vibration's phase, by component */
 } dem_wall;
 
 /* A particle that passed an exit. Owned by the world, in the order of passing. */

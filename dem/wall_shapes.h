@@ -22,23 +22,13 @@ static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radi
         *least = out[0].gap;
         return out[0].gap < limit;
     }
-    if (w->kind == DEM_CYLINDER) {
-        dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
-        double distance = dem__length(radial);
-        out[0].gap = (w->inside ? w->radius - distance : distance - w->radius) - radius;
-        *least = out[0].gap;
+    if (w->kind == DEM_CYLINDER || w->kind == DEM_SPHERE) {
+        const dem_vec radial = w->kind == DEM_SPHERE ? d : dem__plus(d, -up, w->axis[2]);
+        const double distance = dem__length(radial), side = w->inside ? -1.0 : 1.0;
+        *least = out[0].gap = side * (distance - w->radius) - radius;
         if (!(out[0].gap < limit) || !(distance > 0.0)) return 0;
-        out[0].normal = dem__scale((w->inside ? -1.0 : 1.0) / distance, radial);
-        out[0].curvature = (w->inside ? -0.5 : 0.5) / w->radius;
-        return 1;
-    }
-    if (w->kind == DEM_SPHERE) {
-        const double distance = dem__length(d);
-        out[0].gap = (w->inside ? w->radius - distance : distance - w->radius) - radius;
-        *least = out[0].gap;
-        if (!(out[0].gap < limit) || !(distance > 0.0)) return 0;
-        out[0].normal = dem__scale((w->inside ? -1.0 : 1.0) / distance, d);
-        out[0].curvature = (w->inside ? -1.0 : 1.0) / w->radius;
+        out[0].normal = dem__scale(side / distance, radial);
+        out[0].curvature = (w->kind == DEM_SPHERE ? side : 0.5 * side) / w->radius;
         return 1;
     }
     if (w->kind == DEM_CONE) return dem__touch_cone(w, d, up, radius, limit, out, least);
@@ -136,9 +126,8 @@ static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double
     if (w->kind == DEM_CONE) return dem__normal_rate_of_cone(w, dem__sub(centre, w->position), radius, n, u);
     if (w->kind == DEM_SCREEN) {
         const dem_vec along = w->axis[(uint32_t)element & 1u];
-        if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side); /* at a bar's end */
-        if (!(fabs(dem__dot(n, w->axis[2])) < 1.0 - 1e-12) && w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) < 0.0)
-            return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
+        if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side);                                      /* at a bar's end */
+        if (w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) <= 1e-12 - 1.0) return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
         return dem__scale(inverse, dem__plus(side, -dem__dot(side, along), along));
     }
     return dem_vec3(0.0, 0.0, 0.0);
