@@ -1027,10 +1027,6 @@ static int fit_lab(const program *self, const char *path, int starts) {
     lab_read(self, path, &data);
     int best = 0, points = 0;
     for (int k = 0; k < data.cases; k++) points += data.decks[k].classes * data.data[k].times;
-    common_print("%s: %d cases, %d readings%s%s\n", path, data.cases, points,
-                 data.load_known ? "" : "; no load given: the fits do not know it, 50 kg/m2 stands in",
-                 data.wire_known ? "" : "; no wire given: a quarter of the aperture stands in");
-    if (data.skipped) common_print("%d readings of classes at or above the aperture are left out\n", data.skipped);
     table t = table_begin("model|deviation|error of a new case|parameter|value|95 % range|the data");
     for (int m = 0; m < LAB_MODELS; m++) {
         screen_fit_options options = screen_default_fit_options((screen_model)m);
@@ -1041,10 +1037,11 @@ static int fit_lab(const program *self, const char *path, int starts) {
         if (m == SCREEN_SOLDINGER && self->quick) options.iterations = 60;
         screen_status status = screen_fit(&data.decks[0], (screen_model)m, data.cases, data.data, &options, &fits[m]);
         if (status) {
-            char reason[300];
+            char reason[300] = "";
             const screen_where *w = &fits[m].where;
-            snprintf(reason, sizeof reason, "case %s, class %d, time %d: %s", w->index >= 0 ? data.label[w->index] : "-", w->klass + 1,
-                     w->time + 1, screen_status_text(status));
+            int n = 0;
+            if (w->index >= 0) n = snprintf(reason, 200, "case %s, class %d, time %d: ", data.label[w->index], w->klass + 1, w->time + 1);
+            snprintf(reason + n, sizeof reason - (size_t)n, "%s", screen_status_text(status));
             program_refuse(self, "data", path, reason);
         }
         if (fits[m].deviation < fits[best].deviation) best = m;
@@ -1061,6 +1058,10 @@ static int fit_lab(const program *self, const char *path, int starts) {
         }
         if (common_interrupted()) return common_exit_status();
     }
+    common_print("%s: %d cases, %d readings%s%s\n", path, data.cases, points,
+                 data.load_known ? "" : "; no load given: the fits do not know it, 50 kg/m2 stands in",
+                 data.wire_known ? "" : "; no wire given: a quarter of the aperture stands in");
+    if (data.skipped) common_print("%d readings of classes at or above the aperture are left out\n", data.skipped);
     table_end(&t);
     if (fits[0].rises)
         common_print("%d readings rise by more than the noise, the largest by %.3f in case %s at %g s\n", fits[0].rises,

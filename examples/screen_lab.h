@@ -59,15 +59,16 @@ static inline void lab_plain_name(const char *name, char *out, size_t size) {
     out[n] = '\0';
 }
 
+/* The column of this name with any of the units; index -2: there are two. */
 static inline lab_column lab_find(const csv_data *data, const char *base) {
     lab_column column = {-1, 1.0, false};
-    for (int i = 0; i < data->columns && column.index < 0; i++) {
+    for (int i = 0; i < data->columns; i++) {
         char plain[80];
         lab_plain_name(data->names[i], plain, sizeof plain);
         size_t n = strlen(base);
         for (size_t u = 0; u < sizeof lab_units / sizeof *lab_units; u++)
             if (strncmp(plain, base, n) == 0 && strcmp(plain + n, lab_units[u].suffix) == 0) {
-                column.index = i;
+                column.index = column.index == -1 ? i : -2;
                 column.factor = lab_units[u].factor;
                 column.raw = *lab_units[u].suffix != '\0';
             }
@@ -129,6 +130,41 @@ enum {
 static const char *const lab_columns[LAB_COLUMNS] = {"case",     "time", "size",        "retained", "amplitude", "frequency", "aperture",
                                                      "moisture", "wire", "inclination", "load",     "share",     "oversize"};
 enum { LAB_NEEDED = 7 };
+
+/* Letters to change, put in or leave out to make one word of the other (Levenshtein); at most 20 letters count. */
+static inline int lab_distance(const char *a, const char *b) {
+    enum { MOST = 20 };
+    int row[MOST + 1];
+    for (int j = 0; j <= MOST; j++) row[j] = j;
+    int width = (int)strlen(b);
+    width = width < MOST ? width : MOST;
+    for (int i = 0; a[i] && i < MOST; i++) {
+        int diagonal = row[0];
+        row[0] = i + 1;
+        for (int j = 1; j <= width; j++) {
+            const int kept = diagonal + (a[i] != b[j - 1]), changed = 1 + (row[j] < row[j - 1] ? row[j] : row[j - 1]);
+            diagonal = row[j];
+            row[j] = kept < changed ? kept : changed;
+        }
+    }
+    return row[width];
+}
+
+/* Refuses a column that is nearly one that can be read: a default in its place would be wrong. */
+static inline void lab_refuse_near(const program *self, const char *path, const csv_data *data, const lab_column *column) {
+    for (int i = 0; i < data->columns; i++) {
+        char plain[80], text[300], *unit;
+        lab_plain_name(data->names[i], plain, sizeof plain);
+        unit = strchr(plain, '_');
+        if (unit) *unit = '\0';
+        for (int j = 0; j < LAB_COLUMNS; j++) {
+            if (column[j].index >= 0 || strlen(plain) < 4 || lab_distance(plain, lab_columns[j]) > (strlen(plain) > 4 ? 2 : 1)) continue;
+            snprintf(text, sizeof text, "a column %s, in a unit such as _mm, _percent, _kg_m2; there is %.60s", lab_columns[j],
+                     data->names[i]);
+            lab_refuse(self, "data", path, text);
+        }
+    }
+}
 
 /* The rows of one case into room [3 + its rows ...]; returns what is used of it. */
 static inline double *lab_read_case(const program *self, const char *path, const csv_data *data, const lab_column *column, const int *rows,
@@ -234,6 +270,10 @@ static inline void lab_read(const program *self, const char *path, lab *out) {
     if (csv_read(path, &data, message, (int)sizeof message)) lab_refuse(self, "data", path, message);
     for (int j = 0; j < LAB_COLUMNS; j++) {
         column[j] = lab_find(&data, lab_columns[j]);
+        if (column[j].index == -2) {
+            snprintf(message, sizeof message, "a file with one column %s; there are several", lab_columns[j]);
+            lab_refuse(self, "data", path, message);
+        }
         if (column[j].index >= 0 || j >= LAB_NEEDED) continue;
         int n = snprintf(message, sizeof message,
                          "a file with the columns case, time, size, retained, amplitude, frequency, aperture; %s is missing, there are:",
@@ -242,6 +282,7 @@ static inline void lab_read(const program *self, const char *path, lab *out) {
             n += snprintf(message + n, sizeof message - (size_t)n, " %s", data.names[i]);
         lab_refuse(self, "data", path, message);
     }
+    lab_refuse_near(self, path, &data, column);
     out->cases = out->skipped = 0;
     out->load_known = column[LAB_LOAD].index >= 0;
     out->wire_known = column[LAB_WIRE].index >= 0;

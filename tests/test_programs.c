@@ -656,6 +656,19 @@ static void test_own_screen(void **state) {
     r = run_program(fitter, percent, 0, 0.0);
     if (r.status != 2 || lines(r.err) != 1 || !strstr(r.err, "percent")) fail_msg("%d, '%s'", r.status, r.err);
     forget(&r);
+    /* a column twice, and columns that would be left out although they mean something */
+    static const char *const columns[] = {"retained_percent", "moistur_percent", "moisture_ppm", "Load [t]", "wires_mm"};
+    static const char *const row[] = {"50", "2.5", "2.5", "1", "2"};
+    for (int k = 0; k < 5; k++) {
+        file = fopen(place, "w");
+        assert_non_null(file);
+        fprintf(file, "case,amplitude_mm,frequency_hz,aperture_mm,time_s,size_mm,retained,%s\n1,1,50,8,1,5,0.5,%s\n", columns[k], row[k]);
+        fclose(file);
+        r = run_program(fitter, percent, 0, 0.0);
+        if (r.status != 2 || lines(r.err) != 1 || r.out[0] || !strstr(r.err, k ? columns[k] : "several"))
+            fail_msg("%s: %d, '%s'", columns[k], r.status, r.err);
+        forget(&r);
+    }
 }
 
 /* What only sieve_blocking does: a simulation in place of readings. */
