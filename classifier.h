@@ -2319,9 +2319,12 @@ CLASSIFIER_API int classifier_trajectory(const classifier_def *def, classifier_d
     if (!def || !(classifier__drag_ok(drag) && classifier__positive(x) && r >= def->wheel.inner_radius && r <= def->wheel.outer_radius &&
                   fabs(v_radial) < HUGE_VAL && fabs(v_phi) < HUGE_VAL))
         return -1;
-    double omega = def->rpm * RIDDLE_PI / 30.0, end = 20.0 * RIDDLE_PI / omega, scale = omega * def->wheel.outer_radius, h = 1e-3 / omega;
+    double omega = def->rpm * RIDDLE_PI / 30.0, end = 20.0 * RIDDLE_PI / omega, h = 1e-3 / omega;
+    double tip = omega * def->wheel.outer_radius,
+           inward = def->radial_factor * classifier_radial_velocity(&def->wheel, def->air_flow, def->wheel.outer_radius),
+           scale = tip > inward ? tip : inward;
     classifier__motion(def, drag, x, slip, y, k[0]);
-    for (int step = 0; t < end && step < 100000; step++) {
+    for (int step = 0; t < end && t + h > t && step < 100000; step++) {
         double next[3] = {0.0, 0.0, 0.0}, worst = 0.0;
         for (int s = 1; s < 7; s++) {
             for (int c = 0; c < 3; c++) {

@@ -11197,7 +11197,7 @@ static inline void dem__find_box(dem_convex *s) {
     s->half = dem_vec3(fabs(h[0]), fabs(h[1]), fabs(h[2]));
     s->is_box = s->corners == 8 && s->faces == 6;
     for (int k = 0; k < s->corners; k++) {
-        for (int a = 0; a < 3; a++) s->is_box &= fabs(fabs(s->corner[k][a]) - dem_axis(s->half, a)) <= 1e-12 * s->reach;
+        for (int a = 0; a < 3; a++) s->is_box &= fabs(fabs(s->corner[k][a]) - dem_axis(s->half, a)) <= 1e-9 * s->reach;
     }
     for (int k = 0; k < s->corners && s->is_box; k++) {
         for (int a = 0; a < 3; a++) s->corner[k][a] = s->corner[k][a] < 0.0 ? -dem_axis(s->half, a) : dem_axis(s->half, a);
@@ -15585,6 +15585,7 @@ static inline void dem__derive_loaded(dem_world *w) {
     dem__find_links(w);
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
+        contacts->near[c] = -1; /* until the list is built */
         dem__activate(w, i);
         if (j >= 0) dem__activate(w, j);
         else contacts->wall_next[c] = first[i], first[i] = (int32_t)c;

@@ -307,6 +307,7 @@ static inline void dem__derive_loaded(dem_world *w) {
     dem__find_links(w);
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
+        contacts->near[c] = -1; /* until the list is built */
         dem__activate(w, i);
         if (j >= 0) dem__activate(w, j);
         else contacts->wall_next[c] = first[i], first[i] = (int32_t)c;
