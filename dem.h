@@ -11711,8 +11711,7 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
     const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
     dem_vec m = dem_vec3(0.0, 0.0, 1.0);
     const double distance = s->is_box ? dem__from_box(s->half, x, enough, &m) : dem__from_faces(s, x, &m);
-    if (distance > enough) return distance;
-    *n = dem__from_core_frame(place, m);
+    *n = distance > enough ? m : dem__from_core_frame(place, m);
     return distance;
 }
 
@@ -11760,27 +11759,34 @@ DEM_INLINE void dem__find_near_part(const dem__side *side, double a, double b, d
     p->half = 0.5 * (to - from);
 }
 
-/* Places edge e in the world. Returns 0 if it ends at no near corner. apart: the cores do not overlap, and the directions in its faces are
-   not needed. */
-static inline int dem__place_edge(const dem__side *side, int e, int apart, dem__placed_edge *p) {
+/* Returns whether edge e ends at a near corner. */
+DEM_INLINE int dem__is_near_edge(const dem__side *side, int e) {
+    return (int)((side->near >> side->shape->edge[e][0] | side->near >> side->shape->edge[e][1]) & 1u);
+}
+
+/* Places edge e in the world. apart: the cores do not overlap, and the directions in its faces are not needed. */
+static inline void dem__place_edge(const dem__side *side, int e, int apart, dem__placed_edge *p) {
     const dem_convex *s = side->shape;
     const int from = s->edge[e][0], to = s->edge[e][1];
-    if (!((side->near >> from | side->near >> to) & 1)) return 0;
     const dem_vec u = dem__sub(dem__point(s->corner[to]), dem__point(s->corner[from]));
     p->number = e, p->ends = 3, p->sided = 0;
-    p->length = dem__length(u);
-    p->from = dem__corner_at(s, side->place, from), p->along = dem__from_core_frame(side->place, dem__scale(1.0 / p->length, u));
+    p->from = dem__corner_at(s, side->place, from);
+    if (s->is_box) { /* along an axis */
+        const int k = u.x != 0.0 ? 0 : u.y != 0.0 ? 1 : 2;
+        p->length = fabs(dem_axis(u, k)), p->along = dem__scale(1.0 / p->length * dem_axis(u, k), side->place->axis[k]);
+    } else {
+        p->length = dem__length(u), p->along = dem__from_core_frame(side->place, dem__scale(1.0 / p->length, u));
+    }
     const double a = side->height[from], b = side->height[to];
     dem__find_near_part(side, a, b, p);
     p->outward = p->in[0] = p->in[1] = dem_vec3(0.0, 0.0, 0.0); /* a segment has no faces */
-    if (apart) return 1;
+    if (apart) return;
     for (int f = 0; f < 2 && s->faces > 0; f++) {
         const dem_vec n = dem__from_core_frame(side->place, dem__point(s->plane[s->edge_face[e][f]]));
         p->outward = dem__add(p->outward, n);
         p->in[f] = dem__cross(n, f ? dem__scale(-1.0, p->along) : p->along);
     }
     if (dem__dot(p->outward, p->outward) < 1e-6) p->outward = dem__scale(-1.0, p->in[0]); /* the rim of a sheet */
-    return 1;
 }
 
 /* Returns how much the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals. */
@@ -11874,6 +11880,15 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
     return n;
 }
 
+/* Returns whether a point is farther than a distance beyond a side of a box. */
+DEM_INLINE int dem__passes_box(const dem__side *box, dem_vec x, double distance) {
+    const dem_vec d = dem__sub(x, box->place->x), half = box->shape->half;
+    for (int k = 0; k < 3; k++) {
+        if (fabs(dem__dot(d, box->place->axis[k])) > dem_axis(half, k) + distance) return 1;
+    }
+    return 0;
+}
+
 /* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if above 0, a and b have
    changed places. */
 static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out, int n) {
@@ -11882,6 +11897,7 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
         if (!(a->near >> k & 1)) continue;
         dem__convex_point *p = &out[n];
         const dem_vec x = dem__corner_at(a->shape, a->place, k);
+        if (b->shape->is_box && dem__passes_box(b, x, DEM__WINDOW * radii)) continue;
         const double distance = dem__from_core(b->shape, b->place, x, DEM__WINDOW * radii, &p->normal);
         if (!(distance < radii)) continue;
         p->key = key + k, p->taken = 0, p->weight = 1.0, p->at = x;
@@ -11895,16 +11911,21 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
     return n;
 }
 
-/* Returns which sides of a box the near part of an edge of another core, with its middle at `here`, comes near to: bits 2 k and 2 k + 1 for
-   the lower and the upper side across axis k. */
-DEM_INLINE unsigned dem__sides_near(const dem__side *box, const dem__placed_edge *p, dem_vec here, double radii) {
+/* Returns which sides of a box the near part of an edge of another core comes near to: bits 2 k and 2 k + 1 for the lower and the upper side
+   across axis k; 0 if it is not near to two sides that meet, where an edge of the box could be. */
+DEM_INLINE unsigned dem__sides_near(const dem__side *box, const dem__placed_edge *p, double radii) {
+    const dem_vec here = dem__plus(p->from, p->middle, p->along);
     const dem_vec at = dem__into_core(box->place, dem__sub(here, box->place->x)), u = dem__into_core(box->place, p->along);
     unsigned sides = 0;
+    int across = 0;
     for (int k = 0; k < 3; k++) {
         const double reach = fabs(dem_axis(u, k)) * p->half + radii, x = dem_axis(at, k), half = dem_axis(box->shape->half, k);
-        sides |= (unsigned)(fabs(x + half) < reach) << 2 * k | (unsigned)(fabs(x - half) < reach) << (2 * k + 1);
+        const unsigned low = fabs(x + half) < reach, high = fabs(x - half) < reach;
+        if (fabs(x) > half + reach) return 0; /* it passes the box */
+        sides |= low << 2 * k | high << (2 * k + 1);
+        across += (int)(low | high);
     }
-    return sides;
+    return across > 1 ? sides : 0;
 }
 /* Returns the sides of a box at which a corner lies. */
 DEM_INLINE unsigned dem__sides_of(const dem_convex *box, int corner) {
@@ -11912,31 +11933,67 @@ DEM_INLINE unsigned dem__sides_of(const dem_convex *box, int corner) {
     return 1u << (x[0] > 0.0) | 4u << (x[1] > 0.0) | 16u << (x[2] > 0.0);
 }
 
-/* Appends the points where edges cross to a list of n. Returns the new number. An edge of a box is looked at only if both of its sides are
-   near. */
+/* Edges of a core that end at a near corner. */
+typedef struct dem__edge_list {
+    int n;
+    dem__placed_edge edge[DEM_EDGES_MAX]; /* placed as soon as they are needed */
+    uint8_t number[DEM_EDGES_MAX], is_placed[DEM_EDGES_MAX];
+    uint8_t sides[DEM_EDGES_MAX]; /* of a box: those at which an edge lies; or those of the other box that it is near to */
+} dem__edge_list;
+
+/* Lists the edges that end at a near corner. */
+static inline void dem__list_near_edges(const dem__side *side, dem__edge_list *list) {
+    list->n = 0;
+    for (int e = 0; e < side->shape->edges; e++) {
+        list->number[list->n] = (uint8_t)e, list->is_placed[list->n] = 0;
+        list->n += dem__is_near_edge(side, e);
+    }
+}
+/* Finds the sides of a box at which its edges lie. */
+static inline void dem__find_sides(const dem__side *side, dem__edge_list *list) {
+    for (int m = 0; m < list->n; m++) {
+        const uint8_t *end = side->shape->edge[list->number[m]];
+        list->sides[m] = side->shape->is_box ? (uint8_t)(dem__sides_of(side->shape, end[0]) & dem__sides_of(side->shape, end[1])) : 0;
+    }
+}
+/* Places the edges of a list and keeps those that can cross one of the other core. */
+static inline void dem__keep_edges(const dem__side *side, const dem__side *other, double radii, int apart, dem__edge_list *list) {
+    int kept = 0;
+    for (int m = 0; m < list->n; m++) {
+        dem__place_edge(side, list->number[m], apart, &list->edge[kept]);
+        list->is_placed[kept] = 1;
+        list->sides[kept] = other->shape->is_box ? (uint8_t)dem__sides_near(other, &list->edge[kept], radii) : 63;
+        kept += list->sides[kept] > 0;
+    }
+    list->n = kept;
+}
+/* Returns an edge of a list, placed. */
+DEM_INLINE const dem__placed_edge *dem__edge_of(const dem__side *side, dem__edge_list *list, int m, int apart) {
+    if (!list->is_placed[m]) dem__place_edge(side, list->number[m], apart, &list->edge[m]);
+    list->is_placed[m] = 1;
+    return &list->edge[m];
+}
+
+/* Appends the points where edges cross to a list of n. Returns the new number. The core with fewer near edges is looked at first: if none
+   of these can cross one of the other core, nothing else is done. */
 static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out, int n) {
     const double radii = a->shape->radius + b->shape->radius, window = DEM__WINDOW * radii;
-    dem__placed_edge p, other[DEM_EDGES_MAX];
-    uint8_t near[DEM_EDGES_MAX], placed[DEM_EDGES_MAX];
-    int others = 0;
-    for (int f = 0; f < b->shape->edges; f++) {
-        const uint8_t *end = b->shape->edge[f];
-        near[others] = (uint8_t)f, placed[others] = 0;
-        others += (int)((b->near >> end[0] | b->near >> end[1]) & 1u);
-    }
-    for (int e = 0; e < a->shape->edges && others > 0; e++) {
-        if (!dem__place_edge(a, e, apart, &p)) continue;
-        const dem_vec here = dem__plus(p.from, p.middle, p.along);
-        const unsigned sides = b->shape->is_box ? dem__sides_near(b, &p, here, window) : 63u;
-        if (((sides & 3u) > 0) + ((sides & 12u) > 0) + ((sides & 48u) > 0) < 2) continue;
-        for (int m = 0; m < others && n + 5 <= DEM__POINTS_MAX; m++) {
-            const uint8_t *end = b->shape->edge[near[m]];
-            if (sides != 63u && (dem__sides_of(b->shape, end[0]) & dem__sides_of(b->shape, end[1]) & ~sides)) continue;
-            if (!placed[m]) placed[m] = (uint8_t)dem__place_edge(b, near[m], apart, &other[m]);
-            const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p.number * DEM_EDGES_MAX + other[m].number);
-            const dem_vec d = dem__sub(here, dem__plus(other[m].from, other[m].middle, other[m].along));
-            const double far_off = p.half + other[m].half + window;
-            if (dem__dot(d, d) < far_off * far_off) n += dem__cross_edges(&p, &other[m], radii, apart, key, &out[n]);
+    dem__edge_list of_a, of_b;
+    dem__list_near_edges(a, &of_a), dem__list_near_edges(b, &of_b);
+    const int a_first = of_a.n <= of_b.n;
+    if (a_first) dem__keep_edges(a, b, window, apart, &of_a);
+    else dem__keep_edges(b, a, window, apart, &of_b);
+    if (of_a.n == 0 || of_b.n == 0) return n;
+    if (a_first) dem__find_sides(b, &of_b);
+    else dem__find_sides(a, &of_a);
+    for (int e = 0; e < of_a.n; e++) {
+        for (int f = 0; f < of_b.n && n + 5 <= DEM__POINTS_MAX; f++) {
+            if (a_first ? of_b.sides[f] & ~of_a.sides[e] : of_a.sides[e] & ~of_b.sides[f]) continue;
+            const dem__placed_edge *p = dem__edge_of(a, &of_a, e, apart), *q = dem__edge_of(b, &of_b, f, apart);
+            const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p->number * DEM_EDGES_MAX + q->number);
+            const dem_vec d = dem__sub(dem__plus(p->from, p->middle, p->along), dem__plus(q->from, q->middle, q->along));
+            const double far_off = p->half + q->half + window;
+            if (dem__dot(d, d) < far_off * far_off) n += dem__cross_edges(p, q, radii, apart, key, &out[n]);
         }
     }
     return n;
@@ -12144,7 +12201,7 @@ static inline void dem__list_edges(dem__at_wall *q) {
     if (q->edges > 0) return;
     memset(&side, 0, sizeof side);
     side.shape = q->shape, side.place = &q->core, side.near = 0xffffffffu, side.limit = HUGE_VAL, side.sign = 1.0;
-    for (int e = 0; e < q->shape->edges; e++) q->edges += dem__place_edge(&side, e, 0, &q->edge[q->edges]);
+    for (int e = 0; e < q->shape->edges; e++) dem__place_edge(&side, e, 0, &q->edge[q->edges++]);
 }
 
 /* Sets an edge of a wall between two places, given from the polyhedron's centre. Returns 0 if it is too far away to touch. */

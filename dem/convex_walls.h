@@ -54,7 +54,7 @@ static inline void dem__list_edges(dem__at_wall *q) {
     if (q->edges > 0) return;
     memset(&side, 0, sizeof side);
     side.shape = q->shape, side.place = &q->core, side.near = 0xffffffffu, side.limit = HUGE_VAL, side.sign = 1.0;
-    for (int e = 0; e < q->shape->edges; e++) q->edges += dem__place_edge(&side, e, 0, &q->edge[q->edges]);
+    for (int e = 0; e < q->shape->edges; e++) dem__place_edge(&side, e, 0, &q->edge[q->edges++]);
 }
 
 /* Sets an edge of a wall between two places, given from the polyhedron's centre. Returns 0 if it is too far away to touch. */
