@@ -37,7 +37,6 @@
 #ifndef RIDDLE_FILTRATION_H
 #define RIDDLE_FILTRATION_H
 
-
 /* compiler.h: what compilers call differently, and the switch between static inline and one shared copy.
    Relies on nothing.
    May be changed here alone: everything that leaves the macros' meaning. */

@@ -2278,7 +2278,7 @@ static inline void screen__model_loss(const screen__problem *p, screen__descent 
 
 /* Tries the other sign of an exponent, with the same product, where the bound of its moisture exponent stops it on its way through 0. */
 static inline int screen__cross_zero(screen__problem *p, screen__descent *d) {
-    double across[SCREEN_MAX_PARAMETERS], trial[SCREEN_MAX_PARAMETERS];
+    double across[SCREEN_MAX_PARAMETERS] = {0}, trial[SCREEN_MAX_PARAMETERS];
     screen__sums there;
     for (int k = 0; k < 3 * screen__rates(p->model) && d->any_held; k += 3) {
         if (!(d->held[k + 2] && p->low[k + 2] < p->high[k + 2] && d->q[k + 1] * d->now.gradient[k + 1] > 0.0)) continue;

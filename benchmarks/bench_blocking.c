@@ -105,7 +105,7 @@ static void ode(const program *self, json *report, plot *figure) {
     make_deck(&d);
     const double exact = adaptive(&d, 1e-14);
     csv *file = csv_open(self->out, "blocking_ode.csv", "method,level,error,run_time_s");
-    table t = table_begin("blocking ODE, 600 s|error|run time [us]");
+    text_table t = table_begin("blocking ODE, 600 s|error|run time [us]");
     plot_panel(figure, 0, 0, "run time [s]", "error of f after 600 s [-]");
     plot_title(figure, "Changing rates");
     plot_log_x(figure);
@@ -165,7 +165,7 @@ static void estimators(const program *self, json *report, plot *figure) {
     const int trials = self->quick ? 200 : MOST;
     uint64_t seed = self->seed;
     blocking_fit_def def = blocking_default_fit_def();
-    table table_ = table_begin("holes counted|least squares: median error of k|failed|three readings: median error of k|failed");
+    text_table table_ = table_begin("holes counted|least squares: median error of k|failed|three readings: median error of k|failed");
     csv *file = csv_open(self->out, "blocking_estimators.csv",
                          "holes,least_squares_error,least_squares_failed,three_point_error,three_point_failed");
     for (int s = 0; s < SIZES && !common_interrupted(); s++) {
@@ -206,7 +206,7 @@ static void estimators(const program *self, json *report, plot *figure) {
     json_array(report, "least_squares_median_error", median[0], SIZES);
     json_array(report, "three_point_median_error", median[1], SIZES);
     plot_panel(figure, 0, 1, "holes counted at each time", "median error of k, relative [-]");
-    plot_title(figure, "Fit 7b from counted holes");
+    plot_title(figure, "Lawinska et al. (2016), row 7b, counted holes");
     plot_log_x(figure);
     plot_log_y(figure);
     plot_line(figure, "three readings, 0 128 256 s", holes, median[1], SIZES);
@@ -264,7 +264,7 @@ static double one_call(int which, double u) {
 }
 
 static void times(const program *self, json *report) {
-    table t = table_begin("call|ns");
+    text_table t = table_begin("call|ns");
     volatile double sink = 0.0;
     json_object_begin(report, "ns_per_call");
     for (int c = 0; c < CALLS && !common_interrupted(); c++) {

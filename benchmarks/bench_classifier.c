@@ -49,7 +49,7 @@ static void separation(const program *self, json *report) {
     progress bar_on_screen;
     if (one(4, self->quick ? 1 << 18 : 1 << 20, 12345, &truth, &bar, &seconds)) return; /* Sobol: not the method it is to judge first */
     common_print("T(66.85 um) = %.6f +- %.6f\n\n", truth, bar);
-    table out = table_begin("points|method|rms error|time [ms]|bars that hold [%]");
+    text_table out = table_begin("points|method|rms error|time [ms]|bars that hold [%]");
     csv *file = csv_open(self->out, "separation.csv", "method,points,rms_error,seconds,covered");
     progress_begin(&bar_on_screen, "separation curve", levels * METHODS);
     json_number(report, "t_reference", truth);
@@ -126,7 +126,7 @@ static void solver(const program *self, json *report) {
     enum { MOST = 100000 };
     double re[RE_POINTS], steps[3][RE_POINTS], ns[3] = {0.0, 0.0, 0.0};
     classifier_drag drag = classifier_hoelzer_sommerfeld(0.85, CLASSIFIER_EQUIVALENT);
-    table out = table_begin("Re|solver, steps|Picard, steps|damped Picard, steps");
+    text_table out = table_begin("Re|solver, steps|Picard, steps|damped Picard, steps");
     csv *file = csv_open(self->out, "solver.csv", "re,solver_steps,picard_steps,damped_picard_steps");
     int worst = 0;
     for (int i = 0; i < RE_POINTS; i++) {
@@ -213,7 +213,7 @@ static void laws(const program *self, json *report) {
                                  "stopping distance"};
     const char *const keys[] = {"stokes_ns",    "hoelzer_sommerfeld_ns", "schiller_naumann_ns", "hoelzer_sommerfeld_shape_ns",
                                 "di_felice_ns", "terminal_velocity_ns",  "stopping_distance_ns"};
-    table out = table_begin("law|ns a call");
+    text_table out = table_begin("law|ns a call");
     csv *file = csv_open(self->out, "laws.csv", "law,ns");
     for (int law = 0; law < 7; law++) {
         double ns = time_law(law, self->quick ? 2 : 7);

@@ -117,7 +117,7 @@ static int array_drag(const variant *v, int n, const double place[3], double *dr
 static void drag_errors(const program *self, json *report) {
     double error[VARIANTS][SIZES], time[VARIANTS][SIZES];
     const int count = self->quick ? 2 : SIZES, last = self->quick ? 1 : 4;
-    table out = table_begin("method|cells a diameter|largest error [%]|time [s]");
+    text_table out = table_begin("method|cells a diameter|largest error [%]|time [s]");
     csv *file = csv_open(self->out, "drag.csv", "method,cells_per_diameter,largest_error,seconds");
     json_array_begin(report, "drag");
     for (int s = 0; s < count; s++)
@@ -148,7 +148,7 @@ static void drag_errors(const program *self, json *report) {
     table_end(&out);
     csv_close(file);
     if (common_interrupted()) return;
-    plot *figure = plot_new("Simple cubic array, c = 0.125: error of the drag against run time", 1, 1);
+    plot *figure = plot_new("Simple cubic array, solid fraction 0.125: error of the drag against run time", 1, 1);
     plot_panel_size(figure, 560, 380);
     plot_panel(figure, 0, 0, "processor time to the steady flow [s]", "largest error of the drag, four places of the centre [-]");
     plot_log_x(figure);
@@ -216,7 +216,7 @@ static double rate(int n, int single, int bulk, int sphere) {
 
 static void rates(const program *self, json *report) {
     const int n = self->quick ? 64 : 128;
-    table out = table_begin("precision|limit [MLUPS]|bare|bulk viscosity|one moving sphere|bare over limit [%]");
+    text_table out = table_begin("precision|limit [MLUPS]|bare|bulk viscosity|one moving sphere|bare over limit [%]");
     csv *file = csv_open(self->out, "rates.csv", "precision,limit_mlups,bare_mlups,bulk_mlups,sphere_mlups");
     for (int single = 0; single < 2 && !common_interrupted(); single++) {
         const double limit = memory_limit(n, single), bare = rate(n, single, 0, 0), bulk = rate(n, single, 1, 0),
@@ -286,7 +286,7 @@ static void noise(const program *self, json *report) {
     static const double taus[] = {0.6, 1.0}, bulks[] = {2.0 / 3.0, 10.0, 100.0};
     static double drag[SPAN], pressure[SPAN];
     const int n = self->quick ? 24 : 40, lead = self->quick ? 100 : 2000;
-    table out = table_begin("relaxation time|bulk viscosity / nu|drag flickers by [%]|pressure by [rho u^2]");
+    text_table out = table_begin("relaxation time|bulk viscosity / nu|drag flickers by [%]|pressure by [rho u^2]");
     csv *file = csv_open(self->out, "noise.csv", "tau,bulk_ratio,drag_flicker,pressure_flicker");
     json_array_begin(report, "noise");
     for (int t = 0; t < 2; t++)
@@ -361,7 +361,7 @@ static void masses(const program *self, json *report) {
 static void speeds(const program *self, json *report) {
     static const double machs[] = {0.1, 0.2, 0.3}, cells[] = {5.0, 20.0, 40.0};
     const double diameter = self->quick ? 6.0 : 15.0;
-    table out = table_begin("Mach|u dx / nu|relaxation time|ends with|step");
+    text_table out = table_begin("Mach|u dx / nu|relaxation time|ends with|step");
     json_array_begin(report, "speeds");
     for (int m = 0; m < 3; m++)
         for (int r = 0; r < 3 && !common_interrupted(); r++) {

@@ -94,7 +94,7 @@ static void bench_balances(const program *self, json *report) {
     const int most = self->quick ? 160 : 320;
     plot *figure = plot_new("Population balance: error of the second moment against run time", 1, 3);
     csv *file = csv_open(self->out, "balance.csv", "kernel,scheme,cells_or_sample,seconds,error_m2,error_m3,error_n10");
-    table t = table_begin("kernel|scheme|cells|time [ms]|error of M2|M3|n(10)|order of M2");
+    text_table t = table_begin("kernel|scheme|cells|time [ms]|error of M2|M3|n(10)|order of M2");
     json_array_begin(report, "balance");
     for (int k = 0; k < 3; k++) {
         plot_panel(figure, 0, k, "processor time [s]", k ? "" : "relative error of M2 [-]");
@@ -235,7 +235,7 @@ static void bench_contacts(const program *self, json *report) {
     double x[12], y[12], exact = 0.0, exact_seconds = 0.0;
     int points = 0;
     csv *file = csv_open(self->out, "contacts.csv", "path_of_a_step_in_mean_diameters,seconds,collisions,exact,swept_seconds");
-    table t = table_begin("contacts|path of a step [diameters]|collisions|missed [%]|time [ms]");
+    text_table t = table_begin("contacts|path of a step [diameters]|collisions|missed [%]|time [ms]");
     json_array_begin(report, "contacts");
     for (int k = -1; k < (self->quick ? 7 : 9) && !common_interrupted(); k++) {
         granulation_def def = granulation_default_def();
@@ -295,7 +295,7 @@ static void bench_cost(const program *self, json *report) {
     const int numbers[5] = {200, 2000, 20000, 200000, 1000000};
     double x[5], y[2][5];
     int points = self->quick ? 3 : 5;
-    table t = table_begin("granules|end of step [s a step]|ns a granule|swept [s a step]|ns a granule|collisions swept");
+    text_table t = table_begin("granules|end of step [s a step]|ns a granule|swept [s a step]|ns a granule|collisions swept");
     csv *file = csv_open(self->out, "cost.csv", "granules,end_of_step_s,swept_s,swept_collisions");
     json_array_begin(report, "cost");
     for (int k = 0; k < points && !common_interrupted(); k++) {

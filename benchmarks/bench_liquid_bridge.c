@@ -214,7 +214,7 @@ int main(int argc, char **argv) {
     }
 
     json *report = json_open(self.json);
-    table t = table_begin("law|ns|rms error [%]|largest [%]");
+    text_table t = table_begin("law|ns|rms error [%]|largest [%]");
     csv *file = csv_open(self.out, "laws.csv", "law,ns,rms_error,largest_error");
     json_array_begin(report, "laws");
     for (int l = 0; l < LAWS + ORDERS; l++) {
@@ -239,7 +239,7 @@ int main(int argc, char **argv) {
     csv_close(file);
     table_end(&t);
 
-    plot *figure = plot_new("Capillary force: error against time", 1, 1);
+    plot *figure = plot_new("Capillary force, equations of Elskamp & Kruggel-Emden (2019): error against time", 1, 1);
     plot_panel(figure, 0, 0, "time of one evaluation [ns]", "largest error, gaps to 0.9 of rupture [%]");
     plot_log_x(figure);
     plot_log_y(figure);

@@ -176,7 +176,7 @@ static void impacts(const program *self, csv *file, json *report, plot *figure, 
     const char *const scenes[3] = {"head-on", "oblique 30 deg", "oblique 60 deg"};
     const int phases = self->quick ? 200 : PHASES_MAX;
     double x[LEVELS], summary[2][2][METHODS] = {{{0.0}}}, by_mode[2][2][2][LEVELS], steps[LEVELS];
-    table t = table_begin(
+    text_table t = table_begin(
         "impact|e|convention|t_c/dt|dem.h: evaluations|bias|rms|predicted Verlet: rms|leapfrog: rms|ns an impact|ns, nothing resolved");
     for (int k = 0; k < 3; k++) {
         for (int r = 0; r < 2; r++) {
@@ -422,8 +422,9 @@ static double stack_error(const double *z, const stack *exact) {
 static void stacks(const program *self, csv *file, json *report, plot *figure, progress *bar) {
     const double restitutions[3] = {0.78, 0.4351, 1.0};
     const int phases = self->quick ? 4 : STACK_PHASES;
-    table t = table_begin("stack|e|convention|t_c/dt|dem.h: evaluations|rms error [d]|predicted Verlet: rms|leapfrog: rms|us a run|us, "
-                          "nothing resolved|ledger");
+    text_table t =
+        table_begin("stack|e|convention|t_c/dt|dem.h: evaluations|rms error [d]|predicted Verlet: rms|leapfrog: rms|us a run|us, "
+                    "nothing resolved|ledger");
     for (int r = 0; r < 3; r++) {
         for (int mode = 0; mode < (restitutions[r] < 1.0 ? 2 : 1); mode++) { /* without a dashpot both conventions are one */
             const stack_law law = stack_law_of(restitutions[r], mode ? DEM_NAIVE : DEM_CLIPPED);
@@ -519,7 +520,7 @@ static void layers(const program *self, json *report) {
     const int skips[4] = {0, DEM_SKIP_PAIRS, DEM_SKIP_SPACE, DEM_SKIP_ALL};
     const stack start = stack_start(0.0);
     uint64_t hash[4];
-    table t = table_begin("the stack, t_c/20, skipping|us a run|looks a particle-step|hash");
+    text_table t = table_begin("the stack, t_c/20, skipping|us a run|looks a particle-step|hash");
     (void)self;
     json_array_begin(report, "skipping");
     for (int k = 0; k < 4; k++) {

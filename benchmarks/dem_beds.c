@@ -159,7 +159,7 @@ static void compare(const program *self, const char *path, reference (*reference
     snprintf(header, sizeof header,
              "spheres|bed|code|particle-steps per CPU second|over %s|mean height [m]|kinetic energy [J]|same physics",
              n_codes ? codes[base] : "");
-    table t = table_begin(header);
+    text_table t = table_begin(header);
     json_array_begin(report, "beds");
     for (int size = 0; size < SIZES; size++) {
         for (int scene = 0; scene < SCENES; scene++) {
@@ -283,7 +283,7 @@ int main(int argc, char **argv) {
     json *report = json_open(self.json);
     csv *file = csv_open(self.out, "dem_beds.csv",
                          "code,spheres,scene,friction,steps,cpu_s,wall_s,threads,mean_height_m,kinetic_energy_J,particle_steps_per_cpu_s");
-    table t = table_begin(
+    text_table t = table_begin(
         "spheres|bed|threads|particle-steps per CPU second|per second|over one thread|contacts a sphere|looks a step|mean height [m]|"
         "kinetic energy [J]|same physics");
     progress bar;

@@ -93,7 +93,7 @@ int main(int argc, char **argv) {
     if (common_exit_status() == 0) {
         json *report = json_open(self.json);
         csv *file = csv_open(self.out, "dem_container.csv", "container,contact_step_s,over_planes,contacts");
-        table t = table_begin("container|contacts|ns a contact and step|over planes");
+        text_table t = table_begin("container|contacts|ns a contact and step|over planes");
         json_array_begin(report, "containers");
         for (int k = 0; k < KINDS; k++) {
             const double over = best[k] / best[0];

@@ -173,7 +173,7 @@ int main(int argc, char **argv) {
     csv *file = csv_open(self.out, "dem_features.csv",
                          "spheres,scene,feature,threads,cpu_ns_per_particle_step,wall_ns_per_particle_step,instructions_per_particle_step,"
                          "contacts_per_sphere,looks_per_particle_step");
-    table t = table_begin("scene|feature|ns a particle-step|over friction|wall ns|instructions|contacts a sphere|looks a step");
+    text_table t = table_begin("scene|feature|ns a particle-step|over friction|wall ns|instructions|contacts a sphere|looks a step");
     progress bar;
     progress_begin(&bar, "features", (double)SCENES * repeats * FEATURES);
     json_array_begin(report, "features");

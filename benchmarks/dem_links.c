@@ -118,7 +118,7 @@ int main(int argc, char **argv) {
     plot_panel(figure, 0, 0, "interval [s]", "rms error of velocity and spin, over v [-]");
     plot_log_x(figure);
     plot_log_y(figure);
-    table t = table_begin("v [m/s]|interval [s]|rms error|energy left, mean error|another fate");
+    text_table t = table_begin("v [m/s]|interval [s]|rms error|energy left, mean error|another fate");
     json_array_begin(report, "runs");
     for (int s = 0; s < SPEEDS && exact && out && !common_interrupted(); s++) {
         double y[LEVELS];

@@ -122,7 +122,7 @@ int main(int argc, char **argv) {
 
     json *report = json_open(self.json);
     csv *file = csv_open(self.out, "dem_mesh.csv", "triangles,spheres,step_s,over_plane,build_s,bytes_a_triangle");
-    table t = table_begin("floor|triangles|spheres|ns a step of a sphere|over the plane|build [ms]|bytes a triangle");
+    text_table t = table_begin("floor|triangles|spheres|ns a step of a sphere|over the plane|build [ms]|bytes a triangle");
     double count[POINTS_MAX], over[POINTS_MAX], build[POINTS_MAX];
     json_array_begin(report, "points");
     for (int k = 0; k < n; k++) {

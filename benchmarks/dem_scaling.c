@@ -206,7 +206,7 @@ int main(int argc, char **argv) {
     json *report = json_open(self.json);
     csv *file = csv_open(self.out, "dem_scaling.csv",
                          "bed,spheres,size_ratio,by_mass,steps,step_s,over_base,fill_s,contacts,looks,steps_a_list,bytes_a_sphere");
-    table t = table_begin(
+    text_table t = table_begin(
         "state|spheres|sizes|ns a particle-step|over 20 000 equal|contacts a sphere|looks a step|steps a list|bytes a sphere|fill [s]");
     double count[POINTS_MAX], sizes[POINTS_MAX], over[POINTS_MAX];
     json_array_begin(report, "points");

@@ -244,7 +244,7 @@ int main(int argc, char **argv) {
     progress bar;
     progress_begin(&bar, "steps", LEVELS * (2.0 + SCENES));
     json_array_begin(report, "runs");
-    table t = table_begin("impacts, e|t_c/dt|dem.h: rms|energy|largest|Verlet: rms|energy|largest|leapfrog: rms|energy|largest");
+    text_table t = table_begin("impacts, e|t_c/dt|dem.h: rms|energy|largest|Verlet: rms|energy|largest|leapfrog: rms|energy|largest");
     for (int r = 0; r < 2; r++) {
         pair_state exact[ANGLES];
         for (int a = 0; a < ANGLES; a++) {

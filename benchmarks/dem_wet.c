@@ -109,7 +109,7 @@ static void compare(const program *self, const char *path) {
     json *report = json_open(self->json);
     csv *file = csv_open(self->out, "compare.csv",
                          "code,spheres,scene,state,particle_steps_per_cpu_s,cost_over_dry,mean_height_m,kinetic_energy_J");
-    table t = table_begin("scene|code|bed|particle-steps per CPU second|cost over dry|mean height [m]|kinetic energy [J]");
+    text_table t = table_begin("scene|code|bed|particle-steps per CPU second|cost over dry|mean height [m]|kinetic energy [J]");
     for (int k = 0; k < CODES; k++)
         for (int g = 0; g < SCENES * STATES; g++) speed[k][g] = (double)NAN;
     json_array_begin(report, "beds");
@@ -185,7 +185,7 @@ int main(int argc, char **argv) {
     json *report = json_open(self.json);
     csv *file = csv_open(self.out, "dem_wet.csv",
                          "code,spheres,scene,state,steps,cpu_s,mean_height_m,kinetic_energy_J,bridges_per_sphere,bridge_volume_m3");
-    table t =
+    text_table t =
         table_begin("bed|state|particle-steps per CPU second|cost over dry|bridges a sphere|mean volume [m3]|liquid error|mean height [m]|"
                     "kinetic energy [J]");
     double speed[1][SCENES * STATES];

@@ -67,7 +67,7 @@ static int write_stl(const char *folder, const char *name, const dem_mesh *m) {
         output_print(file, " endloop\nendfacet\n");
     }
     output_print(file, "endsolid funnel\n");
-    return output_close(file);
+    return (int)output_close(file);
 }
 
 static void corners_of(const dem_mesh *m, dem_vec *low, dem_vec *high) {
@@ -184,7 +184,7 @@ static void average(const heap *h, int heaps, double *mean, double *error) {
 static void report(const program *self, const heap *all, int n, int heaps, const dem_stl_report *stl) {
     const double degree = 180.0 / RIDDLE_PI;
     double friction[CASES], angle[CASES], error[CASES];
-    table t = table_begin("friction [-]|angle of repose [deg]|its standard error [deg]|on the plate|largest speed [mm/s]");
+    text_table t = table_begin("friction [-]|angle of repose [deg]|its standard error [deg]|on the plate|largest speed [mm/s]");
     csv *rows = csv_open(self->out, "angle_of_repose.csv", "friction,angle_deg,standard_error_deg,heaps,on_plate,largest_speed_m_s");
     plot *figure = plot_new("Heaps poured through a funnel", 1, 2);
     plot_panel(figure, 0, 0, "distance from the axis [mm]", "height of the surface's centres [mm]");

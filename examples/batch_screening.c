@@ -167,9 +167,9 @@ static void report_one(const study *st, double wall) {
     averages a;
     if (average(st, 0, &a)) return;
     const bool plate = s->scene == SCENE_CLOSED_PLATE, several = st->seeds > 1;
-    table rows = table_begin(plate     ? "time [s]|h* [mm]|+- 95 %"
-                             : several ? "time [s]|small retained|+- 95 %|near-mesh retained|+- 95 %|apertures free"
-                                       : "time [s]|small retained|near-mesh retained|apertures free");
+    text_table rows = table_begin(plate     ? "time [s]|h* [mm]|+- 95 %"
+                                  : several ? "time [s]|small retained|+- 95 %|near-mesh retained|+- 95 %|apertures free"
+                                            : "time [s]|small retained|near-mesh retained|apertures free");
     for (int k = 0; k < st->samples; k += (int)(fmax(0.1, s->time >= 10.0 ? floor(s->time / 10.0 + 0.5) : s->time / 10.0) / SAMPLE + 0.5)) {
         table_cell(&rows, "%.1f", a.time[k]);
         if (plate) table_cell(&rows, "%.2f", 1e3 * a.mean[H_STAR][k]), interval_cell(&rows, 2, 1e3 * a.interval[H_STAR][k]);
@@ -338,7 +338,7 @@ static void summary(const study *st, json *j) {
 
 static void report_cases(const study *st) {
     const int end = st->samples - 1, five = (int)(5.0 / SAMPLE + 0.5) < end ? (int)(5.0 / SAMPLE + 0.5) : end;
-    table t = table_begin("case|mm|Hz|water %|time [s]|small|+- 95 %|near-mesh|+- 95 %|at the end: small|+- 95 %|near-mesh|+- 95 %");
+    text_table t = table_begin("case|mm|Hz|water %|time [s]|small|+- 95 %|near-mesh|+- 95 %|at the end: small|+- 95 %|near-mesh|+- 95 %");
     for (int v = 0; v < st->variant_count; v++) {
         const settings *s = &st->variants[v].set;
         table_cell(&t, "%d", s->case_number), table_cell(&t, "%.1f", 1e3 * s->amplitude), table_cell(&t, "%.1f", s->frequency);
@@ -390,7 +390,7 @@ static void report_sensitivity(const study *st) {
     const char *const heading[2] = {"after 5 s", "after 10 s"}, *names[VARIANTS_MAX + 1] = {"paper"};
     plot *figure = plot_new("What the paper leaves open, one at a time: dry initial case", 2, 1);
     csv *rows = csv_open(st->self->out, "sensitivity.csv", "variant,time_s,small,small_sd,near_mesh,near_mesh_sd,seeds");
-    table t = table_begin("variant|time [s]|small|sd|near-mesh|sd");
+    text_table t = table_begin("variant|time [s]|small|sd|near-mesh|sd");
     for (int v = 0; v < st->variant_count; v++) names[v + 1] = st->variants[v].name;
     for (int w = 0; w < 2; w++) {
         double mean[UNDERSIZE][VARIANTS_MAX + 1] = {{paper[w][SMALL]}, {paper[w][NEAR_MESH]}};
@@ -481,7 +481,7 @@ static void report_neighbours(const study *st) {
                                                : "Screen",
              describe(text, sizeof text, base), st->seeds, st->seeds > 1 ? "s" : "");
     plot *figure = plot_new(title, rows, FACTORS);
-    table t = table_begin(
+    text_table t = table_begin(
         plate ? "factor|level|mean h* [mm]|+- 95 %|h* at the end [mm]|+- 95 %"
               : "factor|level|small, mean over time|+- 95 %|near-mesh, mean over time|+- 95 %|small, at the end|near-mesh, at the end");
     csv *file = csv_open(st->self->out, "neighbours.csv",
@@ -604,14 +604,14 @@ static void report_moisture(const study *st) {
     snprintf(title, sizeof title, "Retained after %g s, wet minus dry: %.3g mm, %.3g Hz, %d seeds, 95 %% intervals", end,
              1e3 * dry->amplitude, dry->frequency, st->seeds);
     plot *figure = plot_new(title, 1, 2);
-    table t = table_begin("class|laws|from %|to %|difference|+- paired|+- independent|correlation of pairs");
+    text_table t = table_begin("class|laws|from %|to %|difference|+- paired|+- independent|correlation of pairs");
     json *j = json_open(st->self->json);
     json_program(j, st->self);
     json_number(j, "amplitude_m", dry->amplitude);
     json_number(j, "frequency_hz", dry->frequency);
     json_number(j, "time_s", end);
     json_integer(j, "seeds", st->seeds);
-    table means = table_begin("batch|small|sd|+- 95 %|near-mesh|sd|+- 95 %");
+    text_table means = table_begin("batch|small|sd|+- 95 %|near-mesh|sd|+- 95 %");
     json_array_begin(j, "means");
     for (int v = 0; v < st->variant_count; v++) {
         table_cell(&means, "%s", st->variants[v].name);

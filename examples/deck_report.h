@@ -264,7 +264,7 @@ static void draw_steady(const study *st) {
 
 /* ---- tables and files ---- */
 
-static void cell(table *t, const char *format, deck_estimate e) {
+static void cell(text_table *t, const char *format, deck_estimate e) {
     char text[60];
     if (isnan(e.value)) snprintf(text, sizeof text, "-");
     else snprintf(text, sizeof text, format, e.value, e.interval);
@@ -272,9 +272,10 @@ static void cell(table *t, const char *format, deck_estimate e) {
 }
 
 static void print_decks(const study *st) {
-    table t = table_begin("feed [t/h]|deck|aperture [mm]|grains|over [t/h]|through [t/h]|undersize recovered|undersize in over|oversize "
-                          "through (all +- 95 %)|d50 "
-                          "[mm]|imperfection|stay [s]|10 %|90 %");
+    text_table t =
+        table_begin("feed [t/h]|deck|aperture [mm]|grains|over [t/h]|through [t/h]|undersize recovered|undersize in over|oversize "
+                    "through (all +- 95 %)|d50 "
+                    "[mm]|imperfection|stay [s]|10 %|90 %");
     for (int k = 0; k < st->runs; k++) {
         const deck_run *r = &st->run[k];
         double grains = 0.0;
@@ -298,8 +299,8 @@ static void print_decks(const study *st) {
 
 static void print_partition(const study *st) {
     const int best = best_model(st);
-    table t = table_begin(st->runs > 1 ? "diameter [mm]|share of the feed|over the end|model|second feed: over the end|model"
-                                       : "diameter [mm]|share of the feed|over the end|model");
+    text_table t = table_begin(st->runs > 1 ? "diameter [mm]|share of the feed|over the end|model|second feed: over the end|model"
+                                            : "diameter [mm]|share of the feed|over the end|model");
     const deck_run *first = &st->run[0];
     double all = 0.0;
     for (int c = 0; c < first->books.classes.count; c++) all += first->answer[0].arrived[c];
@@ -319,13 +320,13 @@ static void print_partition(const study *st) {
 }
 
 /* NaN: "-". */
-static void number_cell(table *t, const char *format, double x) {
+static void number_cell(text_table *t, const char *format, double x) {
     char text[32];
     snprintf(text, sizeof text, format, x);
     table_cell(t, "%s", isnan(x) ? "-" : text);
 }
 
-static void area_cell(table *t, const study *st, double length) { number_cell(t, "%.2f", length * st->machine_width); }
+static void area_cell(text_table *t, const study *st, double length) { number_cell(t, "%.2f", length * st->machine_width); }
 
 /* Share of the undersize that has passed at the last station [-]. */
 static double recovered_by_dem(const deck_run *r) { return r->curves.points > 0 ? r->curves.recovery[r->curves.points - 1] : (double)NAN; }
@@ -336,7 +337,7 @@ static void print_models(const study *st) {
              "deck area for %.3g of the undersize by|deviation, first feed (fitted)|second feed (predicted)|area, first feed [m2]|second "
              "feed [m2]|passed at its end, first|second|largest feed [t/h]",
              st->recovery);
-    table t = table_begin(header);
+    text_table t = table_begin(header);
     table_cell(&t, "DEM"), table_cell(&t, "-"), table_cell(&t, "-");
     area_cell(&t, st, st->run[0].length_by_dem), area_cell(&t, st, st->run[st->runs - 1].length_by_dem);
     number_cell(&t, "%.3f", recovered_by_dem(&st->run[0])), number_cell(&t, "%.3f", recovered_by_dem(&st->run[st->runs - 1]));

@@ -251,13 +251,13 @@ static int save(const run *r, const char *path) {
         output_discard(file);
         return common_fail("%s could not be written", path);
     }
-    return output_close(file);
+    return (int)output_close(file);
 }
 
 /* Into a run that is set up from the duty in the file, but for the time to which it shall go. */
 static filtration_status resume(const program *self, run *r, const char *path, double until) {
     char found[sizeof mark];
-    duty d;
+    duty d = r->d;
     FILE *file = fopen(path, "rb");
     if (!file || fread(found, 1, sizeof found, file) != sizeof found || memcmp(found, mark, sizeof mark) != 0 ||
         fread(&d, 1, sizeof d, file) != sizeof d)
@@ -442,7 +442,7 @@ static void print_run(const run *r, const findings *f) {
     common_print("%.4g ms, %.3g mL over 20 cm2, %lld steps in %.1f s: %.0f MLUPS\n\n", 1e3 * r->fluid.time,
                  1e6 * c->filtrate * laboratory / area(r), (long long)r->fluid.steps, r->seconds,
                  r->seconds > 0.0 ? 1e-6 * (double)r->fluid.updates / r->seconds : 0.0);
-    table t = table_begin("|here|paper|");
+    text_table t = table_begin("|here|paper|");
     const double line = f->evaluated == FILTRATION_OK ? f->curve.medium.value : (double)NAN;
     const struct {
         const char *name, *paper, *unit;

@@ -107,7 +107,7 @@ static void report_estimate(json *report, const char *key, const filtration_esti
     json_object_end(report);
 }
 
-static void row(table *t, const char *name, const char *unit, const filtration_estimate *e) {
+static void row(text_table *t, const char *name, const char *unit, const filtration_estimate *e) {
     table_cell(t, "%s", name);
     table_cell(t, "%.4g", e->value);
     table_cell(t, "%.2g", e->error);
@@ -119,7 +119,7 @@ static void print_curve(const settings *s, const readings *r, const filtration_c
     common_print("Straight stretch: readings %zu to %zu, %.3g to %.3g mL; %zu readings, scatter %.2g %%, R2 %.5f\n", c->first + 1,
                  c->last + 1, 1e6 * r->volume[c->first], 1e6 * r->volume[c->last], c->used, 100.0 * c->scatter, c->r2);
     common_print("Intervals of %.3g %%: Student's t %.3f with %.3g degrees of freedom\n\n", 100.0 * c->confidence, c->student, c->freedom);
-    table t = table_begin("|value|standard error|interval|unit");
+    text_table t = table_begin("|value|standard error|interval|unit");
     row(&t, "slope", "s/m6", &c->slope);
     row(&t, "intercept", "s/m3", &c->intercept);
     row(&t, "r_K K_S", "1/m2", &c->product);

@@ -305,17 +305,17 @@ static void write_row(json *report, const char *study, const ensemble *e) {
     json_object_end(report);
 }
 
-static table begin_rows(void) {
+static text_table begin_rows(void) {
     return table_begin("rpm|binder [%]|Type I [%], +- 95 %|paper|Type II [%], +- 95 %|paper|rebound [%]|paper|d43 [um], +- 95 "
                        "%|paper|interactions|breakages");
 }
 
-static void table_number(table *t, const char *format, double value) {
+static void table_number(text_table *t, const char *format, double value) {
     if (value == value) table_cell(t, format, value);
     else table_cell(t, "-");
 }
 
-static void table_row(table *t, const ensemble *e) {
+static void table_row(text_table *t, const ensemble *e) {
     const paper_row *p = paper_for(e->c->rpm, e->c->liquid);
     granulation_estimate one = result_of(e, 0), two = result_of(e, 1), out = result_of(e, 2), size = result_of(e, 4), met = result_of(e, 5),
                          broke = result_of(e, 6);
@@ -372,7 +372,7 @@ static int study_rows(const program *self, json *report, const char *name, const
     unsigned outside[4] = {0};
     char titles[4][60];
     table1_classes(edges);
-    table t = begin_rows();
+    text_table t = begin_rows();
     snprintf(file_name, sizeof file_name, impeller ? "table2.csv" : "table3.csv");
     csv *file = csv_open(self->out, file_name, row_header);
     plot *figure = plot_new(impeller ? "Gantt & Gatzke, Fig 8: size distribution at four impeller speeds"
@@ -444,7 +444,7 @@ static int study_rows(const program *self, json *report, const char *name, const
         plot_points(figure, "paper", at, paper[q], n);
         if (beyonds > 0) plot_points(figure, "outside the fit", beyond_at, beyond, beyonds);
     }
-    return plot_write(figure, self->out, impeller ? "table2.svg" : "table3.svg");
+    return (int)plot_write(figure, self->out, impeller ? "table2.svg" : "table3.svg");
 }
 
 /* ---- pouw: the discrete simulation beside population balances ---- */
@@ -608,7 +608,7 @@ static int draw_classes(const program *self, const ensemble *e, const curve *bal
         }
         if (p == 2) plot_legend_outside(figure);
     }
-    return plot_write(figure, self->out, file);
+    return (int)plot_write(figure, self->out, file);
 }
 
 static int study_pouw(const program *self, json *report, granulation_def def, int replicates, int steps) {
@@ -658,7 +658,7 @@ static int study_pouw(const program *self, json *report, granulation_def def, in
         plot_style(figure, PLOT_DOTTED, PLOT_NEXT);
     }
     plot_write(figure, self->out, "balance.svg");
-    table t = table_begin("after the last step|granules|d43 [um]");
+    text_table t = table_begin("after the last step|granules|d43 [um]");
     table_cell(&t, "discrete, %d replicates", replicates);
     table_cell(&t, "%.1f", left);
     table_cell(&t, "%.1f", 1e6 * over(&e, e.records[0].size + steps).mean);
@@ -812,7 +812,7 @@ static int study_map(const program *self, json *report, granulation_def def, int
     plot_legend_outside(figure);
     plot_write(figure, self->out, "figure10.svg");
     int type1 = n[2] >= n[3] ? 2 : 3;
-    table t =
+    text_table t =
         table_begin("figure 10|rebound [%]|Type II [%]|Type I only [%]|Type I, eq 21 met, too [%]|events a run|St_v II / I|St_def II / I");
     table_cell(&t, "%d runs", runs);
     for (int k = 0; k < 4; k++) table_cell(&t, "%.1f", share[k]);
@@ -863,7 +863,7 @@ static int study_midbatch(const program *self, json *report, granulation_def def
     double edges[CLASSES + 1];
     condition c = condition_of(def, 360, 0.33);
     ten_classes(edges);
-    table t = table_begin("mid-batch|Type I [%]|Type II [%]|d43 [um]|granules");
+    text_table t = table_begin("mid-batch|Type I [%]|Type II [%]|d43 [um]|granules");
     progress bar;
     progress_begin(&bar, "changes in mid-batch", 4.0 * replicates);
     int bad = 0;
@@ -916,7 +916,7 @@ static int study_midbatch(const program *self, json *report, granulation_def def
         csv_row(file, line, 5);
     }
     csv_close(file);
-    return plot_write(figure, self->out, "midbatch.svg");
+    return (int)plot_write(figure, self->out, "midbatch.svg");
 }
 
 /* ---- sound: physically sounder readings ---- */
@@ -946,7 +946,7 @@ static int study_sound(const program *self, json *report, int replicates, int st
     const char *short_names[READINGS] = {"G1", "+ conserved", "+ swept", "swept, cons.", "stirred", "signs", "streams", "refitted"};
     const char *conditions[6] = {"120 rpm", "360", "720", "840", "15 %", "25 %"};
     ten_classes(edges);
-    table t =
+    text_table t =
         table_begin("reading|mean error I, II [points]|mean error d43 [um]|interactions|I / II at 120|360|720|840 rpm|15 %|25 % binder");
     csv *file = csv_open(self->out, "sound.csv",
                          "reading,rpm,binder,type1_pct,type2_pct,d43_m,interactions,paper_type1_pct,paper_type2_pct,paper_d43_m");
@@ -1002,7 +1002,7 @@ static int study_sound(const program *self, json *report, int replicates, int st
     plot_panel(figure, 1, 1, "condition (refitted reading)", "Type II [% of collisions]");
     plot_bars(figure, "granulation.h", conditions, last[1], 6);
     plot_bars(figure, "paper", conditions, paper[1], 6);
-    return plot_write(figure, self->out, "sound.svg");
+    return (int)plot_write(figure, self->out, "sound.svg");
 }
 
 /* ---- custom ---- */
@@ -1053,7 +1053,7 @@ static int study_custom(const program *self, json *report, granulation_def def, 
     progress_end(&bar);
     if (frames) write_granules(self, &c, steps);
     write_row(report, "custom", &e);
-    table t = begin_rows();
+    text_table t = begin_rows();
     table_row(&t, &e);
     table_end(&t);
     const unsigned outside = outside_in_most(&e);
@@ -1092,7 +1092,7 @@ static int study_custom(const program *self, json *report, granulation_def def, 
     csv_close(file);
     end_rows_with_classes(report, &e, CLASSES);
     ensemble_free(&e);
-    return plot_write(figure, self->out, "custom.svg");
+    return (int)plot_write(figure, self->out, "custom.svg");
 }
 
 int main(int argc, char **argv) {

@@ -283,7 +283,7 @@ static void report(study *st, double k) {
     csv *rates = csv_open(st->self->out, "rates.csv",
                           "orifice_m,height_m,rate_kg_s,standard_error_kg_s,bulk_density_kg_m3,spheres,passed,duration_s");
     csv *curves = csv_open(st->self->out, "curves.csv", "orifice_m,height_m,time_s,mass_kg");
-    table t = table_begin("orifice [mm]|fill [mm]|spheres|passed|rate [kg/s]|standard error|bulk density [kg/m3]");
+    text_table t = table_begin("orifice [mm]|fill [mm]|spheres|passed|rate [kg/s]|standard error|bulk density [kg/m3]");
     plot *figure = plot_new(s->dosta ? "Silo of Dosta et al." : "Discharge of silos with a fill of constant height", s->dosta ? 1 : 2, 1);
     plot_panel(figure, 0, 0, "time [s]", s->dosta ? "number left [-]" : "mass passed [kg]");
     json_array_begin(j, "runs");

@@ -79,7 +79,7 @@ static double prepare(const dem_birth *birth, double *constants) {
 
 /* Number of a particle's history: all parts of a clump have one. */
 static int parts(const gap *g) { return g->shape == CLUMP ? g->clump.spheres : 1; }
-static ptrdiff_t history_of(const dem_world *w, const gap *g, ptrdiff_t i) { return w->id[i] / parts(g); }
+static ptrdiff_t history_of(const dem_world *w, const gap *g, ptrdiff_t i) { return (ptrdiff_t)w->id[i] / parts(g); }
 /* Radius of the sphere about a particle of size d [m]. */
 static double reach(const gap *g, int shape, double d) {
     if (shape == BRICK) return 0.5 * d * cbrt(RIDDLE_PI / 6.0 / 2.08) * sqrt(2.0 + 2.08 * 2.08);

@@ -474,7 +474,7 @@ static void compare_with_search(const program *self, const study *s, const resul
     jobs_run(n, self->threads, run_search, searches);
     progress_end(&bar);
     if (common_interrupted()) exit(common_exit_status());
-    table t = table_begin("model|fit|global search|evaluations|populations|fit above search");
+    text_table t = table_begin("model|fit|global search|evaluations|populations|fit above search");
     json_object_begin(report, "global_search");
     for (int i = 0; i < n; i++) {
         int m = searches[i].kind;
@@ -506,7 +506,7 @@ static const char *name_of(int m, int j) {
 }
 
 static void print_results(const study *s, const results *r) {
-    table t = table_begin("model|published|one set|paper|one set a case|paper|fit [s]|starts at best");
+    text_table t = table_begin("model|published|one set|paper|one set a case|paper|fit [s]|starts at best");
     for (int m = 0; m < KINDS; m++) {
         const double values[] = {r->published[m], r->all[m].deviation, kinds[m].paper_all, r->each[m], kinds[m].paper_each, r->wall[m]};
         table_cell(&t, "%s", kinds[m].name);
@@ -779,7 +779,7 @@ static void draw_groups(const program *self, const study *s, const results *r, j
     snprintf(title, sizeof title, "Five cases predicted from four, five groups%s", short_source(s));
     plot *figure = plot_new(title, 1, 3);
     csv *file = csv_open(self->out, "fig10d.csv", "fitted,model0,model1,model2,model3,model1_grain,audit1,audit2,audit3");
-    table t = table_begin("five from four, fitted to|1 Dong|audit|2 Subasinghe|audit|3 Soldinger|audit");
+    text_table t = table_begin("five from four, fitted to|1 Dong|audit|2 Subasinghe|audit|3 Soldinger|audit");
     for (int m = 1; m <= 3; m++) {
         plot_panel(figure, 0, m - 1, "cases fitted", m == 1 ? "average deviation [-]" : "");
         plot_title(figure, kinds[m].name);
@@ -861,7 +861,7 @@ static void draw_separation(const program *self, const study *s, const results *
     static const double when[3] = {2.0, 5.0, 10.0};
     double d[GRID], feed[GRID], part[GRID];
     char label[60];
-    table t = table_begin("initial case, model 2|d25 [mm]|d50 [mm]|d75 [mm]|imperfection|undersize in what stays");
+    text_table t = table_begin("initial case, model 2|d25 [mm]|d50 [mm]|d75 [mm]|imperfection|undersize in what stays");
     plot *figure = plot_new("Partition curve of the deck, initial case, model 2 (extrapolated outside 5 .. 7 mm)", 1, 1);
     plot_panel(figure, 0, 0, "diameter [mm]", "stays on the deck [-]");
     json_array_begin(report, "separation");
@@ -1027,7 +1027,7 @@ static int fit_lab(const program *self, const char *path, int starts) {
     lab_read(self, path, &data);
     int best = 0, points = 0;
     for (int k = 0; k < data.cases; k++) points += data.decks[k].classes * data.data[k].times;
-    table t = table_begin("model|deviation|error of a new case|parameter|value|95 % range|the data");
+    text_table t = table_begin("model|deviation|error of a new case|parameter|value|95 % range|the data");
     for (int m = 0; m < LAB_MODELS; m++) {
         screen_fit_options options = screen_default_fit_options((screen_model)m);
         options.seed = self->seed;

@@ -157,7 +157,7 @@ static const char *within(char text[INTERVAL_TEXT], double interval) {
 }
 
 /* A cell of a number that may not be known. */
-static void interval_cell(table *t, int digits, double value) {
+static void interval_cell(text_table *t, int digits, double value) {
     if (isnan(value)) table_cell(t, "-");
     else table_cell(t, "%.*f", digits, value);
 }

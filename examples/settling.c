@@ -361,7 +361,7 @@ static void print_run(const run *r, const track *t) {
                  s->diameter / r->fluid.def.voxel, r->fluid.def.tau, r->fluid.def.nodes[0], r->fluid.def.nodes[1], r->fluid.def.nodes[2],
                  r->choice.quarter ? " (a quarter)" : "", (long long)r->fluid.steps, r->seconds,
                  r->seconds > 0.0 ? 1e-6 * (double)r->fluid.updates / r->seconds : 0.0);
-    table rows = table_begin("terminal velocity|[mm/s]|Re [-]|simulated over it");
+    text_table rows = table_begin("terminal velocity|[mm/s]|Re [-]|simulated over it");
     table_cell(&rows, "%s", "simulated"), table_cell(&rows, "%.4g", 1e3 * t->terminal), table_cell(&rows, "%.3g", reynolds(s, t->terminal));
     table_cell(&rows, "%s", "");
     for (int k = 0; k < LAWS + 2; k++) {

@@ -50,7 +50,7 @@ static void draw_table2(const program *self, json *report) {
     csv *file =
         csv_open(self->out, "table2.csv",
                  "time_s,f_7a_experiment,f_7a_model,f_7b_experiment,f_7b_model,f_8a_experiment,f_8a_model,f_8b_experiment,f_8b_model");
-    table t = table_begin("Table 2|f(0)|f(30 s)|mean of 60 s|f_inf|k1 [1/s]|k2 [1/s]|largest difference");
+    text_table t = table_begin("Table 2|f(0)|f(30 s)|mean of 60 s|f_inf|k1 [1/s]|k2 [1/s]|largest difference");
     double time[CURVE], f[8][CURVE];
     for (int i = 0; i < CURVE; i++) {
         double line[9] = {time[i] = 300.0 * i / (CURVE - 1)};
@@ -203,7 +203,7 @@ static void report_fit(json *report, const readings *r, blocking_status status, 
 /* Every pair of readings at t and 2 t with the one at 0 (or the first reading, for other times): what eq 14 and 15 would be asked. */
 static int three_points(json *report, const readings *r, double *first, double *k, double *error) {
     int found = 0;
-    table t = table_begin("three readings [s]|f_inf|standard error|k [1/s]|standard error|status");
+    text_table t = table_begin("three readings [s]|f_inf|standard error|k [1/s]|standard error|status");
     json_array_begin(report, "three_point");
     for (int i = 1; i + 1 < r->n; i++) {
         const double times[3] = {r->t[0], r->t[i], r->t[i + 1]}, f[3] = {r->f[0], r->f[i], r->f[i + 1]};
@@ -370,7 +370,7 @@ static void sweep(const program *self, json *report, const sieve_patch_def *def,
     double mean[XS][KS], bar_of[XS][KS], table3[XS][GRID], at_K[GRID];
     plot *figure = plot_new("Blocking by spheres, simulated, beside Table 3 of Lawinska et al. (2016); K: toss indicator", 2, 2);
     csv *file = csv_open(self->out, "sweep.csv", "K,x_h,time_s,free_holes,holes");
-    table t =
+    text_table t =
         table_begin("K|x_h|f0|f at the end|f0 fitted|f_inf fitted|k1 [1/s]|k2 [1/s]|R2|f* +- 95 % by counting holes|f* of Table 3|fit");
     json_array_begin(report, "sweep");
     for (int j = 0; j < XS; j++) {
@@ -509,7 +509,7 @@ static void draw_polynomials(const program *self, json *report, double K, double
     static double raw[GRID * GRID], cut[GRID * GRID], x[8 * GRID * 3], y[8 * GRID * 3];
     plot *figure = plot_new("Mean free fraction f* of Table 3, cut to 1 beyond the line", 2, 2);
     csv *file = csv_open(self->out, "polynomials.csv", "K,x_h,spherical,irregular,sharp_as_printed,sharp_repaired");
-    table t = table_begin("Table 3, K 0.6-5|least|largest|above 1|rising with x_h|f* at your K, x_h|remark");
+    text_table t = table_begin("Table 3, K 0.6-5|least|largest|above 1|rising with x_h|f* at your K, x_h|remark");
     blocking_conditions c = blocking_default_conditions();
     c.K = K;
     c.x_h = x_h;

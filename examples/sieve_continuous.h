@@ -70,7 +70,7 @@ static void report_ways(const program *self, json *report, const way_jobs *jobs)
     plot_title(figure, title);
     for (int w = 0; w < WAYS; w++) strcat(strcat(header, "|"), way_name[w]);
     common_print("Free holes; +-: 95 %% range by counting holes, as if each were blocked by itself\n");
-    table t = table_begin(header);
+    text_table t = table_begin(header);
     csv *file = csv_open(self->out, "continuous.csv",
                          "time_s,intermittent,inclined,continuous,error_95_intermittent,error_95_inclined,error_95_continuous");
     double mean[WAYS][COUNTS], error[WAYS][COUNTS];

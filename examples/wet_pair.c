@@ -139,7 +139,7 @@ static void draw_laws(const program *self, const scene *s, const bridge_pair *pa
     for (int law = LAWS - 1; law >= 0; law--) plot_line(figure, law_names[law], share, off[law], GAPS);
     plot_write(figure, self->out, "force.svg");
 
-    table t = table_begin("law|in contact [mN]|off, gaps to 0.9 of rupture [%]");
+    text_table t = table_begin("law|in contact [mN]|off, gaps to 0.9 of rupture [%]");
     for (int law = 0; law < LAWS; law++) {
         table_cell(&t, "%s", law_names[law]);
         table_cell(&t, "%.4f", force[law][0]);

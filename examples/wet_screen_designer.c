@@ -416,7 +416,7 @@ static own_answer own_time(const own *o, const screen_fit_result *fit, const scr
 static void report_steady(json *report, const own *o, const screen_fit_result *fits) {
     enum { PLACES = 20 };
     static double retained[OWN_CLASSES * PLACES];
-    table t =
+    text_table t =
         table_begin("model|efficiency|through [kg/s]|over the end [kg/s]|undersize in over|bed [mm], first and last|largest feed [kg/s]");
     json_array_begin(report, "deck");
     for (int m = 0; m < LAB_MODELS; m++) {
@@ -466,7 +466,7 @@ static int plan_own(const program *self, const char *path, own *o) {
     json *report = json_open(self->json);
     json_string(report, "parameters", path);
     json_number(report, "recovery", o->recovery);
-    table t = table_begin("model|fitted to|time [s]|95 % range|d50 then [mm]|95 % range|outside the fit's range");
+    text_table t = table_begin("model|fitted to|time [s]|95 % range|d50 then [mm]|95 % range|outside the fit's range");
     plot *figure = plot_new("Undersize still on the deck, by fitted models", 1, LAB_MODELS);
     csv *file = csv_open(self->out, "own_retained.csv", "model,time_s,retained,low,high");
     for (int i = 0; i < OWN_TIMES; i++) time[i] = o->limit * i / (OWN_TIMES - 1);
@@ -691,8 +691,8 @@ static void report_times(const program *self, json *report, const plan *p, const
     const holes *cases[3] = {&clean, blocking, table3};
     const char *const keys[3] = {"clean", "blocking", "table3"};
     const int samples = self->quick ? 200 : SAMPLES;
-    table t = table_begin(table3 ? "model|clean holes [s]|95 % range|blocking [s]|95 % range|Table 3 [s]|95 % range"
-                                 : "model|clean holes [s]|95 % range|blocking [s]|95 % range");
+    text_table t = table_begin(table3 ? "model|clean holes [s]|95 % range|blocking [s]|95 % range|Table 3 [s]|95 % range"
+                                      : "model|clean holes [s]|95 % range|blocking [s]|95 % range");
     for (int m = 0; m < MODELS && !common_interrupted(); m++) {
         plan coarse = *p;
         coarse.step = 0.05;

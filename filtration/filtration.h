@@ -35,7 +35,6 @@
    Shared copy instead of static inline: #define FILTRATION_API extern everywhere and FILTRATION_IMPLEMENTATION in one file. */
 #ifndef RIDDLE_FILTRATION_H
 #define RIDDLE_FILTRATION_H
-
 #include "compiler.h"
 #include "base.h"
 #include "process_api.h"

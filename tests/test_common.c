@@ -377,8 +377,8 @@ static void test_particles_as_others_write_them(void **state) {
     static const char *const right[] = {
         "x,y,z,diameter,group\n0.1,0.25,0.5,0.005,0\n0.2,0.25,0.5,0.005,1\n",
         "\xEF\xBB\xBFx,y,z,diameter,group\n0.1,0.25,0.5,0.005,0\n0.2,0.25,0.5,0.005,1\n",
-        "x_velocity_m_s,y_velocity_m_s,z_velocity_m_s,x_m,y_m,z_m,diameter_nominal,diameter_m,group\n"
-        "7,8,9,0.1,0.25,0.5,1,0.005,0\n7,8,9,0.2,0.25,0.5,1,0.005,1\n",
+        ("x_velocity_m_s,y_velocity_m_s,z_velocity_m_s,x_m,y_m,z_m,diameter_nominal,diameter_m,group\n"
+         "7,8,9,0.1,0.25,0.5,1,0.005,0\n7,8,9,0.2,0.25,0.5,1,0.005,1\n"),
         "X [mm];Y [mm];Z [mm];Diameter [um];class\r\n100;250,0;500;5000;0\r\n200;250;500,0;5,0e3;1\r\n",
         "x\ty\tz\tradius_mm\tgroup\r0.1\t0,25\t0.5\t2.5\t0\r0.2\t0.25\t0.5\t2,5\t1",
         "x [ mm ],y_mm,z( m),diameter [\xB5m],Group [-]\n100,250,0.5,5000,0\n\"200\" ,250,0.5,5000,1\n", /* Latin-1 */
@@ -505,7 +505,7 @@ static void test_table(void **state) {
     char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
-    table t = table_begin("name|value [m]|n");
+    text_table t = table_begin("name|value [m]|n");
     table_cell(&t, "a");
     table_cell(&t, "%.2f", 1.5);
     table_cell(&t, "%d", 30);

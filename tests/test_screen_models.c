@@ -833,7 +833,7 @@ static void the_fitter_names_what_the_data_leave_open(void **state) {
    and one that it makes slower. No parameter at a bound does better (scripts/verify fits: 300 sets). */
 static void few_cases_reach_the_best_minimum(void **state) {
     (void)state;
-    const double diameters[2] = {0.005, 0.007}, rate[2] = {2.58, 0.11};
+    const double rate[2] = {2.58, 0.11};
     const screen_operation operation[3] = {{0.00116, 54.0, 0.025, 0.0}, {0.00105, 44.0, 0.032, 0.0}, {0.00083, 54.0, 0.026, 0.0}};
     double time[6], retained[12];
     screen_case cases[3];

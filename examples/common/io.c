@@ -75,7 +75,7 @@ int csv_line(csv *c, const char *format, ...) {
     int length = vsnprintf(line, sizeof line, format, arguments);
     va_end(arguments);
     if (length < 0 || length >= (int)sizeof line) return common_fail("a row of %d characters is too long", length);
-    return output_print(c, "%s\n", line);
+    return (int)output_print(c, "%s\n", line);
 }
 
-void table_end(table *t) { table_end_to(t, common_quiet() ? NULL : stdout); }
+void table_end(text_table *t) { table_end_to(t, common_quiet() ? NULL : stdout); }

@@ -83,10 +83,10 @@ int csv_line(csv *c, const char *format, ...) COMMON_PRINTF(2, 3); /* a row by h
 #define PLOT_GREY RIDDLE_IO_GREY
 #define PLOT_BLACK RIDDLE_IO_BLACK
 
-#define table riddle_io_table
+#define text_table riddle_io_table
 #define table_begin riddle_io_table_begin
 #define table_cell riddle_io_table_cell
 #define table_end_to riddle_io_table_end
-void table_end(table *t); /* on stdout; nothing when --quiet */
+void table_end(text_table *t); /* on stdout; nothing when --quiet */
 
 #endif

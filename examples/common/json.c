@@ -90,7 +90,7 @@ int json_close(json *j) {
     if (!j) return 0;
     while (j->depth > 0) close_level(j);
     output_print(j->file, "\n}\n");
-    int status = output_close(j->file);
+    int status = (int)output_close(j->file);
     free(j);
     return status;
 }
