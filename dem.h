@@ -4362,6 +4362,9 @@ DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
 /* Returns the first of n items that belongs to a part. */
 DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / parts * part + (n % parts < part ? n % parts : part); }
 
+/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no long lead. */
+DEM_INLINE ptrdiff_t dem__prefetch_from(ptrdiff_t n, ptrdiff_t ahead) { return n < ahead ? -n : -ahead; }
+
 /* Runs a loop over the items first .. end - 1 of part `part`. context: what the loop needs. */
 typedef void dem__range_fn(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context);
 typedef struct dem__split {
@@ -6103,7 +6106,7 @@ DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff
     const double t = dem__since_listed(w, step);
     dem__timer_batch waits;
     dem__clear_batch(&waits);
-    for (ptrdiff_t m = -16; m < n; m++) {
+    for (ptrdiff_t m = dem__prefetch_from(n, 16); m < n; m++) {
         /* prefetch in three stages: where a list of neighbours begins, the list, what it names */
         if (m + 16 < n) DEM__PREFETCH(&pairs->adjacent_start[reset[m + 16]]);
         if (m >= -8 && m + 8 < n) {
@@ -6143,7 +6146,7 @@ static inline void dem__reset_timers_range(dem_world *w, ptrdiff_t first, ptrdif
 static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step) {
     dem__reset_list list;
     list.particle = reset, list.n = n, list.step = step;
-    if (w->engine->pairs.count == 0) return; /* there is no list of neighbours */
+    if (n == 0 || w->engine->pairs.count == 0) return; /* without pairs there is no list of neighbours */
     if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, 4 * n), w->engine->pairs.timers.pages, dem__reset_timers_range, &list);
 }
 
@@ -8201,7 +8204,7 @@ static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     ptrdiff_t next = 0;
     dem__timer_batch waits;
     dem__clear_batch(&waits);
-    for (ptrdiff_t k = -DEM__AHEAD; k < dead; k++) {
+    for (ptrdiff_t k = dem__prefetch_from(dead, DEM__AHEAD); k < dead; k++) {
         if (k + DEM__AHEAD < dead) dem__prefetch_end(w, contacts->slots[k + DEM__AHEAD]);
         if (k >= 0) dem__end_contact(w, &waits, contacts->slots[k], step);
     }
@@ -8521,7 +8524,7 @@ DEM__AVX2_CLONE(dem__kick_part, (dem_world * w, double h, ptrdiff_t first, ptrdi
 static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
     const double t = dem__since_listed(w, w->step + (h > 0.0));
     ptrdiff_t strays = 0;
-    for (ptrdiff_t k = -DEM__AHEAD; k < n; k++) {
+    for (ptrdiff_t k = dem__prefetch_from(n, DEM__AHEAD); k < n; k++) {
         if (k + DEM__AHEAD < n) dem__prefetch_flight(w, doubtful[k + DEM__AHEAD]);
         if (k < 0) continue;
         const int32_t i = doubtful[k];
@@ -8678,7 +8681,7 @@ static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff
     const double t = dem__since_listed(w, w->step);
     q->reset = q->hurried = q->flown = 0;
     q->news = dem__no_outcome(w);
-    for (ptrdiff_t k = first - DEM__AHEAD; k < end; k++) {
+    for (ptrdiff_t k = first + dem__prefetch_from(end - first, DEM__AHEAD); k < end; k++) {
         if (k + DEM__AHEAD < end) dem__prefetch_check(w, bodies->to_check[k + DEM__AHEAD]);
         if (k < first) continue;
         const int32_t i = bodies->to_check[k];
@@ -8759,7 +8762,7 @@ DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdif
     dem__list_due(&pairs->timers, first, end, step, DEM__NEVER, &n);
     dem__clear_batch(waits);
     waits->found = due; /* pairs that are found overwrite pairs that have been tested */
-    for (ptrdiff_t k = -2 * DEM__AHEAD; k < n; k++) {
+    for (ptrdiff_t k = dem__prefetch_from(n, 2 * DEM__AHEAD); k < n; k++) {
         const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
         if (pair < n) DEM__PREFETCH(&pairs->near[due[pair]]);
         if (flight >= 0 && flight < n) {

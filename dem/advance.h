@@ -118,7 +118,7 @@ DEM__AVX2_CLONE(dem__kick_part, (dem_world * w, double h, ptrdiff_t first, ptrdi
 static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
     const double t = dem__since_listed(w, w->step + (h > 0.0));
     ptrdiff_t strays = 0;
-    for (ptrdiff_t k = -DEM__AHEAD; k < n; k++) {
+    for (ptrdiff_t k = dem__prefetch_from(n, DEM__AHEAD); k < n; k++) {
         if (k + DEM__AHEAD < n) dem__prefetch_flight(w, doubtful[k + DEM__AHEAD]);
         if (k < 0) continue;
         const int32_t i = doubtful[k];
@@ -275,7 +275,7 @@ static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff
     const double t = dem__since_listed(w, w->step);
     q->reset = q->hurried = q->flown = 0;
     q->news = dem__no_outcome(w);
-    for (ptrdiff_t k = first - DEM__AHEAD; k < end; k++) {
+    for (ptrdiff_t k = first + dem__prefetch_from(end - first, DEM__AHEAD); k < end; k++) {
         if (k + DEM__AHEAD < end) dem__prefetch_check(w, bodies->to_check[k + DEM__AHEAD]);
         if (k < first) continue;
         const int32_t i = bodies->to_check[k];

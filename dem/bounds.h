@@ -237,7 +237,7 @@ DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff
     const double t = dem__since_listed(w, step);
     dem__timer_batch waits;
     dem__clear_batch(&waits);
-    for (ptrdiff_t m = -16; m < n; m++) {
+    for (ptrdiff_t m = dem__prefetch_from(n, 16); m < n; m++) {
         /* prefetch in three stages: where a list of neighbours begins, the list, what it names */
         if (m + 16 < n) DEM__PREFETCH(&pairs->adjacent_start[reset[m + 16]]);
         if (m >= -8 && m + 8 < n) {
@@ -277,6 +277,6 @@ static inline void dem__reset_timers_range(dem_world *w, ptrdiff_t first, ptrdif
 static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step) {
     dem__reset_list list;
     list.particle = reset, list.n = n, list.step = step;
-    if (w->engine->pairs.count == 0) return; /* there is no list of neighbours */
+    if (n == 0 || w->engine->pairs.count == 0) return; /* without pairs there is no list of neighbours */
     if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, 4 * n), w->engine->pairs.timers.pages, dem__reset_timers_range, &list);
 }

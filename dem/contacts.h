@@ -326,7 +326,7 @@ static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     ptrdiff_t next = 0;
     dem__timer_batch waits;
     dem__clear_batch(&waits);
-    for (ptrdiff_t k = -DEM__AHEAD; k < dead; k++) {
+    for (ptrdiff_t k = dem__prefetch_from(dead, DEM__AHEAD); k < dead; k++) {
         if (k + DEM__AHEAD < dead) dem__prefetch_end(w, contacts->slots[k + DEM__AHEAD]);
         if (k >= 0) dem__end_contact(w, &waits, contacts->slots[k], step);
     }

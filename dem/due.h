@@ -25,7 +25,7 @@ DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdif
     dem__list_due(&pairs->timers, first, end, step, DEM__NEVER, &n);
     dem__clear_batch(waits);
     waits->found = due; /* pairs that are found overwrite pairs that have been tested */
-    for (ptrdiff_t k = -2 * DEM__AHEAD; k < n; k++) {
+    for (ptrdiff_t k = dem__prefetch_from(n, 2 * DEM__AHEAD); k < n; k++) {
         const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
         if (pair < n) DEM__PREFETCH(&pairs->near[due[pair]]);
         if (flight >= 0 && flight < n) {

@@ -74,6 +74,9 @@ DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
 /* Returns the first of n items that belongs to a part. */
 DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / parts * part + (n % parts < part ? n % parts : part); }
 
+/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no long lead. */
+DEM_INLINE ptrdiff_t dem__prefetch_from(ptrdiff_t n, ptrdiff_t ahead) { return n < ahead ? -n : -ahead; }
+
 /* Runs a loop over the items first .. end - 1 of part `part`. context: what the loop needs. */
 typedef void dem__range_fn(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context);
 typedef struct dem__split {
