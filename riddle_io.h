@@ -471,19 +471,21 @@ static inline char *riddle_io__resolved(const char *path) {
 #endif
 }
 
-/* Makes what is missing of the folders above a file; errors show when the file is opened. */
-static inline void riddle_io__make_parents(char *path) {
+/* Makes what is missing of the folders above a file. Returns errno of the first one that could not be made, or 0. */
+static inline int riddle_io__make_parents(char *path) {
+    int failed = 0;
     for (char *c = path; *c; c++) {
         if (c == path || c != riddle_io__last_slash(path) || riddle_io__is_folder(path)) continue;
         char *last = c;
         char kept = *last;
         *last = '\0';
         if (*path && !riddle_io__is_folder(path)) {
-            riddle_io__make_parents(path);
-            (void)!riddle_io__make_one_folder(path);
+            const int above = riddle_io__make_parents(path), why = riddle_io__make_one_folder(path) == 0 ? 0 : errno;
+            if (!failed) failed = above ? above : why;
         }
         *last = kept;
     }
+    return failed;
 }
 
 RIDDLE_IO_API riddle_io_file *riddle_io_open(const char *folder, const char *name) {
@@ -499,13 +501,13 @@ RIDDLE_IO_API riddle_io_file *riddle_io_open(const char *folder, const char *nam
         riddle_io__no_memory(name);
         return NULL;
     }
-    riddle_io__make_parents(wanted);
+    const int no_folder = riddle_io__make_parents(wanted);
     char *real = riddle_io__resolved(wanted);
     file->path = real ? real : wanted;
     if (real) riddle_io__release(wanted);
     file->stream = riddle_io__open_beside(file->path, &file->temporary);
     if (!file->stream) {
-        riddle_io__fail(RIDDLE_IO_NOT_WRITTEN, file->path, strerror(errno));
+        riddle_io__fail(RIDDLE_IO_NOT_WRITTEN, file->path, strerror(errno == ENOENT && no_folder ? no_folder : errno));
         riddle_io__release(file->path);
         riddle_io__release(file);
         return NULL;

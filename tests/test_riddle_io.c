@@ -168,6 +168,20 @@ static void test_refused(void **state) {
     for (int i = 0; i <= RIDDLE_IO_STATUS_COUNT + 1; i++) assert_true(strlen(riddle_io_status_text((riddle_io_status)i)) > 0);
 }
 
+/* In a folder that one may not write to, the line has the reason why its subfolder could not be made. */
+static void test_the_reason_is_that_of_the_folder(void **state) {
+    (void)state;
+    char path[400];
+    const bool root = geteuid() == 0;
+    assert_int_equal(chmod(folder, 0555), 0);
+    if (root && seteuid(65534) != 0) skip();
+    riddle_io_file *file = riddle_io_open(riddle_io_path(path, sizeof path, folder, "sub/below"), "x");
+    if (root) assert_int_equal(seteuid(0), 0);
+    assert_int_equal(chmod(folder, 0755), 0);
+    assert_null(file);
+    assert_non_null(strstr(last_line, "/sub/below/x: Permission denied"));
+}
+
 static void test_a_full_disk_is_told(void **state) {
     (void)state;
     if (access("/dev/full", W_OK) != 0) skip();
@@ -325,6 +339,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_missing_folders_are_made, begin, end),
         cmocka_unit_test_setup_teardown(test_the_older_file_stays, begin, end),
         cmocka_unit_test_setup_teardown(test_refused, begin, end),
+        cmocka_unit_test_setup_teardown(test_the_reason_is_that_of_the_folder, begin, end),
         cmocka_unit_test_setup_teardown(test_a_full_disk_is_told, begin, end),
         cmocka_unit_test_setup_teardown(test_every_block_may_be_missing, begin, end),
         cmocka_unit_test_setup_teardown(test_conversions, begin, end),

@@ -42,10 +42,11 @@ int main(void) {
     if (status == DEM_OK) status = dem_set_time_step(&world, dem_advise(&world, FEATURES, 1.0).advised);
 
     dem_io_series series = dem_io_open("out/my_drum", "drum");
+    riddle_io_status written = RIDDLE_IO_OK;
     double time[FRAMES], unlike[FRAMES];
-    for (int f = 0; f < FRAMES && status == DEM_OK; f++) {
+    for (int f = 0; f < FRAMES && status == DEM_OK && written == RIDDLE_IO_OK; f++) {
         status = dem_run(&world, turns * 2.0 * RIDDLE_PI / speed / FRAMES, FEATURES);
-        dem_io_add(&series, &world);
+        written = dem_io_add(&series, &world);
         time[f] = world.time, unlike[f] = dem_unlike_contacts(&world, 0);
     }
     dem_io_close(&series);
@@ -53,9 +54,9 @@ int main(void) {
     riddle_io_plot_panel(picture, 0, 0, "x [mm]", "z [mm]");
     dem_io_section(&world, picture, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), names, 2);
     riddle_io_plot_panel(picture, 0, 1, "time [s]", "unlike contacts, 1: mixed [-]");
-    riddle_io_plot_line(picture, NULL, time, unlike, status == DEM_OK ? FRAMES : 0);
-    riddle_io_plot_write(picture, "out/my_drum", "my_drum.svg");
+    riddle_io_plot_line(picture, NULL, time, unlike, status == DEM_OK && written == RIDDLE_IO_OK ? FRAMES : 0);
+    if (riddle_io_plot_write(picture, "out/my_drum", "my_drum.svg") != RIDDLE_IO_OK) written = RIDDLE_IO_NOT_WRITTEN;
     printf("%s after %.2f s\n", dem_status_text(status), world.time);
     dem_free(&world);
-    return status != DEM_OK;
+    return status != DEM_OK || written != RIDDLE_IO_OK;
 }

@@ -1,4 +1,4 @@
-/* my_hopper.c - a conical hopper whose gate is drawn aside after a second: how fast it runs out.
+/* my_hopper.c - a conical hopper whose gate is drawn aside after half a second: how fast it runs out.
 
    cc -O3 -I. examples/first/my_hopper.c -lm -o my_hopper && ./my_hopper        (in the folder that holds dem.h; writes out/my_hopper/)
 
@@ -43,23 +43,24 @@ int main(void) {
     if (status == DEM_OK) status = dem_set_time_step(&world, dem_advise(&world, FEATURES, 1.0).advised);
 
     dem_io_series series = dem_io_open("out/my_hopper", "hopper");
+    riddle_io_status written = RIDDLE_IO_OK;
     riddle_io_plot *picture = riddle_io_plot_new("My hopper", 1, 2);
     riddle_io_plot_panel(picture, 0, 0, "x [mm]", "z [mm]");
     double time[FRAMES], out[FRAMES];
-    for (int f = 0; f < FRAMES && status == DEM_OK; f++) {
+    for (int f = 0; f < FRAMES && status == DEM_OK && written == RIDDLE_IO_OK; f++) {
         status = dem_run(&world, duration / FRAMES, FEATURES);
-        dem_io_add(&series, &world);
+        written = dem_io_add(&series, &world);
         if (f == (int)(FRAMES * (shut + 0.3) / duration))
             dem_io_section(&world, picture, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), NULL, 0);
         time[f] = world.time, out[f] = feed.placed_mass * (double)world.passed_count / (double)feed.placed;
     }
     dem_io_close(&series);
     riddle_io_plot_panel(picture, 0, 1, "time [s]", "mass that has run out [kg]");
-    riddle_io_plot_line(picture, NULL, time, out, status == DEM_OK ? FRAMES : 0);
+    riddle_io_plot_line(picture, NULL, time, out, status == DEM_OK && written == RIDDLE_IO_OK ? FRAMES : 0);
     riddle_io_plot_vertical(picture, "gate opens", shut);
-    riddle_io_plot_write(picture, "out/my_hopper", "my_hopper.svg");
+    if (riddle_io_plot_write(picture, "out/my_hopper", "my_hopper.svg") != RIDDLE_IO_OK) written = RIDDLE_IO_NOT_WRITTEN;
     printf("%s: %.0f spheres, %.0f have run out after %.2f s\n", dem_status_text(status), (double)feed.placed, (double)world.passed_count,
            world.time);
     dem_free(&world);
-    return status != DEM_OK;
+    return status != DEM_OK || written != RIDDLE_IO_OK;
 }

@@ -29,7 +29,7 @@ int main(void) {
     for (int k = 0; k < world.walls; k++) dem_vibrate(&world, k, dem_vec3(0, 0, amplitude), dem_vec3(0, 0, 0), frequency);
     dem_add_exit(&world, dem_vec3(0, 0, -0.03), dem_vec3(0, 0, 1));
 
-    double fed[2], time[FRAMES], left[2][FRAMES];
+    double fed[2], time[FRAMES], left[2][FRAMES] = {{0.0}};
     for (int k = 0; k < 2; k++) {
         dem_feed feed = dem_default_feed();
         feed.sizes = dem_one_size(diameter[k]), feed.material = glass, feed.group = k, feed.random = (uint64_t)k;
@@ -40,20 +40,21 @@ int main(void) {
     if (status == DEM_OK) status = dem_set_time_step(&world, dem_advise(&world, FEATURES, 1.0).advised);
 
     dem_io_series series = dem_io_open("out/my_screen", "screen");
+    riddle_io_status written = RIDDLE_IO_OK;
     riddle_io_plot *picture = riddle_io_plot_new("My screen", 1, 2);
     riddle_io_plot_panel(picture, 0, 0, "x [mm]", "z [mm]");
-    for (int f = 0; f < FRAMES && status == DEM_OK; f++) {
+    for (int f = 0; f < FRAMES && status == DEM_OK && written == RIDDLE_IO_OK; f++) {
         status = dem_run(&world, duration / FRAMES, FEATURES);
-        dem_io_add(&series, &world);
+        written = dem_io_add(&series, &world);
         if (f == 8) dem_io_section(&world, picture, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), names, 2);
         time[f] = world.time, left[0][f] = left[1][f] = 1.0;
         for (ptrdiff_t k = 0; k < world.passed_count; k++) left[world.passed[k].group][f] -= 1.0 / fed[world.passed[k].group];
     }
     dem_io_close(&series);
     riddle_io_plot_panel(picture, 0, 1, "time [s]", "fraction retained, by number [-]");
-    for (int k = 0; k < 2 && status == DEM_OK; k++) riddle_io_plot_line(picture, names[k], time, left[k], FRAMES);
-    riddle_io_plot_write(picture, "out/my_screen", "my_screen.svg");
+    for (int k = 0; k < 2 && status == DEM_OK && !written; k++) riddle_io_plot_line(picture, names[k], time, left[k], FRAMES);
+    if (riddle_io_plot_write(picture, "out/my_screen", "my_screen.svg") != RIDDLE_IO_OK) written = RIDDLE_IO_NOT_WRITTEN;
     printf("%s: %.0f and %.0f spheres, of the small ones %.3f are left\n", dem_status_text(status), fed[0], fed[1], left[0][FRAMES - 1]);
     dem_free(&world);
-    return status != DEM_OK;
+    return status != DEM_OK || written != RIDDLE_IO_OK;
 }
