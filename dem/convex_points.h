@@ -269,8 +269,8 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
     return n;
 }
 
-/* Returns which sides of a box the near part of an edge of another core comes near to: bits 2 k and 2 k + 1 for the lower and the upper side
-   across axis k; 0 if it is not near to two sides that meet, where an edge of the box could be. */
+/* Returns which sides of a box the near part of an edge of another core comes near to: bits 2 k and 2 k + 1 for the lower and the upper
+   side across axis k; 0 if it is not near to two sides that meet, where an edge of the box could be. */
 DEM_INLINE unsigned dem__sides_near(const dem__side *box, const dem__placed_edge *p, double radii) {
     const dem_vec here = dem__plus(p->from, p->middle, p->along);
     const dem_vec at = dem__into_core(box->place, dem__sub(here, box->place->x)), u = dem__into_core(box->place, p->along);
@@ -294,7 +294,6 @@ DEM_INLINE unsigned dem__sides_of(const dem_convex *box, int corner) {
 /* Edges of a core that end at a near corner. */
 typedef struct dem__edge_list {
     int n;
-    dem__placed_edge edge[DEM_EDGES_MAX]; /* placed as soon as they are needed */
     uint8_t number[DEM_EDGES_MAX], is_placed[DEM_EDGES_MAX];
     uint8_t sides[DEM_EDGES_MAX]; /* of a box: those at which an edge lies; or those of the other box that it is near to */
 } dem__edge_list;
@@ -314,44 +313,46 @@ static inline void dem__find_sides(const dem__side *side, dem__edge_list *list) 
         list->sides[m] = side->shape->is_box ? (uint8_t)(dem__sides_of(side->shape, end[0]) & dem__sides_of(side->shape, end[1])) : 0;
     }
 }
-/* Places the edges of a list and keeps those that can cross one of the other core. */
-static inline void dem__keep_edges(const dem__side *side, const dem__side *other, double radii, int apart, dem__edge_list *list) {
+/* Keeps the edges of a list that can cross one of the other core. edge: where they are placed, or NULL if their places are not kept. */
+static inline void dem__keep_edges(const dem__side *side, const dem__side *other, double radii, int apart, dem__edge_list *list,
+                                   dem__placed_edge *edge) {
     int kept = 0;
     for (int m = 0; m < list->n; m++) {
-        dem__place_edge(side, list->number[m], apart, &list->edge[kept]);
-        list->is_placed[kept] = 1;
-        list->sides[kept] = other->shape->is_box ? (uint8_t)dem__sides_near(other, &list->edge[kept], radii) : 63;
+        dem__placed_edge own, *e = edge ? &edge[kept] : &own;
+        const uint8_t number = list->number[m];
+        dem__place_edge(side, number, apart, e);
+        list->number[kept] = number, list->is_placed[kept] = 1;
+        list->sides[kept] = other->shape->is_box ? (uint8_t)dem__sides_near(other, e, radii) : 63;
         kept += list->sides[kept] > 0;
     }
     list->n = kept;
 }
-/* Returns an edge of a list, placed. */
-DEM_INLINE const dem__placed_edge *dem__edge_of(const dem__side *side, dem__edge_list *list, int m, int apart) {
-    if (!list->is_placed[m]) dem__place_edge(side, list->number[m], apart, &list->edge[m]);
-    list->is_placed[m] = 1;
-    return &list->edge[m];
-}
 
 /* Appends the points where edges cross to a list of n. Returns the new number. The core with fewer near edges is looked at first: if none
-   of these can cross one of the other core, nothing else is done. */
+   of these can cross one of the other core, nothing else is done. Only edges of b are kept in their places: a frame stays small. */
 static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out, int n) {
     const double radii = a->shape->radius + b->shape->radius, window = DEM__WINDOW * radii;
+    dem__placed_edge p, edge[DEM_EDGES_MAX]; /* of b: placed as soon as they are needed */
     dem__edge_list of_a, of_b;
     dem__list_near_edges(a, &of_a), dem__list_near_edges(b, &of_b);
     const int a_first = of_a.n <= of_b.n;
-    if (a_first) dem__keep_edges(a, b, window, apart, &of_a);
-    else dem__keep_edges(b, a, window, apart, &of_b);
+    if (a_first) dem__keep_edges(a, b, window, apart, &of_a, NULL);
+    else dem__keep_edges(b, a, window, apart, &of_b, edge);
     if (of_a.n == 0 || of_b.n == 0) return n;
     if (a_first) dem__find_sides(b, &of_b);
     else dem__find_sides(a, &of_a);
     for (int e = 0; e < of_a.n; e++) {
+        int is_placed = 0;
         for (int f = 0; f < of_b.n && n + 5 <= DEM__POINTS_MAX; f++) {
             if (a_first ? of_b.sides[f] & ~of_a.sides[e] : of_a.sides[e] & ~of_b.sides[f]) continue;
-            const dem__placed_edge *p = dem__edge_of(a, &of_a, e, apart), *q = dem__edge_of(b, &of_b, f, apart);
-            const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p->number * DEM_EDGES_MAX + q->number);
-            const dem_vec d = dem__sub(dem__plus(p->from, p->middle, p->along), dem__plus(q->from, q->middle, q->along));
-            const double far_off = p->half + q->half + window;
-            if (dem__dot(d, d) < far_off * far_off) n += dem__cross_edges(p, q, radii, apart, key, &out[n]);
+            if (!is_placed) dem__place_edge(a, of_a.number[e], apart, &p);
+            if (!of_b.is_placed[f]) dem__place_edge(b, of_b.number[f], apart, &edge[f]);
+            is_placed = of_b.is_placed[f] = 1;
+            const dem__placed_edge *q = &edge[f];
+            const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p.number * DEM_EDGES_MAX + q->number);
+            const dem_vec d = dem__sub(dem__plus(p.from, p.middle, p.along), dem__plus(q->from, q->middle, q->along));
+            const double far_off = p.half + q->half + window;
+            if (dem__dot(d, d) < far_off * far_off) n += dem__cross_edges(&p, q, radii, apart, key, &out[n]);
         }
     }
     return n;

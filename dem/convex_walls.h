@@ -328,8 +328,8 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     return q.n;
 }
 
-/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that along the normal of the
-   triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart in another direction. */
+/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that along the normal of
+   the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart in another direction. */
 static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t, int32_t k, double enough) {
     const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
     const double height = dem__dot(d, up);
