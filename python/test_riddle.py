@@ -379,6 +379,11 @@ class Programs(unittest.TestCase):
             with open("/dev/full", "w") as full:
                 done = run(out=full)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
+            reader, writer = os.pipe()
+            os.close(reader)
+            done = run(out=writer)  # as in "| head -1"
+            os.close(writer)
+            self.assertEqual((done.returncode, done.stderr), (141, ""))
             self.assertFalse([name for name in os.listdir(folder) if name.endswith(".part")])
             self.assertEqual(run().returncode, 0)
 

@@ -191,7 +191,8 @@ static void print_default(const option *o) {
 }
 
 static void print_help(const char *name, const char *about, const option *const *all, int n) {
-    printf("%s: %s\n\nusage: %s [options]\n", name, about, name);
+    printf("%s: %s\n\n", name, about);
+    if (!strstr(about, "usage: ")) printf("usage: %s [options]\n", name);
     int width = 0;
     for (int i = 0; i < n; i++) {
         int here = (int)(strlen(all[i]->name) + (all[i]->metavar ? strlen(all[i]->metavar) + 1 : 0));

@@ -176,6 +176,7 @@ static int read_number(tree_file *file, const tree *v, const char *name, const s
         if (found < 0) return tree_fail(file, v, "%s: unit '%.40s': allowed are %s", name, end, names);
         value *= factor_of(&units[found]);
     }
+    if (value > f->high && f->high >= 1e29) return tree_fail(file, v, "%s: %.60s: too large", name, text);
     if (!(value >= f->low && value <= f->high) || (f->above && value == f->low) || !isfinite(value))
         return tree_fail(file, v, "%s: %.60s: allowed is %s", name, text, range_of(f, range, sizeof range));
     if (f->kind == FIELD_WHOLE && value != floor(value)) return tree_fail(file, v, "%s: %.60s: a whole number is wanted", name, text);

@@ -171,7 +171,7 @@ static int run_scene(job *j, bool seed_given) {
     int failed = read_scene(j, seed_given);
     if (!failed && j->again) failed = read_state(j);
     if (!failed && j->check)
-        common_print("%s: %d walls, %d sources, time step %.3g s\n", j->file, j->s.world.walls, j->s.sources, j->s.world.def.dt);
+        common_print("%s: walls: %d, feeds: %d, time step: %.3g s\n", j->file, j->s.world.walls, j->s.sources, j->s.world.def.dt);
     else if (!failed) {
         const stop_def *stop = run(j);
         if (common_exit_status() != 1 && !j->halfway) write_state(j);
@@ -223,8 +223,7 @@ int main(int argc, char **argv) {
         return common_exit_status();
     }
     const int help = argc >= 2 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "--version") == 0);
-    if (help && strcmp(argv[1], "--help") == 0) printf("%s\n\n", usage);
-    else if (!help && (argc < 2 || strcmp(argv[1], "run") != 0)) return refuse(usage);
+    if (!help && (argc < 2 || strcmp(argv[1], "run") != 0)) return refuse(usage);
     j.file = argc > 2 && argv[2][0] != '-' ? argv[2] : NULL;
     if (!j.file && argc == 4 && strcmp(argv[2], "--template") == 0) return write_template(argv[3]); /* without a folder for output */
     char **rest = malloc(((size_t)argc + 4) * sizeof *rest);
@@ -234,8 +233,12 @@ int main(int argc, char **argv) {
         free(rest);
         return refuse(is_given(argc, argv, "--template") ? "--template NAME stands alone" : usage);
     }
-    j.self = program_start("riddle", "Runs a scene from a YAML or JSON file: riddle run FILE [options].", options,
-                           sizeof options / sizeof *options, n, help ? argv : rest);
+    j.self = program_start("riddle",
+                           "runs a scene from a YAML or JSON file.\n\n"
+                           "usage: riddle run FILE [options]\n"
+                           "       riddle run --template hopper|screen|drum|box|shapes\n"
+                           "       riddle keys",
+                           options, sizeof options / sizeof *options, n, help ? argv : rest);
     const int status = pattern ? refuse("--template NAME stands alone") : run_scene(&j, is_given(argc, argv, "--seed"));
     free(rest);
     return status;

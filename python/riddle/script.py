@@ -21,9 +21,11 @@ def _say(text):
 
 
 def _flush():
-    """What was printed, at the end: a full device is told, with status 1."""
+    """What was printed, at the end: a full device is told, with status 1. A pipe that nobody reads any more: silent, status 141."""
     try:
         sys.stdout.flush()
+    except BrokenPipeError:
+        os._exit(141)
     except OSError as error:
         _say(f"standard output: {error}")
         os._exit(1)
@@ -35,6 +37,8 @@ def _one_line(kind, error, trace):
         _say("interrupted")
         _flush()
         os._exit(130)
+    elif issubclass(kind, BrokenPipeError):
+        os._exit(141)
     elif issubclass(kind, (OSError, MemoryError, Error)):
         _say(str(error) or "out of memory")
     else:
