@@ -4383,6 +4383,10 @@ static inline void dem__run_part(void *context, int q) {
 /* Runs a loop over n items in `parts` parts. */
 static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__range_fn *loop, void *context) {
     dem__split split;
+    if (parts == 1) { /* saves the divisions of dem__part */
+        loop(w, 0, n, 0, context);
+        return;
+    }
     split.w = w;
     split.loop = loop;
     split.context = context;
@@ -7138,15 +7142,15 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
         const dem_vec before = dem_vec3(touch[9][at->slot], touch[10][at->slot], touch[11][at->slot]);
         t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
     } else {
-        const dem_vec spin = dem__scale(wall->spin, wall->spin_axis);
         dem_vec u = dem_vec3(b->vx[k], b->vy[k], b->vz[k]);
         if (wall->slides) { /* u is relative to its surface, not to its frame */
             dem_vec carried = dem__plus(wall->velocity, -half, wall->acceleration);
+            const dem_vec spin = dem__scale(wall->spin, wall->spin_axis);
             if (wall->spin != 0.0) carried = dem__add(carried, dem__cross(spin, dem__sub(s->x, wall->position)));
             u = dem__sub(s->v, carried);
         }
         t = dem__normal_rate(wall, s->x, s->radius, at->element, n, b->inverse[k], u);
-        if (wall->spin != 0.0) t = dem__add(t, dem__cross(spin, n));
+        if (wall->spin != 0.0) t = dem__add(t, dem__cross(dem__scale(wall->spin, wall->spin_axis), n));
         t = dem__scale(turn, t);
     }
     b->tx[k] = t.x, b->ty[k] = t.y, b->tz[k] = t.z;
@@ -9820,7 +9824,8 @@ static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
         const double work = w->engine->links.is_loaded[i] ? dem__link_work_until(w, i, p->x, p->spin) : 0.0;
         dem__book_link_work(w, work - dem__energy_at_origin(w, i));
     }
-    for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
+    memcpy(bodies->sum[i].load, bodies->load[i], sizeof bodies->load[i]);
+    memcpy(bodies->load[i], bodies->external[i], sizeof bodies->load[i]);
 }
 
 /* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at its first linked
@@ -9883,8 +9888,8 @@ static inline void dem__step_links(dem_world *w) {
         const dem_particle *p = &w->particle[i];
         for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = 0.0;
         links->is_loaded[i] = links->first_link[i] >= 0;
-        for (int a = 0; a < 3 && w->engine->ledger.on; a++)
-            links->evaluated_at[i][a] = dem_axis(p->x, a), links->evaluated_at[i][3 + a] = dem_axis(p->spin, a);
+        if (w->engine->ledger.on)
+            memcpy(links->evaluated_at[i], &p->x, sizeof p->x), memcpy(links->evaluated_at[i] + 3, &p->spin, sizeof p->spin);
         if (run->needs_lists) continue;
         for (ptrdiff_t k = own.first; k < own.end; k++) dem__check_linked(w, k);
     }

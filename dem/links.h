@@ -37,7 +37,8 @@ static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
         const double work = w->engine->links.is_loaded[i] ? dem__link_work_until(w, i, p->x, p->spin) : 0.0;
         dem__book_link_work(w, work - dem__energy_at_origin(w, i));
     }
-    for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
+    memcpy(bodies->sum[i].load, bodies->load[i], sizeof bodies->load[i]);
+    memcpy(bodies->load[i], bodies->external[i], sizeof bodies->load[i]);
 }
 
 /* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at its first linked
@@ -100,8 +101,8 @@ static inline void dem__step_links(dem_world *w) {
         const dem_particle *p = &w->particle[i];
         for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = 0.0;
         links->is_loaded[i] = links->first_link[i] >= 0;
-        for (int a = 0; a < 3 && w->engine->ledger.on; a++)
-            links->evaluated_at[i][a] = dem_axis(p->x, a), links->evaluated_at[i][3 + a] = dem_axis(p->spin, a);
+        if (w->engine->ledger.on)
+            memcpy(links->evaluated_at[i], &p->x, sizeof p->x), memcpy(links->evaluated_at[i] + 3, &p->spin, sizeof p->spin);
         if (run->needs_lists) continue;
         for (ptrdiff_t k = own.first; k < own.end; k++) dem__check_linked(w, k);
     }

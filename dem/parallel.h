@@ -95,6 +95,10 @@ static inline void dem__run_part(void *context, int q) {
 /* Runs a loop over n items in `parts` parts. */
 static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__range_fn *loop, void *context) {
     dem__split split;
+    if (parts == 1) { /* saves the divisions of dem__part */
+        loop(w, 0, n, 0, context);
+        return;
+    }
     split.w = w;
     split.loop = loop;
     split.context = context;

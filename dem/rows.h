@@ -285,15 +285,15 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
         const dem_vec before = dem_vec3(touch[9][at->slot], touch[10][at->slot], touch[11][at->slot]);
         t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
     } else {
-        const dem_vec spin = dem__scale(wall->spin, wall->spin_axis);
         dem_vec u = dem_vec3(b->vx[k], b->vy[k], b->vz[k]);
         if (wall->slides) { /* u is relative to its surface, not to its frame */
             dem_vec carried = dem__plus(wall->velocity, -half, wall->acceleration);
+            const dem_vec spin = dem__scale(wall->spin, wall->spin_axis);
             if (wall->spin != 0.0) carried = dem__add(carried, dem__cross(spin, dem__sub(s->x, wall->position)));
             u = dem__sub(s->v, carried);
         }
         t = dem__normal_rate(wall, s->x, s->radius, at->element, n, b->inverse[k], u);
-        if (wall->spin != 0.0) t = dem__add(t, dem__cross(spin, n));
+        if (wall->spin != 0.0) t = dem__add(t, dem__cross(dem__scale(wall->spin, wall->spin_axis), n));
         t = dem__scale(turn, t);
     }
     b->tx[k] = t.x, b->ty[k] = t.y, b->tz[k] = t.z;
