@@ -580,7 +580,7 @@ RIDDLE_IO_API riddle_io_status riddle_io_close(riddle_io_file *file) {
 }
 
 static inline riddle_io_status riddle_io__say(riddle_io_status status, char *message, size_t size, const char *why) {
-    if (message && size) snprintf(message, size, "%s", why);
+    if (message && size && snprintf(message, size, "%s", why) < 0) *message = '\0'; /* a shorter buffer has its beginning */
     return status;
 }
 

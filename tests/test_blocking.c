@@ -307,13 +307,13 @@ static void degenerate_curves(void **state) {
 
 /* ---- changing rates ---- */
 
-typedef struct law {
+typedef struct changing {
     int kind;
     double at;
-} law;
+} changing;
 
 static void rates(void *user, double t, double *k1, double *k2) {
-    const law *l = (const law *)user;
+    const changing *l = (const changing *)user;
     *k1 = 0.004;
     *k2 = 0.016;
     switch (l->kind) {
@@ -349,7 +349,7 @@ static void rates(void *user, double t, double *k1, double *k2) {
 
 static void constant_rates_are_exact(void **state) {
     (void)state;
-    law l = {0, 0.0};
+    changing l = {0, 0.0};
     blocking_ode_def def = blocking_default_ode_def();
     def.f0 = 0.95;
     def.rates = rates;
@@ -369,7 +369,7 @@ static void constant_rates_are_exact(void **state) {
 
 static void changing_rates(void **state) {
     (void)state;
-    law l = {1, 0.0};
+    changing l = {1, 0.0};
     blocking_ode_def def = blocking_default_ode_def();
     def.rates = rates;
     def.user = &l;
@@ -418,7 +418,7 @@ static void changing_rates(void **state) {
 
 static void periodic_rates(void **state) {
     (void)state;
-    law l = {8, 0.0};
+    changing l = {8, 0.0};
     blocking_ode_def def = blocking_default_ode_def();
     def.rates = rates;
     def.user = &l;
@@ -433,7 +433,7 @@ static void periodic_rates(void **state) {
 
 static void jumps(void **state) {
     (void)state;
-    law l = {2, 7.3};
+    changing l = {2, 7.3};
     blocking_ode_def def = blocking_default_ode_def();
     def.rates = rates;
     def.user = &l;
@@ -519,7 +519,7 @@ static void schedules(void **state) {
 
 static void bad_integrations(void **state) {
     (void)state;
-    law l = {0, 0.0};
+    changing l = {0, 0.0};
     blocking_ode_def good = blocking_default_ode_def(), def;
     good.rates = rates;
     good.user = &l;

@@ -410,7 +410,7 @@ static void test_degenerate(void **state) {
         const dem_vec from = dem__corner_at(a, &pa, i), to = dem__corner_at(b, &pb, j);
         pa.x = dem__sub(to, from);
         if (n % 3 == 0) pa.x = dem__scale(1.0 + 0.05 * uniform(-1, 1), pa.x);
-        if (n % 3 == 1) pa.x = dem_vec3(uniform(-0.2, 0.2) * (n % 2), 0.0, 2.0 * b->corner[0][2] * (n % 5 > 1 ? -1.0 : 1.0) + e);
+        if (n % 3 == 1) pa.x = dem_vec3(uniform(-0.2, 0.2) * (double)(n % 2), 0.0, 2.0 * b->corner[0][2] * (n % 5 > 1 ? -1.0 : 1.0) + e);
         dem__find_gap(a, &pa, b, &pb, HUGE_VAL, n % 2 ? &cache : NULL, &gap);
         const int count = dem__find_points(a, &pa, b, &pb, gap.normal, point);
         assert_true(count >= 0 && count <= DEM__POINTS_MAX);

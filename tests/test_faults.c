@@ -715,9 +715,9 @@ static void note_landing(struct dem_world *w, const int32_t *slots, ptrdiff_t n,
     landing *l = (landing *)user;
     for (ptrdiff_t k = 0; k < n; k++) {
         const dem_contact_info c = dem_get_contact(w, slots[k]);
-        const double lowest = dem_position(w, c.i).z - dem_radius(w, c.i), body = dem_get_body(w, c.i).position.z;
+        const double lowest = dem_position(w, c.i).z - dem_radius(w, c.i), centre = dem_get_body(w, c.i).position.z;
         l->worst = fmax(l->worst, fabs(lowest)), l->worst = fmax(l->worst, fabs(c.point.z));
-        if (body < lowest) l->worst = HUGE_VAL;
+        if (centre < lowest) l->worst = HUGE_VAL;
         l->seen++;
     }
 }

@@ -253,7 +253,7 @@ static void test_bad_bed(void **state) {
         assert_int_equal(filtration_bed_init(&bed, 1, centre, NULL, &radius, edges, periodic, 1e-4, NULL), FILTRATION_BAD_ARGUMENT);
         edges[1] = 1e-3;
         assert_int_equal(filtration_bed_init(&bed, 1, centre, NULL, &radius, edges, periodic, bad[i], NULL), FILTRATION_BAD_ARGUMENT);
-        centre[2] = i == 3 ? 1e300 : i == 2 ? NAN : bad[i];
+        centre[2] = i == 3 ? 1e300 : i == 2 ? (double)NAN : bad[i];
         assert_int_equal(filtration_bed_init(&bed, 1, centre, NULL, &radius, edges, periodic, 1e-4, NULL), FILTRATION_BAD_ARGUMENT);
         filtration_bed_free(&bed);
     }

@@ -365,7 +365,7 @@ static uint64_t equation(fuzz_draws *d) {
     if (q.odd == 0) time[q.pick % READINGS] = q.value;
     if (q.odd == 1) volume[q.pick % READINGS] = q.value;
     def.pressure = number(&q, 2, 1e4, 1e5), def.viscosity = number(&q, 3, 5e-4, 2e-3), def.area = number(&q, 4, 1e-3, 1e-2);
-    def.cake_ratio = q.pick % 2 ? number(&q, 5, 0.01, 0.5) : NAN, def.time_error = number(&q, 6, 0.0, 1.0),
+    def.cake_ratio = q.pick % 2 ? number(&q, 5, 0.01, 0.5) : (double)NAN, def.time_error = number(&q, 6, 0.0, 1.0),
     def.volume_error = number(&q, 7, 0.0, 1e-6);
     def.first_volume = number(&q, 8, 0.0, 5e-4), def.last_volume = number(&q, 9, 1e-3, 2e-3), def.automatic = q.pick / 2 % 2;
     def.confidence = number(&q, 10, 0.5, 0.99), def.bend_level = number(&q, 11, 0.01, 0.5), def.tolerance = number(&q, 12, 0.0, 0.01);
