@@ -460,6 +460,7 @@ static void test_full_disk(void **state) {
     const char *words[] = {"--quick", "--quiet", "--out", "out", "--json", "result.json", NULL};
     result r = run_program(*state, words, 2048, 0.0); /* no figure is so small */
     if (r.status != 1 || lines(r.err) < 1) fail_msg("status %d, said '%s'", r.status, r.err);
+    if (strstr(r.err, "picture could not be written")) fail_msg("a picture without the reason: '%s'", r.err);
     forget(&r);
     count_files(folder);
     assert_int_equal(n_parts, 0);

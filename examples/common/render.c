@@ -670,6 +670,7 @@ static int write_png(const char *folder, const char *name, int width, int height
     png_infop info = png ? png_create_info_struct(png) : NULL;
     if (!info || setjmp(png_jmpbuf(png))) {
         png_destroy_write_struct(&png, &info);
+        if (output_write(file, "", 0) != RIDDLE_IO_OK) return (int)output_close(file); /* which says why */
         output_discard(file);
         return common_fail("%s: the picture could not be written", name);
     }
