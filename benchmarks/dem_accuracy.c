@@ -174,7 +174,7 @@ static void record(csv *file, json *report, const char *scene, const impact *of,
 static void impacts(const program *self, csv *file, json *report, plot *figure, progress *bar) {
     const double restitutions[2] = {0.78, 0.4351}, angles[3] = {0.0, RIDDLE_PI / 6.0, RIDDLE_PI / 3.0};
     const char *const scenes[3] = {"head-on", "oblique 30 deg", "oblique 60 deg"};
-    const int phases = self->quick ? 200 : PHASES_MAX;
+    const int phases = self->quick ? 50 : PHASES_MAX;
     double x[LEVELS], summary[2][2][METHODS] = {{{0.0}}}, by_mode[2][2][2][LEVELS], steps[LEVELS];
     text_table t = table_begin(
         "impact|e|convention|t_c/dt|dem.h: evaluations|bias|rms|predicted Verlet: rms|leapfrog: rms|ns an impact|ns, nothing resolved");
@@ -421,7 +421,7 @@ static double stack_error(const double *z, const stack *exact) {
 
 static void stacks(const program *self, csv *file, json *report, plot *figure, progress *bar) {
     const double restitutions[3] = {0.78, 0.4351, 1.0};
-    const int phases = self->quick ? 4 : STACK_PHASES;
+    const int phases = self->quick ? 2 : STACK_PHASES;
     text_table t =
         table_begin("stack|e|convention|t_c/dt|dem.h: evaluations|rms error [d]|predicted Verlet: rms|leapfrog: rms|us a run|us, "
                     "nothing resolved|ledger");

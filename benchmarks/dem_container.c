@@ -60,7 +60,8 @@ static dem_status settle(dem_world *w, int kind, int spheres, double time, uint6
     feed.sizes = dem_uniform_sizes(0.0036, 0.0044, 0), feed.random = seed, feed.tries = 100;
     feed.region = dem_box_region(dem_vec3(1e-4, 1e-4, 1e-4), dem_vec3(side - 1e-4, side - 1e-4, height - 1e-3));
     status = dem_fill(w, &feed, spheres);
-    return status == DEM_OK ? dem_run(w, time, FEATURES) : status;
+    for (int k = 0; k < 100 && status == DEM_OK && !common_interrupted(); k++) status = dem_run(w, 0.01 * time, FEATURES);
+    return status;
 }
 
 int main(int argc, char **argv) {

@@ -50,7 +50,7 @@ need() {
     exit 2
 }
 
-# wish WHAT...: the same for what a build can do without: libpng, libyaml. Goes on where it cannot be had; the build says what is left out then.
+# wish WHAT...: the same for what a build can do without: libpng, libyaml, what the Python binding needs. Goes on where it cannot be had; the build says what is left out then.
 wish() {
     for what in "$@"; do
         is_there "$what" || (need "$what") >/dev/null 2>&1 || true
@@ -72,6 +72,7 @@ is_there() {
     cmocka) pkg-config --exists cmocka 2>/dev/null || pkgconf --exists cmocka 2>/dev/null ;;
     liblammps) pkg-config --exists liblammps 2>/dev/null ;;
     libyaml) pkg-config --exists yaml-0.1 2>/dev/null || pkgconf --exists yaml-0.1 2>/dev/null ;;
+    binding) /usr/bin/python3 -c 'import cffi, numpy' >/dev/null 2>&1 || python3 -c 'import cffi, numpy' >/dev/null 2>&1 ;;
     libpng) pkg-config --exists libpng 2>/dev/null || pkgconf --exists libpng 2>/dev/null ;;
     *) command -v "$1" >/dev/null 2>&1 ;;
     esac
@@ -84,6 +85,7 @@ package_of() {
     ninja) echo ninja-build ;;
     cmocka) echo libcmocka-dev ;;
     nm) echo binutils ;;
+    binding) echo "python3-cffi python3-numpy" ;;
     libpng) echo libpng-dev ;;
     libyaml) echo libyaml-dev ;;
     wasm-ld) echo lld ;;

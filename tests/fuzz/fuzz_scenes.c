@@ -192,4 +192,4 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
 }
 
 static const char *const samples[] = {"scene", "another one", "a third"};
-FUZZ_MAIN(samples, 3, 40)
+FUZZ_MAIN(samples, 3, 25)
