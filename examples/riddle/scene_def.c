@@ -32,7 +32,8 @@
 static const scene_field material_fields[] = {
     NUMBER(material_def, density, UNIT_DENSITY, POSITIVE, MUST, "of the solid"),
     NUMBER(material_def, young_modulus, UNIT_STRESS, POSITIVE, "1e10", "used by `law: hertz`, and there for the time step"),
-    {"poisson_ratio", FIELD_NUMBER, UNIT_NONE, offsetof(material_def, poisson_ratio), 0.0, 0.5, false, "0.25", 0, NO_WORDS, "likewise"},
+    {"poisson_ratio", FIELD_NUMBER, UNIT_NONE, offsetof(material_def, poisson_ratio), 0.0, 0.5, false, "0.25", 0, NO_WORDS,
+     "used by `law: hertz`, and there for the time step"},
 };
 SECTION(material, material_def, "material", "A material of particles or walls. At most 8.");
 
@@ -78,8 +79,8 @@ SECTION(cylinder, cylinder_shape, "cylinder", "An endless cylinder. For a tube t
 static const scene_field cone_fields[] = {
     VECTOR(cone_shape, low, UNIT_LENGTH, MUST, "centre of one end"),
     VECTOR(cone_shape, high, UNIT_LENGTH, MUST, "centre of the other end"),
-    NUMBER(cone_shape, low_radius, UNIT_LENGTH, AT_LEAST_0, MUST, "there; 0: a tip"),
-    NUMBER(cone_shape, high_radius, UNIT_LENGTH, AT_LEAST_0, MUST, "there"),
+    NUMBER(cone_shape, low_radius, UNIT_LENGTH, AT_LEAST_0, MUST, "at the low end; 0: a tip"),
+    NUMBER(cone_shape, high_radius, UNIT_LENGTH, AT_LEAST_0, MUST, "at the high end; 0: a tip"),
 };
 SECTION(cone, cone_shape, "cone", "A cone, frustum or tube that ends: a thin sheet, touched from both sides.");
 static const scene_field ball_fields[] = {
@@ -179,7 +180,7 @@ SECTION(wall, wall_def, "wall", "One shape, and how it moves. At most 32 walls; 
 
 static const scene_field shape_sphere_fields[] = {
     VECTOR(shape_sphere, centre, UNIT_LENGTH, MUST, "in a frame of the shape's own, with its origin anywhere"),
-    NUMBER(shape_sphere, diameter, UNIT_LENGTH, POSITIVE, MUST, "of it"),
+    NUMBER(shape_sphere, diameter, UNIT_LENGTH, POSITIVE, MUST, "of the sphere"),
 };
 SECTION(shape_sphere, shape_sphere, "sphere of a shape", "Spheres may overlap: the body is their union, of one density.");
 static const scene_field shape_mesh_fields[] = {
@@ -211,12 +212,12 @@ static const scene_field cylinder_region_fields[] = {
     VECTOR(cylinder_region, bottom, UNIT_LENGTH, MUST, "centre of the bottom"),
     VECTOR(cylinder_region, axis, UNIT_NONE, "[0, 0, 1]", "from bottom to top"),
     NUMBER(cylinder_region, length, UNIT_LENGTH, AT_LEAST_0, MUST, "0: a disc"),
-    NUMBER(cylinder_region, radius, UNIT_LENGTH, POSITIVE, MUST, "of it"),
+    NUMBER(cylinder_region, radius, UNIT_LENGTH, POSITIVE, MUST, "of the cylinder"),
 };
 SECTION(cylinder_region, cylinder_region, "cylinder of a region", "At any angle.");
 static const scene_field ball_region_fields[] = {
     VECTOR(ball_region, centre, UNIT_LENGTH, MUST, "of the sphere"),
-    NUMBER(ball_region, radius, UNIT_LENGTH, POSITIVE, MUST, "of it"),
+    NUMBER(ball_region, radius, UNIT_LENGTH, POSITIVE, MUST, "of the sphere"),
 };
 SECTION(ball_region, ball_region, "sphere of a region", "A ball.");
 static const scene_field region_fields[] = {
@@ -272,7 +273,8 @@ static const scene_field feed_fields[] = {
     PART(feed_def, sizes, sizes, "", 0, "how large; must be given for spheres, a shape comes as it was drawn without it"),
     PART(feed_def, region, region, MUST, 0, "where: particles are put there at random, without touching anything"),
     ONE_NUMBER(feed_def, mass, FIELD_NUMBER, UNIT_MASS, POSITIVE, 1, "all at once, at `from`"),
-    {"count", FIELD_WHOLE, UNIT_NONE, offsetof(feed_def, count), 1.0, 1e8, false, "", 1, NO_WORDS, "likewise, so many particles"},
+    {"count", FIELD_WHOLE, UNIT_NONE, offsetof(feed_def, count), 1.0, 1e8, false, "", 1, NO_WORDS,
+     "this number of particles, all at once, at `from`"},
     ONE_NUMBER(feed_def, rate, FIELD_NUMBER, UNIT_MASS_FLOW, POSITIVE, 1, "steadily, from `from` until `until`"),
     VECTOR(feed_def, velocity, UNIT_SPEED, "[0, 0, 0]", "of new particles"),
     VECTOR(feed_def, scatter, UNIT_SPEED, "[0, 0, 0]", "largest deviation from it"),
@@ -327,7 +329,7 @@ static const scene_field output_fields[] = {
     VECTOR(output_def, view, UNIT_NONE, "[0.3, 1, -0.4]", "direction in which one looks"),
     {"movie", FIELD_YES, UNIT_NONE, offsetof(output_def, movie), ANY, "no", 0, NO_WORDS, "`scene.mp4`, by ffmpeg"},
     {"movie_rate", FIELD_NUMBER, UNIT_NONE, offsetof(output_def, movie_rate), 1e-6, 1e3, false, "1", 0, NO_WORDS,
-     "simulated seconds a second of it"},
+     "simulated seconds in a second of the movie"},
 };
 SECTION(output, output_def, "output", "`scene.png` and `curves.svg` are always written.");
 static const scene_field stop_fields[] = {
