@@ -88,7 +88,8 @@ typedef struct dem__side {
     const dem__placed *place;
     double height[DEM_CORNERS_MAX], limit; /* limit: a corner is near if sign times its height is below it */
     double sign;
-    uint32_t near;
+    int n; /* near corners */
+    uint8_t corner[DEM_CORNERS_MAX], is_near[DEM_CORNERS_MAX];
 } dem__side;
 
 DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, double *highest) {
@@ -103,23 +104,25 @@ DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, do
 
 /* Chooses the corners whose height times sign is below `low`. */
 DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
-    side->near = 0, side->limit = low, side->sign = sign;
-    for (int k = 0; k < side->shape->corners; k++) side->near |= (uint32_t)(sign * side->height[k] < low) << k;
+    side->n = 0, side->limit = low, side->sign = sign;
+    for (int k = 0; k < side->shape->corners; k++) { /* without branches, as is all that follows: they could not be predicted */
+        side->corner[side->n] = (uint8_t)k;
+        side->n += side->is_near[k] = sign * side->height[k] < low;
+    }
 }
 
 /* Finds the part of an edge that is near the other core: all of it, or from its near end to the limit. a, b: heights of its ends [m]. */
 DEM_INLINE void dem__find_near_part(const dem__side *side, double a, double b, dem__placed_edge *p) {
-    double from = 0.0, to = p->length;
     a *= side->sign, b *= side->sign;
-    if (!(b < side->limit)) to = p->length * ((side->limit - a) / (b - a));
-    if (!(a < side->limit)) from = p->length * ((a - side->limit) / (a - b));
+    const double at_limit = p->length * ((side->limit - a) / (b != a ? b - a : 1.0));
+    const double from = a < side->limit ? 0.0 : at_limit, to = b < side->limit ? p->length : at_limit;
     p->middle = 0.5 * (from + to);
     p->half = 0.5 * (to - from);
 }
 
 /* Returns whether edge e ends at a near corner. */
 DEM_INLINE int dem__is_near_edge(const dem__side *side, int e) {
-    return (int)((side->near >> side->shape->edge[e][0] | side->near >> side->shape->edge[e][1]) & 1u);
+    return side->is_near[side->shape->edge[e][0]] | side->is_near[side->shape->edge[e][1]];
 }
 
 /* Places edge e in the world. apart: the cores do not overlap, and the directions in its faces are not needed. */
@@ -130,7 +133,7 @@ static inline void dem__place_edge(const dem__side *side, int e, int apart, dem_
     p->number = e, p->ends = 3, p->sided = 0;
     p->from = dem__corner_at(s, side->place, from);
     if (s->is_box) { /* along an axis */
-        const int k = u.x != 0.0 ? 0 : u.y != 0.0 ? 1 : 2;
+        const int k = !(fabs(u.x) > 0.0) * (1 + !(fabs(u.y) > 0.0));
         p->length = fabs(dem_axis(u, k)), p->along = dem__scale(1.0 / p->length * dem_axis(u, k), side->place->axis[k]);
     } else {
         p->length = dem__length(u), p->along = dem__from_core_frame(side->place, dem__scale(1.0 / p->length, u));
@@ -184,7 +187,7 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
     if (!(square > 1e-12)) return 0; /* parallel: corners suffice */
     const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), s_square = c * on_q - on_p, t_square = on_q - c * on_p;
     const double wide = DEM__WINDOW * square; /* most do not cross, which is seen without a division */
-    if (!(s_square > 0.0 && s_square < p->length * wide && t_square > 0.0 && t_square < q->length * wide)) return 0;
+    if (!((s_square > 0.0) & (s_square < p->length * wide) & (t_square > 0.0) & (t_square < q->length * wide))) return 0;
     const double t = t_square / square;
     *s = s_square / square;
     if (!(*s > 0.0 && *s < p->length && t > 0.0 && t < q->length)) return 0;
@@ -241,18 +244,17 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
 /* Returns whether a point is farther than a distance beyond a side of a box. */
 DEM_INLINE int dem__passes_box(const dem__side *box, dem_vec x, double distance) {
     const dem_vec d = dem__sub(x, box->place->x), half = box->shape->half;
-    for (int k = 0; k < 3; k++) {
-        if (fabs(dem__dot(d, box->place->axis[k])) > dem_axis(half, k) + distance) return 1;
-    }
-    return 0;
+    int passes = 0;
+    for (int k = 0; k < 3; k++) passes |= fabs(dem__dot(d, box->place->axis[k])) > dem_axis(half, k) + distance;
+    return passes;
 }
 
 /* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if above 0, a and b have
    changed places. */
 static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out, int n) {
     const double radii = a->shape->radius + b->shape->radius;
-    for (int k = 0; k < a->shape->corners && n < DEM__POINTS_MAX; k++) {
-        if (!(a->near >> k & 1)) continue;
+    for (int m = 0; m < a->n && n < DEM__POINTS_MAX; m++) {
+        const int k = a->corner[m];
         dem__convex_point *p = &out[n];
         const dem_vec x = dem__corner_at(a->shape, a->place, k);
         if (b->shape->is_box && dem__passes_box(b, x, DEM__WINDOW * radii)) continue;
@@ -269,21 +271,27 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
     return n;
 }
 
-/* Returns which sides of a box the near part of an edge of another core comes near to: bits 2 k and 2 k + 1 for the lower and the upper
-   side across axis k; 0 if it is not near to two sides that meet, where an edge of the box could be. */
-DEM_INLINE unsigned dem__sides_near(const dem__side *box, const dem__placed_edge *p, double radii) {
-    const dem_vec here = dem__plus(p->from, p->middle, p->along);
-    const dem_vec at = dem__into_core(box->place, dem__sub(here, box->place->x)), u = dem__into_core(box->place, p->along);
-    unsigned sides = 0;
-    int across = 0;
+/* Returns which sides of a box the near part of edge e of another core comes near to: bits 2 k and 2 k + 1 for the lower and the upper side
+   across axis k; 0 if it is not near to two sides that meet, where an edge of the box could be. seen: the core's place in the box's
+   frame. */
+DEM_INLINE unsigned dem__sides_near(const dem__side *side, const dem__placed *seen, int e, const dem_convex *box, double radii) {
+    const uint8_t *end = side->shape->edge[e];
+    const double a = side->sign * side->height[end[0]], b = side->sign * side->height[end[1]];
+    const double at_limit = (side->limit - a) / (b != a ? b - a : 1.0);
+    const double begins = a < side->limit ? 0.0 : at_limit, ends = b < side->limit ? 1.0 : at_limit;
+    const dem_vec from = dem__corner_at(side->shape, seen, end[0]), u = dem__sub(dem__corner_at(side->shape, seen, end[1]), from);
+    const dem_vec at = dem__plus(from, 0.5 * (begins + ends), u);
+    const double half_part = 0.5 * (ends - begins);
+    const double x[3] = {at.x, at.y, at.z}, half[3] = {box->half.x, box->half.y, box->half.z};
+    const double reach[3] = {half_part * fabs(u.x) + radii, half_part * fabs(u.y) + radii, half_part * fabs(u.z) + radii};
+    unsigned sides = 0, across = 0, passes = 0;
     for (int k = 0; k < 3; k++) {
-        const double reach = fabs(dem_axis(u, k)) * p->half + radii, x = dem_axis(at, k), half = dem_axis(box->shape->half, k);
-        const unsigned low = fabs(x + half) < reach, high = fabs(x - half) < reach;
-        if (fabs(x) > half + reach) return 0; /* it passes the box */
+        const unsigned low = fabs(x[k] + half[k]) < reach[k], high = fabs(x[k] - half[k]) < reach[k];
+        passes |= fabs(x[k]) > half[k] + reach[k];
         sides |= low << 2 * k | high << (2 * k + 1);
-        across += (int)(low | high);
+        across += low | high;
     }
-    return across > 1 ? sides : 0;
+    return sides * (unsigned)(!passes & (across > 1));
 }
 /* Returns the sides of a box at which a corner lies. */
 DEM_INLINE unsigned dem__sides_of(const dem_convex *box, int corner) {
@@ -294,15 +302,15 @@ DEM_INLINE unsigned dem__sides_of(const dem_convex *box, int corner) {
 /* Edges of a core that end at a near corner. */
 typedef struct dem__edge_list {
     int n;
-    uint8_t number[DEM_EDGES_MAX], is_placed[DEM_EDGES_MAX];
-    uint8_t sides[DEM_EDGES_MAX]; /* of a box: those at which an edge lies; or those of the other box that it is near to */
+    uint8_t number[DEM_EDGES_MAX];
+    uint8_t sides[DEM_EDGES_MAX]; /* of a box: those at which an edge lies; or those of the other box that it is not near to */
 } dem__edge_list;
 
 /* Lists the edges that end at a near corner. */
 static inline void dem__list_near_edges(const dem__side *side, dem__edge_list *list) {
     list->n = 0;
     for (int e = 0; e < side->shape->edges; e++) {
-        list->number[list->n] = (uint8_t)e, list->is_placed[list->n] = 0;
+        list->number[list->n] = (uint8_t)e;
         list->n += dem__is_near_edge(side, e);
     }
 }
@@ -313,41 +321,44 @@ static inline void dem__find_sides(const dem__side *side, dem__edge_list *list) 
         list->sides[m] = side->shape->is_box ? (uint8_t)(dem__sides_of(side->shape, end[0]) & dem__sides_of(side->shape, end[1])) : 0;
     }
 }
-/* Keeps the edges of a list that can cross one of the other core. edge: where they are placed, or NULL if their places are not kept. */
-static inline void dem__keep_edges(const dem__side *side, const dem__side *other, double radii, int apart, dem__edge_list *list,
-                                   dem__placed_edge *edge) {
+/* Keeps the edges of a list that can cross one of the other core. */
+static inline void dem__keep_edges(const dem__side *side, const dem__side *other, double radii, dem__edge_list *list) {
+    const dem__placed *frame = other->place;
+    dem__placed seen;
     int kept = 0;
+    seen.x = dem__into_core(frame, dem__sub(side->place->x, frame->x));
+    for (int k = 0; k < 3; k++) seen.axis[k] = dem__into_core(frame, side->place->axis[k]);
     for (int m = 0; m < list->n; m++) {
-        dem__placed_edge own, *e = edge ? &edge[kept] : &own;
         const uint8_t number = list->number[m];
-        dem__place_edge(side, number, apart, e);
-        list->number[kept] = number, list->is_placed[kept] = 1;
-        list->sides[kept] = other->shape->is_box ? (uint8_t)dem__sides_near(other, e, radii) : 63;
-        kept += list->sides[kept] > 0;
+        list->number[kept] = number;
+        const unsigned sides = other->shape->is_box ? dem__sides_near(side, &seen, number, other->shape, radii) : 63u;
+        list->sides[kept] = (uint8_t)~sides;
+        kept += sides > 0;
     }
     list->n = kept;
 }
 
 /* Appends the points where edges cross to a list of n. Returns the new number. The core with fewer near edges is looked at first: if none
-   of these can cross one of the other core, nothing else is done. Only edges of b are kept in their places: a frame stays small. */
+   of these can cross one of the other core, nothing else is done. Edges are placed as soon as they are needed. */
 static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out, int n) {
     const double radii = a->shape->radius + b->shape->radius, window = DEM__WINDOW * radii;
-    dem__placed_edge p, edge[DEM_EDGES_MAX]; /* of b: placed as soon as they are needed */
+    uint8_t is_placed[DEM_EDGES_MAX], other[DEM_EDGES_MAX];
+    dem__placed_edge p, edge[DEM_EDGES_MAX]; /* of a, and all of b: a second table would make the frame too large */
     dem__edge_list of_a, of_b;
     dem__list_near_edges(a, &of_a), dem__list_near_edges(b, &of_b);
     const int a_first = of_a.n <= of_b.n;
-    if (a_first) dem__keep_edges(a, b, window, apart, &of_a, NULL);
-    else dem__keep_edges(b, a, window, apart, &of_b, edge);
+    dem__keep_edges(a_first ? a : b, a_first ? b : a, window, a_first ? &of_a : &of_b);
     if (of_a.n == 0 || of_b.n == 0) return n;
-    if (a_first) dem__find_sides(b, &of_b);
-    else dem__find_sides(a, &of_a);
+    dem__find_sides(a_first ? b : a, a_first ? &of_b : &of_a);
+    memset(is_placed, 0, (size_t)of_b.n);
     for (int e = 0; e < of_a.n; e++) {
-        int is_placed = 0;
-        for (int f = 0; f < of_b.n && n + 5 <= DEM__POINTS_MAX; f++) {
-            if (a_first ? of_b.sides[f] & ~of_a.sides[e] : of_a.sides[e] & ~of_b.sides[f]) continue;
-            if (!is_placed) dem__place_edge(a, of_a.number[e], apart, &p);
-            if (!of_b.is_placed[f]) dem__place_edge(b, of_b.number[f], apart, &edge[f]);
-            is_placed = of_b.is_placed[f] = 1;
+        int others = 0;
+        for (int f = 0; f < of_b.n; f++) other[others] = (uint8_t)f, others += !(of_a.sides[e] & of_b.sides[f]);
+        if (others > 0) dem__place_edge(a, of_a.number[e], apart, &p);
+        for (int m = 0; m < others && n + 5 <= DEM__POINTS_MAX; m++) {
+            const int f = other[m];
+            if (!is_placed[f]) dem__place_edge(b, of_b.number[f], apart, &edge[f]);
+            is_placed[f] = 1;
             const dem__placed_edge *q = &edge[f];
             const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p.number * DEM_EDGES_MAX + q->number);
             const dem_vec d = dem__sub(dem__plus(p.from, p.middle, p.along), dem__plus(q->from, q->middle, q->along));

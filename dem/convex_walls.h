@@ -53,7 +53,7 @@ static inline void dem__list_edges(dem__at_wall *q) {
     dem__side side;
     if (q->edges > 0) return;
     memset(&side, 0, sizeof side);
-    side.shape = q->shape, side.place = &q->core, side.near = 0xffffffffu, side.limit = HUGE_VAL, side.sign = 1.0;
+    side.shape = q->shape, side.place = &q->core, side.limit = HUGE_VAL, side.sign = 1.0;
     for (int e = 0; e < q->shape->edges; e++) dem__place_edge(&side, e, 0, &q->edge[q->edges++]);
 }
 
