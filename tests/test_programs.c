@@ -24,7 +24,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, EACH = 15, HANGS_AFTER_S = 300 };
+enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, EACH = 16, HANGS_AFTER_S = 300 };
 
 static char folder[LONGEST_PATH];
 
@@ -708,6 +708,22 @@ static void test_simulation(void **state) {
     assert_int_equal(n_parts, 0);
 }
 
+/* Bricks of paddle_gap that rebound strongly: none is pressed into a paddle or another one deeper than its rounding, where it would stay. */
+static void test_paddle_bricks(void **state) {
+    if (!strstr(*state, "/paddle_gap")) skip();
+    char json[LONGEST_PATH + 20];
+    snprintf(json, sizeof json, "%s/result.json", folder);
+    const char *const words[] = {"--short",     "--shape", "brick",   "--cor", "0.65", "--loading", "3",  "--time-ms", "100",
+                                 "--particles", "10",      "--quiet", "--out", "out",  "--json",    json, NULL};
+    result r = run_program(*state, words, 0, 0.0);
+    if (r.status != 0 || r.err[0]) fail_msg("status %d, said '%s'", r.status, r.err);
+    forget(&r);
+    char *text = file_text(json);
+    assert_non_null(text);
+    assert_non_null(strstr(text, "\"core_overlaps\": 0,"));
+    free(text);
+}
+
 /* What angle_of_repose is given for a funnel and cannot be one: each is named, with the reason. */
 static void test_funnels(void **state) {
     if (!strstr(*state, "/angle_of_repose")) skip();
@@ -747,6 +763,7 @@ int main(void) {
                     {"SIGTERM and SIGHUP", test_terminate},
                     {"screening studies", test_screening_studies},
                     {"simulation", test_simulation},
+                    {"paddle bricks", test_paddle_bricks},
                     {"own screen", test_own_screen},
                     {"funnels", test_funnels}};
     static struct CMUnitTest tests[EACH * MOST_PROGRAMS + 1];
