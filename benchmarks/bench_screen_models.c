@@ -191,7 +191,7 @@ static void bench_soldinger(const program *self, plot *figure, json *report) {
             } else {
                 common_print("model 3, %-9s %-23s diverges at every step down to %.0e s\n", set ? "slow" : "published", names[method],
                              0.5 * riddle_exp(-1.3862943611198906 * (levels - 1)));
-                plot_text_share(figure, 0.29, 0.8, "explicit step: diverges at any size");
+                plot_text_share(figure, 0.29, 0.9, "explicit step: diverges at any size");
             }
             if (method == 2) {
                 json_number(report, set ? "soldinger_slow_error" : "soldinger_published_error", errors[n - 1]);
