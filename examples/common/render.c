@@ -242,6 +242,18 @@ static vec ray(const canvas *c, int x, int y) {
 
 static int limited(double v, int high) { return v < 0.0 ? 0 : v > high ? high : (int)v; }
 
+/* Where a triangle crosses the line at a height, widened by one; low > high: nowhere. */
+static void span_of(const double x[3], const double y[3], double height, double *low, double *high) {
+    *low = HUGE_VAL, *high = -HUGE_VAL;
+    for (int k = 0; k < 3; k++) {
+        const int next = (k + 1) % 3;
+        if ((y[k] < height && y[next] < height) || (y[k] > height && y[next] > height)) continue;
+        const double share = y[k] == y[next] ? 0.0 : (height - y[k]) / (y[next] - y[k]), at = x[k] + share * (x[next] - x[k]);
+        *low = fmin(*low, y[k] == y[next] ? fmin(x[k], x[next]) : at), *high = fmax(*high, y[k] == y[next] ? fmax(x[k], x[next]) : at);
+    }
+    *low -= 1.0, *high += 1.0;
+}
+
 static void put_sample(sample *p, double depth, vec normal, picture_colour colour) {
     p->depth = (float)depth;
     p->normal[0] = (float)normal.x, p->normal[1] = (float)normal.y, p->normal[2] = (float)normal.z;
@@ -269,13 +281,13 @@ static void draw_ball(canvas *c, const frame *camera, const ball *b) {
 typedef void (*plot_point)(sample *p, double depth, vec normal, picture_colour colour, double opacity);
 static void draw_face(canvas *c, const frame *camera, const face *f, double opacity, plot_point put) {
     vec v[3];
-    double low_x = HUGE_VAL, high_x = -HUGE_VAL, low_y = HUGE_VAL, high_y = -HUGE_VAL;
+    double px[3], py[3], low, high;
     for (int k = 0; k < 3; k++) {
         v[k] = seen_from(camera, f->corner[k]);
         if (!(v[k].z > 1e-9)) return;
-        const double x = c->scale * v[k].x / v[k].z + 0.5 * c->width, y = c->scale * v[k].y / v[k].z + 0.5 * c->height;
-        low_x = fmin(low_x, x), high_x = fmax(high_x, x), low_y = fmin(low_y, y), high_y = fmax(high_y, y);
+        px[k] = c->scale * v[k].x / v[k].z + 0.5 * c->width, py[k] = c->scale * v[k].y / v[k].z + 0.5 * c->height;
     }
+    const double low_y = fmin(fmin(py[0], py[1]), py[2]), high_y = fmax(fmax(py[0], py[1]), py[2]);
     vec normal = unit(cross(minus(v[1], v[0]), minus(v[2], v[0])));
     if (dot(normal, v[0]) > 0.0) normal = make(-normal.x, -normal.y, -normal.z);
     const double plane = dot(normal, v[0]);
@@ -284,13 +296,15 @@ static void draw_face(canvas *c, const frame *camera, const face *f, double opac
         side[k] = cross(v[k], v[(k + 1) % 3]);
         if (dot(side[k], v[(k + 2) % 3]) < 0.0) side[k] = make(-side[k].x, -side[k].y, -side[k].z);
     }
-    for (int y = limited(low_y - 1.0, c->height); y < limited(high_y + 2.0, c->height); y++)
-        for (int x = limited(low_x - 1.0, c->width); x < limited(high_x + 2.0, c->width); x++) {
+    for (int y = limited(low_y - 1.0, c->height); y < limited(high_y + 2.0, c->height); y++) {
+        span_of(px, py, y + 0.5, &low, &high);
+        for (int x = limited(low, c->width); x < limited(high, c->width); x++) {
             const vec d = ray(c, x, y);
             const double facing = dot(normal, d);
             if (!(dot(side[0], d) >= 0.0 && dot(side[1], d) >= 0.0 && dot(side[2], d) >= 0.0) || !(facing < -1e-12)) continue;
             put(&c->at[(size_t)y * (size_t)c->width + (size_t)x], plane / facing, normal, f->colour, opacity);
         }
+    }
 }
 
 static void put_solid(sample *p, double depth, vec normal, picture_colour colour, double opacity) {
@@ -328,22 +342,27 @@ static void shade_map(canvas *c, double x, double y, double radius, double depth
 }
 
 static void shade_face(canvas *c, const face *f) {
-    vec v[3];
-    for (int k = 0; k < 3; k++) v[k] = seen_from(&c->light, f->corner[k]);
-    const double texel = c->shadow_size / SHADOW, area = (v[1].x - v[0].x) * (v[2].y - v[0].y) - (v[2].x - v[0].x) * (v[1].y - v[0].y);
+    const double texel = c->shadow_size / SHADOW;
+    double x[3], y[3], z[3], low, high; /* x, y in texels of the map */
+    for (int k = 0; k < 3; k++) {
+        const vec v = seen_from(&c->light, f->corner[k]);
+        x[k] = (v.x - c->shadow_low[0]) / texel, y[k] = (v.y - c->shadow_low[1]) / texel, z[k] = v.z;
+    }
+    const double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
     if (!(fabs(area) > 0.0)) return;
-    const double low_x = fmin(fmin(v[0].x, v[1].x), v[2].x), high_x = fmax(fmax(v[0].x, v[1].x), v[2].x);
-    const double low_y = fmin(fmin(v[0].y, v[1].y), v[2].y), high_y = fmax(fmax(v[0].y, v[1].y), v[2].y);
-    for (int j = limited((low_y - c->shadow_low[1]) / texel, SHADOW); j < limited((high_y - c->shadow_low[1]) / texel + 1.0, SHADOW); j++)
-        for (int i = limited((low_x - c->shadow_low[0]) / texel, SHADOW); i < limited((high_x - c->shadow_low[0]) / texel + 1.0, SHADOW);
-             i++) {
-            const double x = c->shadow_low[0] + (i + 0.5) * texel, y = c->shadow_low[1] + (j + 0.5) * texel;
-            const double a = ((v[1].x - x) * (v[2].y - y) - (v[2].x - x) * (v[1].y - y)) / area;
-            const double b = ((v[2].x - x) * (v[0].y - y) - (v[0].x - x) * (v[2].y - y)) / area, e = 1.0 - a - b;
-            float *at = &c->shadow[(size_t)j * SHADOW + (size_t)i];
-            const double depth = a * v[0].z + b * v[1].z + e * v[2].z;
-            if (a >= 0.0 && b >= 0.0 && e >= 0.0 && depth < (double)*at) *at = (float)depth;
+    const double low_y = fmin(fmin(y[0], y[1]), y[2]), high_y = fmax(fmax(y[0], y[1]), y[2]);
+    for (int j = limited(low_y, SHADOW); j < limited(high_y + 1.0, SHADOW); j++) {
+        const double h = j + 0.5;
+        span_of(x, y, h, &low, &high);
+        for (int i = limited(low, SHADOW); i < limited(high, SHADOW); i++) {
+            const double at = i + 0.5;
+            const double a = ((x[1] - at) * (y[2] - h) - (x[2] - at) * (y[1] - h)) / area;
+            const double b = ((x[2] - at) * (y[0] - h) - (x[0] - at) * (y[2] - h)) / area, e = 1.0 - a - b;
+            float *nearest = &c->shadow[(size_t)j * SHADOW + (size_t)i];
+            const double depth = a * z[0] + b * z[1] + e * z[2];
+            if (a >= 0.0 && b >= 0.0 && e >= 0.0 && depth < (double)*nearest) *nearest = (float)depth;
         }
+    }
 }
 
 /* The light comes over the left shoulder of who looks. */
