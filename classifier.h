@@ -404,8 +404,8 @@ CLASSIFIER_API classifier_status classifier_rpm_for(const classifier_def *def, d
 typedef enum { CLASSIFIER_RADIAL_SLIP, CLASSIFIER_FULL_SLIP } classifier_slip;
 /* Follows one particle in the inertial frame from radius r with velocities v_radial (outward) and v_phi, in gas that turns with the wheel
    and flows inward with radial_factor times the undisturbed velocity, until it leaves over the rim (1) or the inner radius (0); -1 if
-   neither happens within 10 turns. RADIAL_SLIP: only the radial velocity difference makes drag, as in the balance; FULL_SLIP: the whole
-   vector. */
+   neither happens within 10 turns and 100 000 steps. RADIAL_SLIP: only the radial velocity difference makes drag, as in the balance;
+   FULL_SLIP: the whole vector. */
 CLASSIFIER_API int classifier_trajectory(const classifier_def *def, classifier_drag drag, double x, double r, double v_radial, double v_phi,
                                          classifier_slip slip);
 /* Returns the size [m] whose fate changes, for a start with v_radial = 0. NaN if none in [size_low, size_high]. */
@@ -414,7 +414,8 @@ CLASSIFIER_API double classifier_trajectory_cut(const classifier_def *def, class
 
 /* Computes T at x [m] with every drawn particle followed along its path after the hit (start with v_radial = 0, as the balance sees it).
    Uses def's points and shifts with drawn restitutions; error as in classifier_tromp. About 10 us a particle and case: 64 to 512 points
-   will do. Paths that stay are not rejected. */
+   will do. Paths that stay are not rejected. CLASSIFIER_OUTSIDE if 100 000 steps do not follow a path to its end: particles that the gas
+   takes along at once. */
 CLASSIFIER_API classifier_status classifier_trajectory_tromp(const classifier_def *def, double x, classifier_slip slip, double *t,
                                                              double *error);
 
@@ -2304,8 +2305,9 @@ static inline void classifier__motion(const classifier_def *def, classifier_drag
     rate[2] = -y[1] * y[2] / r + per_slip * slip_phi;
 }
 
-CLASSIFIER_API int classifier_trajectory(const classifier_def *def, classifier_drag drag, double x, double r, double v_radial, double v_phi,
-                                         classifier_slip slip) {
+/* Follows a path. Returns 1: it leaves outside; 0: inside; -1: it stays, or arguments are bad; 2: 100 000 steps did not reach its end. */
+static inline int classifier__follow(const classifier_def *def, classifier_drag drag, double x, double r, double v_radial, double v_phi,
+                                     classifier_slip slip) {
     /* Dormand & Prince 1980, order 5 with error estimate of order 4 */
     const double a[7][6] = {{0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
                             {1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0},
@@ -2359,7 +2361,13 @@ CLASSIFIER_API int classifier_trajectory(const classifier_def *def, classifier_d
         double factor = worst > 0.0 ? 0.9 / riddle_pow(worst, 0.2) : 5.0;
         h *= factor < 0.2 ? 0.2 : factor > 5.0 ? 5.0 : factor;
     }
-    return -1;
+    return t < end ? 2 : -1;
+}
+
+CLASSIFIER_API int classifier_trajectory(const classifier_def *def, classifier_drag drag, double x, double r, double v_radial, double v_phi,
+                                         classifier_slip slip) {
+    const int fate = classifier__follow(def, drag, x, r, v_radial, v_phi, slip);
+    return fate == 2 ? -1 : fate;
 }
 
 CLASSIFIER_API double classifier_trajectory_cut(const classifier_def *def, classifier_drag drag, double r, double v_phi,
@@ -2404,9 +2412,9 @@ CLASSIFIER_API classifier_status classifier_trajectory_tromp(const classifier_de
             for (int k = 0; k < 3; k++) {
                 double r = k == 2 && p.second.hit ? p.second.radius : p.first.radius,
                        v = line[k][0] + line[k][1] * (k < 2 ? p.e_first : p.e_last);
-                int fate = weight[k] > 0.0 ? classifier_trajectory(def, p.drag, x,
-                                                                   r < def->wheel.outer_radius ? r : def->wheel.outer_radius, 0.0, v, slip)
-                                           : 0;
+                if (!(r < def->wheel.outer_radius)) r = def->wheel.outer_radius;
+                const int fate = weight[k] > 0.0 ? classifier__follow(def, p.drag, x, r, 0.0, v, slip) : 0;
+                if (fate == 2) return CLASSIFIER_OUTSIDE;
                 if (fate == 1) mean[shift] += weight[k] / def->points;
             }
         }

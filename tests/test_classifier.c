@@ -1223,6 +1223,9 @@ static void a_failed_call_leaves_nan(void **state) {
     assert_int_equal(classifier_rpm_for(&def, nan_, NULL, &rpm), CLASSIFIER_BAD_ARGUMENT);
     assert_true(isnan(flow) && isnan(rpm));
     assert_int_equal(classifier_trajectory_tromp(&def, nan_, CLASSIFIER_FULL_SLIP, &one, &error), CLASSIFIER_BAD_ARGUMENT);
+    classifier_def light = def;
+    light.particle_density = 1e-300; /* the gas takes it along at once: steps too short to follow */
+    assert_int_equal(classifier_trajectory_tromp(&light, 1e-3, CLASSIFIER_FULL_SLIP, &one, &error), CLASSIFIER_OUTSIDE);
     assert_true(isnan(one) && isnan(error));
     /* in place: a definition that cannot be calibrated stays */
     double factor = def.radial_factor;
