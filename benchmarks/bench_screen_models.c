@@ -79,7 +79,7 @@ static void bench_implicit(const program *self, plot *figure, json *report) {
         int n = 0;
         for (int k = methods[m].first; k <= methods[m].last; k += methods[m].step, n++) {
             double worst = 1e-17, total = 0.0, start = machine_processor_seconds();
-            int rounds = self->quick ? 5 : 40;
+            int rounds = self->quick ? 2 : 40;
             for (int round = 0; round < rounds; round++)
                 for (int i = 0; i < PLACES; i++) total += methods[m].solve(place_p[i], place_n[i], k);
             x[n] = 1e9 * (machine_processor_seconds() - start) / ((double)rounds * PLACES);
@@ -239,7 +239,7 @@ static void bench_fit(const program *self, plot *figure, json *report) {
         plot_range_y(figure, 3e-11, 1e-3);
         for (int m = 0; m < 3; m++) {
             static const int counts[] = {1, 2, 5, 10, 20};
-            const int seeds = self->quick ? 1 : 6, n = self->quick ? 3 : 5;
+            const int seeds = self->quick ? 1 : 6, n = self->quick ? 2 : 5;
             double best = HUGE_VAL, mean[5], seconds[5], deviation[6][5];
             screen_fit_result fit;
             for (int s = 0; s < seeds; s++)

@@ -120,7 +120,8 @@ int main(int argc, char **argv) {
     plot_log_y(figure);
     text_table t = table_begin("v [m/s]|interval [s]|rms error|energy left, mean error|another fate");
     json_array_begin(report, "runs");
-    for (int s = 0; s < SPEEDS && exact && out && !common_interrupted(); s++) {
+    const int runs = self.quick ? 1 : SPEEDS;
+    for (int s = 0; s < runs && exact && out && !common_interrupted(); s++) {
         double y[LEVELS];
         char label[40];
         int failed = impacts(speeds[s], 0.0, steps_per_contact, moisture, phases, exact);
