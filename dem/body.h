@@ -256,7 +256,9 @@ DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !dem__is_time_step(dt)) return DEM_BAD_ARGUMENT;
     dem__stop_link_work(w, dem__all_particles(w));
-    for (ptrdiff_t i = 0; i < w->count; i++) dem__restart(w, i);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i]) dem__restart(w, i);
+    }
     w->engine->run.start_time = w->time;
     w->engine->run.start_step = w->step;
     w->def.dt = w->engine->run.dt = dt;

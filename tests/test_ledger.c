@@ -317,6 +317,34 @@ static void test_acts_in_fields(void **state) {
     }
 }
 
+/* A sphere, a clump, a brick that was removed in mid-flight: no later act books its motion again. */
+static void test_removed_in_field(void **state) {
+    (void)state;
+    static const int act[] = {IN_FIELD_GRAVITY, IN_FIELD_STEP, FIELD_CHANGED, FIELD_REMOVED};
+    const int features = DEM_LINEAR | DEM_FRICTION | DEM_ENERGY;
+    for (int k = 0; k < 3 * (int)(sizeof act / sizeof *act); k++) {
+        const int shape = k % 3;
+        char what[80];
+        dem_world w;
+        dem_force_field f = field_of(&weak);
+        f.accuracy = 1e-4; /* long flights, whose parabolas are far from their true velocities */
+        make(&w, 0.5, v3(0, 0, -9.81));
+        if (shape == 0) ball(&w, 0.01, 0, 0.5);
+        else if (shape == 1) clump_at(&w, 0.01, 0, 0.5);
+        else brick_at(&w, 0.01, 0, 0.5);
+        assert_int_equal(dem_set_force_field(&w, &f), DEM_OK);
+        assert_int_equal(dem_set_motion(&w, 0, v3(0.05, 0.1, -0.2), v3(0, 3, 2)), DEM_OK);
+        run(&w, 3.33e-3, features);
+        assert_int_equal(dem_remove(&w, 0), DEM_OK);
+        const double work = dem_energy(&w).field_work;
+        assert_true(work != 0.0);
+        act_in_field(&w, act[k / 3], features);
+        snprintf(what, sizeof what, "removed, act %d, shape %d", act[k / 3], shape);
+        near_absolute(dem_energy(&w).field_work, work, 0.0, what);
+        dem_free(&w);
+    }
+}
+
 /* ---- a bed of bricks that is struck ---- */
 
 /* The points of a face's edges come and go with the bodies' places: neither their friction nor their damping leaves a remainder. */
@@ -360,10 +388,8 @@ static void test_struck_bed(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_acts_on_links),
-        cmocka_unit_test(test_links_that_end),
-        cmocka_unit_test(test_acts_in_fields),
-        cmocka_unit_test(test_struck_bed),
+        cmocka_unit_test(test_acts_on_links),    cmocka_unit_test(test_links_that_end), cmocka_unit_test(test_acts_in_fields),
+        cmocka_unit_test(test_removed_in_field), cmocka_unit_test(test_struck_bed),
     };
     return cmocka_run_group_tests_name("ledger", tests, NULL, NULL);
 }
