@@ -3268,15 +3268,15 @@ DEM_INLINE dem_vec dem__spin_of(dem_quaternion q, dem_vec moments, dem_vec momen
 }
 
 /* Sets the cosine, and the sine over the angle, of an angle whose square is given [rad2]. Below 0.1 rad the series is as accurate, and
-   cheaper. */
+   cheaper. Of a large angle, whole turns are taken off: it is rounded by as much anyway. */
 DEM_INLINE void dem__cosine_and_sine(double square, double *c, double *s) {
     if (square < 0.01) {
         *s = 1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0 - square * (1.0 / 362880.0))));
         *c = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0 - square * (1.0 / 40320.0))));
         return;
     }
-    const double angle = sqrt(square);
-    *c = riddle_cos(angle), *s = riddle_sin(angle) / angle;
+    const double angle = sqrt(square), turn = 2.0 * RIDDLE_PI, rest = angle > 1e6 ? angle - turn * floor(angle / turn) : angle;
+    *c = riddle_cos(rest), *s = riddle_sin(rest) / angle;
 }
 /* Returns a turn about an axis. half: the unit axis times half the angle [rad]. */
 DEM_INLINE dem_quaternion dem__turn_by(dem_vec half) {
@@ -9604,6 +9604,7 @@ DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, in
     if (!dem__find_contacts_that_begin(w)) return dem__undo_detection(w);
     const ptrdiff_t begun = w->engine->contacts.begun;
     dem__commit_begun(w, 1.0);
+    if (begun > 0 && w->engine->ledger.on) dem__list_active(w); /* books are sums in the order of memory, whenever lists were built */
     if (in_field) dem__end_flights(w, begun);
     dem__advance(w, h);
     dem__prepare_begun(w, kernel->law, begun, features);
@@ -10210,8 +10211,9 @@ static inline void dem__note_strides(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
         dem__rigid *r = &bodies->rigid[k];
-        if (!w->alive[r->first] || !dem__strides(r) || bodies->activity[r->first]) continue;
-        const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(dem__now(w, r->first) / stride);
+        if (!w->alive[r->first] || bodies->activity[r->first]) continue;
+        const double stride = dem__turn_stride(r->momentum, r->moments);
+        const double whole = dem__strides(r) ? floor(dem__now(w, r->first) / stride) : 0.0;
         if (!(400.0 * stride > w->engine->run.dt) || !(whole - r->strides < DEM__STRIDES_MAX)) {
             w->status = DEM_TOO_FAST;
             w->failed_id = w->id[r->first];

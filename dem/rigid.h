@@ -32,8 +32,9 @@ static inline void dem__note_strides(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
         dem__rigid *r = &bodies->rigid[k];
-        if (!w->alive[r->first] || !dem__strides(r) || bodies->activity[r->first]) continue;
-        const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(dem__now(w, r->first) / stride);
+        if (!w->alive[r->first] || bodies->activity[r->first]) continue;
+        const double stride = dem__turn_stride(r->momentum, r->moments);
+        const double whole = dem__strides(r) ? floor(dem__now(w, r->first) / stride) : 0.0;
         if (!(400.0 * stride > w->engine->run.dt) || !(whole - r->strides < DEM__STRIDES_MAX)) {
             w->status = DEM_TOO_FAST;
             w->failed_id = w->id[r->first];

@@ -76,15 +76,15 @@ DEM_INLINE dem_vec dem__spin_of(dem_quaternion q, dem_vec moments, dem_vec momen
 }
 
 /* Sets the cosine, and the sine over the angle, of an angle whose square is given [rad2]. Below 0.1 rad the series is as accurate, and
-   cheaper. */
+   cheaper. Of a large angle, whole turns are taken off: it is rounded by as much anyway. */
 DEM_INLINE void dem__cosine_and_sine(double square, double *c, double *s) {
     if (square < 0.01) {
         *s = 1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0 - square * (1.0 / 362880.0))));
         *c = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0 - square * (1.0 / 40320.0))));
         return;
     }
-    const double angle = sqrt(square);
-    *c = riddle_cos(angle), *s = riddle_sin(angle) / angle;
+    const double angle = sqrt(square), turn = 2.0 * RIDDLE_PI, rest = angle > 1e6 ? angle - turn * floor(angle / turn) : angle;
+    *c = riddle_cos(rest), *s = riddle_sin(rest) / angle;
 }
 /* Returns a turn about an axis. half: the unit axis times half the angle [rad]. */
 DEM_INLINE dem_quaternion dem__turn_by(dem_vec half) {

@@ -100,6 +100,22 @@ static void test_brick_top(void **state) {
     dem_free(&w);
 }
 
+/* A top that has turned by millions of radians in one flight is where it should be. */
+static void test_top_turns_for_long(void **state) {
+    (void)state;
+    const double spin = 2e4, time = 200.0, half = 0.5 * spin * time, at_end[4] = {cos(half), 0, 0, sin(half)};
+    for (int k = 0; k < 2; k++) {
+        dem_world w;
+        make_world(&w, 1e-3, 0);
+        const ptrdiff_t i = add_top(&w, dem_vec3(0, 0, 0), 1.0, k ? dem_vec3(1, 1, 1) : dem_vec3(0.5, 0.5, 0.2));
+        assert_int_equal(dem_set_motion(&w, i, dem_vec3(0, 0, 0), dem_vec3(0, 0, spin)), DEM_OK);
+        assert_int_equal(dem_run(&w, time, DEM_LINEAR), DEM_OK);
+        assert_true(quaternion_error(dem_orientation(&w, i), at_end) < 1e-8);
+        assert_int_equal(w.engine->bodies.active_count, 0);
+        dem_free(&w);
+    }
+}
+
 /* The frame of moments given in another order is told apart: the same body, its axes exchanged. */
 static void test_axes_in_any_order(void **state) {
     (void)state;
@@ -721,6 +737,7 @@ int main(void) {
         cmocka_unit_test(test_euler_top_flies_to_the_reference),
         cmocka_unit_test(test_drift_of_three_moments_has_its_order),
         cmocka_unit_test(test_brick_top),
+        cmocka_unit_test(test_top_turns_for_long),
         cmocka_unit_test(test_axes_in_any_order),
         cmocka_unit_test(test_energy_of_a_torqued_top_does_not_drift),
         cmocka_unit_test(test_loaded_top_closes_the_ledger),
