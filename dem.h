@@ -194,7 +194,7 @@ extern "C" {
     X(DEM_BAD_DEFINITION, "a field of the definition is outside its range")                                                                \
     X(DEM_OUT_OF_MEMORY, "out of memory")                                                                                                  \
     X(DEM_NOT_FINITE, "a particle's force or position is not finite")                                                                      \
-    X(DEM_TOO_FAST, "a particle moves more than half its radius in one step")                                                              \
+    X(DEM_TOO_FAST, "a particle moves more than half its radius, or a body turns by a hundred radians, in one step")                       \
     X(DEM_TOO_MANY, "more walls, materials or particles than this header counts, or more mass than a region can hold")                     \
     X(DEM_BAD_DATA, "neither a whole saved world of this version nor an STL file with triangles")                                          \
     X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or links have no law: call "  \
