@@ -469,6 +469,16 @@ static int along(const study *st, int factor, int *order) {
     return n;
 }
 
+/* How h* of a variant differs from that of the first one with the same mixtures, and how early it rises. */
+static void json_rise(json *j, const study *st, int v) {
+    const contrast beyond = contrast_of(st, 0, v, over_time(H_STAR, 0.0, st->variants[0].set.time));
+    double share[SEEDS_MAX] = {0.0};
+    for (int q = 0; q < st->seeds; q++) share[q] = risen_early(st, v, q);
+    json_number(j, "h_star_beyond_first", beyond.difference);
+    json_number(j, "h_star_beyond_first_interval_95", beyond.paired);
+    json_statistics(j, "risen_early", statistics_of(st->seeds, share));
+}
+
 static void report_neighbours(const study *st) {
     const settings *base = &st->variants[0].set;
     const bool plate = base->scene == SCENE_CLOSED_PLATE;
@@ -482,7 +492,7 @@ static void report_neighbours(const study *st) {
              describe(text, sizeof text, base), st->seeds, st->seeds > 1 ? "s" : "");
     plot *figure = plot_new(title, rows, FACTORS);
     text_table t = table_begin(
-        plate ? "factor|level|mean h* [mm]|+- 95 %|h* at the end [mm]|+- 95 %"
+        plate ? "factor|level|mean h* [mm]|+- 95 %|last fifth [mm]|+- 95 %"
               : "factor|level|small, mean over time|+- 95 %|near-mesh, mean over time|+- 95 %|small, at the end|near-mesh, at the end");
     csv *file = csv_open(st->self->out, "neighbours.csv",
                          "variant,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,retained_near_mesh,h_star_m");
@@ -516,16 +526,18 @@ static void report_neighbours(const study *st) {
             json_number(j, "level", level(&st->variants[v].set, factor));
             for (int row = 0; row < rows; row++) {
                 const statistics mean = measure_of(st, v, over_time(curves[row], 0.0, base->time)),
-                                 end = measure_of(st, v, at_time(curves[row], base->time));
+                                 end = measure_of(
+                                     st, v, plate ? over_time(H_STAR, 0.8 * base->time, base->time) : at_time(curves[row], base->time));
                 const double unit = plate ? 1e3 : 1.0;
                 const int digits = plate ? 2 : 3;
                 interval_cell(&t, digits, unit * mean.mean), interval_cell(&t, digits, unit * mean.interval);
                 if (plate) interval_cell(&t, digits, unit * end.mean), interval_cell(&t, digits, unit * end.interval);
                 snprintf(text, sizeof text, "%s_mean_over_time", curve_name[curves[row]]);
                 json_statistics(j, text, mean);
-                snprintf(text, sizeof text, "%s_end", curve_name[curves[row]]);
+                snprintf(text, sizeof text, plate ? "%s_last_fifth" : "%s_end", curve_name[curves[row]]);
                 json_statistics(j, text, end);
             }
+            if (plate) json_rise(j, st, v);
             for (int c = 0; c < UNDERSIZE && !plate; c++) table_cell(&t, "%.3f", measure_of(st, v, at_time(c, base->time)).mean);
             json_object_end(j);
         }
