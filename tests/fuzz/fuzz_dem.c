@@ -396,7 +396,8 @@ static uint64_t run_program(fuzz_draws *d) {
     const int kinds = fuzz_seed >= FIRST_WITH_FIXED || d->bytes ? CALLS : fuzz_seed >= FIRST_WITH_BODIES ? MIDDLE_CALLS : OLD_CALLS;
     const int bodies = kinds == OLD_CALLS ? 0 : d->bytes || (kinds == CALLS && fuzz_seed % 3 == 2) ? 2 : 1; /* a third feeds polyhedra */
     begin(&p.a, &def, DEM_SKIP_ALL, 1, 0, bodies);
-    begin(&p.b, &def, fuzz_one_of(d, DEM_SKIP_ALL + 1), 1 + fuzz_one_of(d, 3), 1, bodies);
+    const int threads = 1 + fuzz_one_of(d, 3), skip = fuzz_one_of(d, DEM_SKIP_ALL + 1); /* a call draws its arguments in any order */
+    begin(&p.b, &def, skip, threads, 1, bodies);
     const int lasts = fuzz_one_of(d, 1000) == 0; /* many calls, legal ones, and short runs: does memory grow? */
     for (int calls = lasts ? 10000 : 8 + fuzz_one_of(d, 24); calls > 0; calls--) {
         const int kind = draw_kind(d, kinds), hostile = fuzz_one_of(d, 10) == 0 && !lasts;
