@@ -583,6 +583,19 @@ static void add_moistures(study *st, const settings *base) {
         }
 }
 
+/* The difference of the same mixtures in each second. */
+static void json_course(json *j, const study *st, int from, int to, int curve) {
+    enum { MOST = 100 };
+    double difference[MOST], interval[MOST];
+    int n = 0;
+    for (; n < MOST && n + 1 <= st->variants[0].set.time + 1e-9; n++) {
+        const contrast x = contrast_of(st, from, to, at_time(curve, n + 1));
+        difference[n] = x.difference, interval[n] = x.paired;
+    }
+    json_array(j, "difference_each_second", difference, n);
+    json_array(j, "interval_95_paired_each_second", interval, n);
+}
+
 /* Curves of the dry and the wet batch: a row for each class, a column for each moisture. */
 static void draw_laws(const study *st) {
     static const char *const labels[3] = {"dry", "corrected laws", "printed laws"};
@@ -657,6 +670,7 @@ static void report_moisture(const study *st) {
             json_number(j, "interval_95_paired", x.paired);
             json_number(j, "interval_95_independent", x.independent);
             json_number(j, "correlation", x.correlation);
+            json_course(j, st, from[k], to[k], c);
             json_object_end(j);
         }
         plot_panel(figure, 0, c, "water [%]", "difference of the fraction retained [-]");
