@@ -62,7 +62,7 @@ typedef struct law {
     double ns, worst, rms;
 } law;
 
-static law laws[] = {{"energy form (12a)", law_energy, 0, 0, 0},  {"Willett, simple", law_simple, 0, 0, 0},
+static law laws[] = {{"energy form", law_energy, 0, 0, 0},        {"Willett, simple", law_simple, 0, 0, 0},
                      {"Willett, full", law_willett, 0, 0, 0},     {"eq 12, corrected", law_corrected, 0, 0, 0},
                      {"eq 12, as printed", law_printed, 0, 0, 0}, {"table of the header (7 terms)", law_table, 0, 0, 0}};
 enum { LAWS = sizeof laws / sizeof *laws };

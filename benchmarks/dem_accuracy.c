@@ -57,7 +57,7 @@ static void runge_kutta(const pair_law *law, pair_state *s, pair_rate *a, double
 
 enum { DEM, UNRESOLVED, VERLET, LEAPFROG, RUNGE_KUTTA, METHODS };
 static const int colours[METHODS] = {0, 4, 1, 2, 3};
-static const char *const method_names[METHODS] = {"dem.h", "dem.h, nothing resolved", "predicted Verlet", "leapfrog (LAMMPS, YADE)",
+static const char *const method_names[METHODS] = {"dem.h", "dem.h without its correction", "predicted Verlet", "leapfrog (LAMMPS, YADE)",
                                                   "Runge-Kutta 4"};
 
 typedef struct outcome {
@@ -116,7 +116,7 @@ static double middle_of(double *v, int n) {
     return v[n / 2];
 }
 
-/* dem.h as shipped, with nothing resolved, and both with a counter. */
+/* dem.h as shipped, without its correction, and both with a counter. */
 enum { VARIANTS = 4 };
 static const dem_kernel *const kernels[VARIANTS] = {NULL, &unresolved_kernel, &counted_kernel, &counted_unresolved_kernel};
 
@@ -177,7 +177,7 @@ static void impacts(const program *self, csv *file, json *report, plot *figure, 
     const int phases = self->quick ? 50 : PHASES_MAX;
     double x[LEVELS], summary[2][2][METHODS] = {{{0.0}}}, by_mode[2][2][2][LEVELS], steps[LEVELS];
     text_table t = table_begin(
-        "impact|e|convention|t_c/dt|dem.h: evaluations|bias|rms|predicted Verlet: rms|leapfrog: rms|ns an impact|ns, nothing resolved");
+        "impact|e|convention|t_c/dt|dem.h: evaluations|bias|rms|predicted Verlet: rms|leapfrog: rms|ns an impact|ns, without correction");
     for (int k = 0; k < 3; k++) {
         for (int r = 0; r < 2; r++) {
             for (int mode = 0; mode < 2; mode++) {
@@ -424,7 +424,7 @@ static void stacks(const program *self, csv *file, json *report, plot *figure, p
     const int phases = self->quick ? 2 : STACK_PHASES;
     text_table t =
         table_begin("stack|e|convention|t_c/dt|dem.h: evaluations|rms error [d]|predicted Verlet: rms|leapfrog: rms|us a run|us, "
-                    "nothing resolved|ledger");
+                    "without correction|ledger");
     for (int r = 0; r < 3; r++) {
         for (int mode = 0; mode < (restitutions[r] < 1.0 ? 2 : 1); mode++) { /* without a dashpot both conventions are one */
             const stack_law law = stack_law_of(restitutions[r], mode ? DEM_NAIVE : DEM_CLIPPED);

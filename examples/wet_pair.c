@@ -49,7 +49,7 @@ static double damping_share(double e) {
 
 enum { GAPS = 120, LAWS = 5, WILLETT = 2 };
 
-static const char *const law_names[LAWS] = {"bridge_attraction", "by energy, eq 12a", "Willett, full fit", "eqs 12, 13, corrected",
+static const char *const law_names[LAWS] = {"bridge_attraction", "energy form", "Willett, full fit", "eqs 12, 13, corrected",
                                             "eqs 12, 13, as printed"};
 
 static double law_force(int law, const bridge_pair *pair, const bridge *b, double gap) {
