@@ -2369,7 +2369,21 @@ typedef struct dem__wall_force {
     dem_vec force, torque;
 } dem__wall_force;
 
-enum { DEM__PLACES = 12 }; /* numbers kept of the place where a contact touches a mesh */
+/* The numbers kept of the place where a contact touches: the arrays of contacts.touch. A sphere at a mesh, a sphere at a cone and a
+   polyhedron use them each in its own way; other contacts have none. */
+enum {
+    DEM__PLACE_NORMAL = 0,    /* mesh, polyhedron: normal of the place that it follows (3 numbers) */
+    DEM__PLACE_GAP = 3,       /* mesh, polyhedron: gap there [m] */
+    DEM__PLACE_BEFORE = 9,    /* mesh, polyhedron: the normal one step before (3) */
+    DEM__PLACE_FOOTING = 4,   /* mesh: dem__footing.at (3) */
+    DEM__PLACE_SLACK = 7,     /* mesh: dem__footing.slack [m]; 0: no footing */
+    DEM__PLACE_FACE = 8,      /* mesh: dem__footing.face */
+    DEM__PLACE_ARM = 4,       /* polyhedron: from the centre of i to that of the sphere that touches for it [m] (3) */
+    DEM__PLACE_WEIGHT = 7,    /* polyhedron: factor of the force [-] */
+    DEM__PLACE_CURVATURE = 8, /* polyhedron: curvature of the wall as the contact began [1/m] */
+    DEM__CONE_CURVATURE = 0,  /* cone: the same */
+    DEM__PLACES = 12
+};
 
 /* Two particles that may touch before the list is built anew. */
 typedef struct dem__near {
@@ -2544,8 +2558,7 @@ typedef struct dem__contacts {
     uint8_t *edge, *ended;                       /* begins or ends in this step; has ended */
     double *gap, *force;
     double *state[DEM_STATE_MAX];
-    double *touch[DEM__PLACES]; /* mesh: normal and gap of the place that it follows; footing: place, slack, face; the normal one step
-                                   before. Cone: its curvature. Polyhedron: normal, gap, place, weight; curvature of the wall */
+    double *touch[DEM__PLACES]; /* of the place where it touches: see DEM__PLACE_NORMAL; only with walls.touch_keepers */
     double *wrench[9];          /* force on i, torques on i and j, of a run's last step */
     dem__correction *correction;
     double *elastic, *power[3], *loss[4]; /* with a ledger: power by normal, rolling, wall; loss by normal, sliding, rolling, wall */
@@ -4750,42 +4763,50 @@ DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     return 1;
 }
 
+/* Returns whether the contact in slot c is one of a polyhedron. The functions after it read and write what a contact keeps of the place where
+   it touches: see DEM__PLACE_NORMAL in engine.h. first: the first of three numbers. */
+DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
+DEM_INLINE dem_vec dem__place_vec(const dem_world *w, int first, ptrdiff_t c) {
+    double *const *place = &w->engine->contacts.touch[first];
+    return dem_vec3(place[0][c], place[1][c], place[2][c]);
+}
+DEM_INLINE void dem__set_place_vec(dem_world *w, int first, ptrdiff_t c, dem_vec v) {
+    double *const *place = &w->engine->contacts.touch[first];
+    place[0][c] = v.x, place[1][c] = v.y, place[2][c] = v.z;
+}
+DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_NORMAL, c); }
+DEM_INLINE dem_vec dem__place_before(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_BEFORE, c); }
+DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_ARM, c); }
+DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
+    double *const *place = w->engine->contacts.touch;
+    dem__footing f;
+    f.at = dem__place_vec(w, DEM__PLACE_FOOTING, c);
+    f.slack = place[DEM__PLACE_SLACK][c], f.face = (int32_t)place[DEM__PLACE_FACE][c];
+    return f;
+}
+DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *f) {
+    double *const *place = w->engine->contacts.touch;
+    dem__set_place_vec(w, DEM__PLACE_FOOTING, c, f->at);
+    place[DEM__PLACE_SLACK][c] = f->slack, place[DEM__PLACE_FACE][c] = (double)f->face;
+}
+/* Moves the contact in slot c to a place of its mesh. */
+DEM_INLINE void dem__set_touch(dem_world *w, ptrdiff_t c, const dem__touch *touch) {
+    dem__set_place_vec(w, DEM__PLACE_NORMAL, c, touch->normal);
+    w->engine->contacts.touch[DEM__PLACE_GAP][c] = touch->gap;
+}
+
 /* Begins a contact with a wall. A cone is touched from both sides and at its rims: a contact keeps the curvature with which it began.
    Returns 0 when out of memory. */
 static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!dem__new_contact(w, i, -1 - wall, element, -1)) return 0;
     const ptrdiff_t c = dem__next_slot(w) - 1;
-    if (w->wall[wall].kind == DEM_CONE) contacts->touch[0][c] = touch->curvature;
+    if (w->wall[wall].kind == DEM_CONE) contacts->touch[DEM__CONE_CURVATURE][c] = touch->curvature;
     if (w->wall[wall].kind != DEM_MESH) return 1;
-    contacts->touch[0][c] = touch->normal.x, contacts->touch[1][c] = touch->normal.y, contacts->touch[2][c] = touch->normal.z;
-    contacts->touch[3][c] = touch->gap;
-    contacts->touch[7][c] = 0.0; /* no footing yet */
-    contacts->touch[9][c] = touch->normal.x, contacts->touch[10][c] = touch->normal.y, contacts->touch[11][c] = touch->normal.z;
+    dem__set_touch(w, c, touch);
+    contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing yet */
+    dem__set_place_vec(w, DEM__PLACE_BEFORE, c, touch->normal);
     return 1;
-}
-
-/* Returns whether the contact in slot c is one of a polyhedron. The next two functions return its normal, and the vector from the centre of
-   i to that of the sphere that touches for it. */
-DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
-DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    return dem_vec3(place[0][c], place[1][c], place[2][c]);
-}
-DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    return dem_vec3(place[4][c], place[5][c], place[6][c]);
-}
-
-DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    dem__footing f;
-    f.at = dem_vec3(place[4][c], place[5][c], place[6][c]), f.slack = place[7][c], f.face = (int32_t)place[8][c];
-    return f;
-}
-DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *f) {
-    double *const *place = w->engine->contacts.touch;
-    place[4][c] = f->at.x, place[5][c] = f->at.y, place[6][c] = f->at.z, place[7][c] = f->slack, place[8][c] = (double)f->face;
 }
 
 /* Lists the contacts of particle i with wall k in the order of elements. Returns their number, at most DEM__NUMBERS. */
@@ -4809,7 +4830,7 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
     const double tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
     const dem_vec x = dem__at(w, i, tau), d = dem__sub(x, wall->position);
     const double speed = dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
-    double **place = contacts->touch, least;
+    double least;
     dem__touch touch[DEM__TOUCHES];
     int n, taken = 0, used = 0, left = 0;
     const double radius = w->particle[i].radius, near = w->engine->links.near,
@@ -4817,11 +4838,10 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
         deep = leaves > near ? leaves : near;
     dem__footing footing = dem__footing_of(w, slot[0]);
     for (int m = 0; m < slots && !bear; m++) { /* with `bear` this has been done in this step */
-        for (int a = 0; a < 3; a++) place[9 + a][slot[m]] = place[a][slot[m]];
+        dem__set_place_vec(w, DEM__PLACE_BEFORE, slot[m], dem__place_normal(w, slot[m]));
     }
     if (slots == 1 && dem__keeps_footing(wall, &footing, d, radius, deep, touch)) {
-        const int32_t c = slot[0];
-        place[0][c] = touch->normal.x, place[1][c] = touch->normal.y, place[2][c] = touch->normal.z, place[3][c] = touch->gap;
+        dem__set_touch(w, slot[0], touch);
         return 0;
     }
     n = dem__touch_mesh(wall, d, radius, deep, radius, touch, &least);
@@ -4829,18 +4849,14 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
         const int32_t c = slot[m];
         int q = 0;
         used |= 1 << contacts->element[c];
-        while (q < n &&
-               ((taken >> q & 1) ||
-                !(touch[q].normal.x * place[0][c] + touch[q].normal.y * place[1][c] + touch[q].normal.z * place[2][c] > DEM__SMOOTH)))
-            q++;
+        while (q < n && ((taken >> q & 1) || !(dem__dot(touch[q].normal, dem__place_normal(w, c)) > DEM__SMOOTH))) q++;
         if (q == n) { /* merged with another: it ends without a force, whatever its depth */
-            place[3][c] = w->particle[i].radius;
+            contacts->touch[DEM__PLACE_GAP][c] = w->particle[i].radius;
             contacts->force[c] = 0.0;
             continue;
         }
         taken |= 1 << q;
-        place[0][c] = touch[q].normal.x, place[1][c] = touch[q].normal.y, place[2][c] = touch[q].normal.z;
-        place[3][c] = touch[q].gap;
+        dem__set_touch(w, c, &touch[q]);
     }
     footing.slack = 0.0;
     if (slots == 1 && n == 1 && taken) footing = dem__find_footing(wall, d, radius, touch);
@@ -7041,10 +7057,9 @@ DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old,
 /* Finds the place where a wall is touched by the contact in a slot, or by a link (slot -1). */
 DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius, int32_t element,
                                  dem__touch *touch) {
-    const dem__contacts *contacts = &w->engine->contacts;
     if (slot >= 0 && wall->kind == DEM_MESH) {
-        touch->normal = dem_vec3(contacts->touch[0][slot], contacts->touch[1][slot], contacts->touch[2][slot]);
-        touch->gap = contacts->touch[3][slot];
+        touch->normal = dem__place_normal(w, slot);
+        touch->gap = w->engine->contacts.touch[DEM__PLACE_GAP][slot];
     } else if (wall->kind == DEM_PLANE) dem__touch_plane(wall, x, radius, touch);
     else dem__touch_element(wall, x, radius, element, touch);
 }
@@ -7140,9 +7155,7 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
     const dem_vec n = dem_vec3(b->nx[k], b->ny[k], b->nz[k]);
     dem_vec t;
     if (wall->kind == DEM_MESH && at->slot >= 0) { /* between edges and faces: only the contact knows both normals */
-        double *const *touch = w->engine->contacts.touch;
-        const dem_vec before = dem_vec3(touch[9][at->slot], touch[10][at->slot], touch[11][at->slot]);
-        t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
+        t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, dem__place_before(w, at->slot)));
     } else {
         dem_vec u = dem_vec3(b->vx[k], b->vy[k], b->vz[k]);
         if (wall->slides) { /* u is relative to its surface, not to its frame */
@@ -8000,7 +8013,7 @@ static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     const dem_wall *wall = &w->wall[-1 - contacts->j[c]];
     const dem_particle *p = &w->particle[contacts->i[c]];
     dem__touch touch;
-    if (wall->kind == DEM_CONE) return contacts->touch[0][c];
+    if (wall->kind == DEM_CONE) return contacts->touch[DEM__CONE_CURVATURE][c];
     dem__touch_element(wall, p->x, p->radius, contacts->element[c], &touch);
     return touch.curvature;
 }
@@ -12981,8 +12994,9 @@ static inline int dem__find_convex_points(dem_world *w, int64_t step) {
 
 DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
     double *const *place = w->engine->contacts.touch;
-    place[0][c] = p->normal.x, place[1][c] = p->normal.y, place[2][c] = p->normal.z, place[3][c] = p->gap;
-    place[4][c] = p->at.x, place[5][c] = p->at.y, place[6][c] = p->at.z, place[7][c] = p->weight;
+    dem__set_place_vec(w, DEM__PLACE_NORMAL, c, p->normal);
+    dem__set_place_vec(w, DEM__PLACE_ARM, c, p->at);
+    place[DEM__PLACE_GAP][c] = p->gap, place[DEM__PLACE_WEIGHT][c] = p->weight;
 }
 
 /* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall, which the contact
@@ -12998,8 +13012,8 @@ static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__co
                            dem__element_of_key(wall, p->key), &touch);
     }
     dem__set_place(w, c, p);
-    contacts->touch[8][c] = touch.curvature;
-    for (int a = 0; a < 3; a++) contacts->touch[9 + a][c] = contacts->touch[a][c];
+    contacts->touch[DEM__PLACE_CURVATURE][c] = touch.curvature;
+    dem__set_place_vec(w, DEM__PLACE_BEFORE, c, p->normal);
 }
 
 /* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap above 0, and so
@@ -13012,12 +13026,12 @@ static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t e
             if (contacts->near[c] > -2) continue;
             const dem__convex_pair *p = &w->engine->convex.pair[-2 - contacts->near[c]];
             dem__convex_point *point = w->engine->convex.point + p->first, *stop = point + p->count;
-            for (int a = 0; a < 3; a++) contacts->touch[9 + a][c] = contacts->touch[a][c];
+            dem__set_place_vec(w, DEM__PLACE_BEFORE, c, dem__place_normal(w, c));
             while (point < stop && point->key != contacts->element[c]) point++;
             if (point < stop) {
                 dem__set_place(w, c, point);
                 point->taken = 1;
-            } else contacts->touch[3][c] = w->particle[p->i].radius;
+            } else contacts->touch[DEM__PLACE_GAP][c] = w->particle[p->i].radius;
         }
     }
 }
@@ -13139,12 +13153,10 @@ DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, i
 /* Fills row k of a polyhedron's contact with another body or a wall. */
 static inline void dem__fill_convex_row(const dem_world *w, dem__rows *b, const dem__type_rows *t, int k, ptrdiff_t c, double half,
                                         dem__wall_row *at) {
-    double *const *place = w->engine->contacts.touch;
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    const dem_vec n = dem__place_normal(w, c), arm = dem__place_arm(w, c);
-    const dem_vec before = dem_vec3(place[9][c], place[10][c], place[11][c]);
+    const dem_vec n = dem__place_normal(w, c), arm = dem__place_arm(w, c), before = dem__place_before(w, c);
     dem_vec v, a, other_v, other_a, spin;
-    b->nx[k] = n.x, b->ny[k] = n.y, b->nz[k] = n.z, b->gap[k] = place[3][c];
+    b->nx[k] = n.x, b->ny[k] = n.y, b->nz[k] = n.z, b->gap[k] = w->engine->contacts.touch[DEM__PLACE_GAP][c];
     b->inverse[k] = 1.0 / (t->sum[k] + b->gap[k]);
     dem__point_motion(w, i, arm, half, &v, &a);
     if (j >= 0) {
@@ -13182,7 +13194,7 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
     for (int k = 0; k < n; k++) {
         const ptrdiff_t c = base + k;
         if (!dem__is_convex_contact(w, c)) continue;
-        const double weight = contacts->touch[7][c];
+        const double weight = contacts->touch[DEM__PLACE_WEIGHT][c];
         const dem_vec arm = dem__place_arm(w, c), other = dem__other_arm(b, t, k, arm);
         for (int a = 0; a < 9; a++) out[a][k] *= weight;
         const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f), on_j = dem__cross(other, f);
@@ -13215,7 +13227,7 @@ static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birt
     b->radius_i = dem__touching_radius(w, i);
     b->mass = 1.0 / (per_i + (j >= 0 && !dem__is_fixed(w, j) ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
     if (j >= 0) b->radius_j = dem__touching_radius(w, j);
-    else b->curvature = w->engine->contacts.touch[8][c];
+    else b->curvature = w->engine->contacts.touch[DEM__PLACE_CURVATURE][c];
 }
 
 /* ------------------------------------------------------------------------------------- >>convex_add */
@@ -15107,7 +15119,8 @@ static inline void dem__contact_fields(dem_world *w, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 5);
     dem__add_fields(g, "contact.state", contacts->state, contacts->states);
     g->needed = g->fields;
-    if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, w->engine->convex.shapes > 0 ? 9 : 4);
+    const int places = w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_FOOTING; /* a footing is found anew */
+    if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, places);
     dem__add_fields(g, "contact.wrench", contacts->wrench, 9);
     if (w->engine->ledger.on) {
         dem__add_fields(g, "contact.elastic", &contacts->elastic, 1);
@@ -15670,7 +15683,8 @@ static inline void dem__derive_loaded(dem_world *w) {
         dem__activate(w, i);
         if (j >= 0) dem__activate(w, j);
         else contacts->wall_next[c] = first[i], first[i] = (int32_t)c;
-        if (j < 0 && w->engine->convex.shapes > 0 && !dem__shape_of(w, i)) contacts->touch[7][c] = 0.0; /* no footing is trusted */
+        if (j < 0 && w->engine->convex.shapes > 0 && !dem__shape_of(w, i))
+            contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing is trusted */
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__set_inverse_mass(w, i);

@@ -116,7 +116,7 @@ static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     const dem_wall *wall = &w->wall[-1 - contacts->j[c]];
     const dem_particle *p = &w->particle[contacts->i[c]];
     dem__touch touch;
-    if (wall->kind == DEM_CONE) return contacts->touch[0][c];
+    if (wall->kind == DEM_CONE) return contacts->touch[DEM__CONE_CURVATURE][c];
     dem__touch_element(wall, p->x, p->radius, contacts->element[c], &touch);
     return touch.curvature;
 }

@@ -112,42 +112,50 @@ DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     return 1;
 }
 
+/* Returns whether the contact in slot c is one of a polyhedron. The functions after it read and write what a contact keeps of the place where
+   it touches: see DEM__PLACE_NORMAL in engine.h. first: the first of three numbers. */
+DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
+DEM_INLINE dem_vec dem__place_vec(const dem_world *w, int first, ptrdiff_t c) {
+    double *const *place = &w->engine->contacts.touch[first];
+    return dem_vec3(place[0][c], place[1][c], place[2][c]);
+}
+DEM_INLINE void dem__set_place_vec(dem_world *w, int first, ptrdiff_t c, dem_vec v) {
+    double *const *place = &w->engine->contacts.touch[first];
+    place[0][c] = v.x, place[1][c] = v.y, place[2][c] = v.z;
+}
+DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_NORMAL, c); }
+DEM_INLINE dem_vec dem__place_before(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_BEFORE, c); }
+DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_ARM, c); }
+DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
+    double *const *place = w->engine->contacts.touch;
+    dem__footing f;
+    f.at = dem__place_vec(w, DEM__PLACE_FOOTING, c);
+    f.slack = place[DEM__PLACE_SLACK][c], f.face = (int32_t)place[DEM__PLACE_FACE][c];
+    return f;
+}
+DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *f) {
+    double *const *place = w->engine->contacts.touch;
+    dem__set_place_vec(w, DEM__PLACE_FOOTING, c, f->at);
+    place[DEM__PLACE_SLACK][c] = f->slack, place[DEM__PLACE_FACE][c] = (double)f->face;
+}
+/* Moves the contact in slot c to a place of its mesh. */
+DEM_INLINE void dem__set_touch(dem_world *w, ptrdiff_t c, const dem__touch *touch) {
+    dem__set_place_vec(w, DEM__PLACE_NORMAL, c, touch->normal);
+    w->engine->contacts.touch[DEM__PLACE_GAP][c] = touch->gap;
+}
+
 /* Begins a contact with a wall. A cone is touched from both sides and at its rims: a contact keeps the curvature with which it began.
    Returns 0 when out of memory. */
 static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!dem__new_contact(w, i, -1 - wall, element, -1)) return 0;
     const ptrdiff_t c = dem__next_slot(w) - 1;
-    if (w->wall[wall].kind == DEM_CONE) contacts->touch[0][c] = touch->curvature;
+    if (w->wall[wall].kind == DEM_CONE) contacts->touch[DEM__CONE_CURVATURE][c] = touch->curvature;
     if (w->wall[wall].kind != DEM_MESH) return 1;
-    contacts->touch[0][c] = touch->normal.x, contacts->touch[1][c] = touch->normal.y, contacts->touch[2][c] = touch->normal.z;
-    contacts->touch[3][c] = touch->gap;
-    contacts->touch[7][c] = 0.0; /* no footing yet */
-    contacts->touch[9][c] = touch->normal.x, contacts->touch[10][c] = touch->normal.y, contacts->touch[11][c] = touch->normal.z;
+    dem__set_touch(w, c, touch);
+    contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing yet */
+    dem__set_place_vec(w, DEM__PLACE_BEFORE, c, touch->normal);
     return 1;
-}
-
-/* Returns whether the contact in slot c is one of a polyhedron. The next two functions return its normal, and the vector from the centre of
-   i to that of the sphere that touches for it. */
-DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
-DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    return dem_vec3(place[0][c], place[1][c], place[2][c]);
-}
-DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    return dem_vec3(place[4][c], place[5][c], place[6][c]);
-}
-
-DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    dem__footing f;
-    f.at = dem_vec3(place[4][c], place[5][c], place[6][c]), f.slack = place[7][c], f.face = (int32_t)place[8][c];
-    return f;
-}
-DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *f) {
-    double *const *place = w->engine->contacts.touch;
-    place[4][c] = f->at.x, place[5][c] = f->at.y, place[6][c] = f->at.z, place[7][c] = f->slack, place[8][c] = (double)f->face;
 }
 
 /* Lists the contacts of particle i with wall k in the order of elements. Returns their number, at most DEM__NUMBERS. */
@@ -171,7 +179,7 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
     const double tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
     const dem_vec x = dem__at(w, i, tau), d = dem__sub(x, wall->position);
     const double speed = dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
-    double **place = contacts->touch, least;
+    double least;
     dem__touch touch[DEM__TOUCHES];
     int n, taken = 0, used = 0, left = 0;
     const double radius = w->particle[i].radius, near = w->engine->links.near,
@@ -179,11 +187,10 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
         deep = leaves > near ? leaves : near;
     dem__footing footing = dem__footing_of(w, slot[0]);
     for (int m = 0; m < slots && !bear; m++) { /* with `bear` this has been done in this step */
-        for (int a = 0; a < 3; a++) place[9 + a][slot[m]] = place[a][slot[m]];
+        dem__set_place_vec(w, DEM__PLACE_BEFORE, slot[m], dem__place_normal(w, slot[m]));
     }
     if (slots == 1 && dem__keeps_footing(wall, &footing, d, radius, deep, touch)) {
-        const int32_t c = slot[0];
-        place[0][c] = touch->normal.x, place[1][c] = touch->normal.y, place[2][c] = touch->normal.z, place[3][c] = touch->gap;
+        dem__set_touch(w, slot[0], touch);
         return 0;
     }
     n = dem__touch_mesh(wall, d, radius, deep, radius, touch, &least);
@@ -191,18 +198,14 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
         const int32_t c = slot[m];
         int q = 0;
         used |= 1 << contacts->element[c];
-        while (q < n &&
-               ((taken >> q & 1) ||
-                !(touch[q].normal.x * place[0][c] + touch[q].normal.y * place[1][c] + touch[q].normal.z * place[2][c] > DEM__SMOOTH)))
-            q++;
+        while (q < n && ((taken >> q & 1) || !(dem__dot(touch[q].normal, dem__place_normal(w, c)) > DEM__SMOOTH))) q++;
         if (q == n) { /* merged with another: it ends without a force, whatever its depth */
-            place[3][c] = w->particle[i].radius;
+            contacts->touch[DEM__PLACE_GAP][c] = w->particle[i].radius;
             contacts->force[c] = 0.0;
             continue;
         }
         taken |= 1 << q;
-        place[0][c] = touch[q].normal.x, place[1][c] = touch[q].normal.y, place[2][c] = touch[q].normal.z;
-        place[3][c] = touch[q].gap;
+        dem__set_touch(w, c, &touch[q]);
     }
     footing.slack = 0.0;
     if (slots == 1 && n == 1 && taken) footing = dem__find_footing(wall, d, radius, touch);

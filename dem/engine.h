@@ -54,7 +54,21 @@ typedef struct dem__wall_force {
     dem_vec force, torque;
 } dem__wall_force;
 
-enum { DEM__PLACES = 12 }; /* numbers kept of the place where a contact touches a mesh */
+/* The numbers kept of the place where a contact touches: the arrays of contacts.touch. A sphere at a mesh, a sphere at a cone and a
+   polyhedron use them each in its own way; other contacts have none. */
+enum {
+    DEM__PLACE_NORMAL = 0,    /* mesh, polyhedron: normal of the place that it follows (3 numbers) */
+    DEM__PLACE_GAP = 3,       /* mesh, polyhedron: gap there [m] */
+    DEM__PLACE_BEFORE = 9,    /* mesh, polyhedron: the normal one step before (3) */
+    DEM__PLACE_FOOTING = 4,   /* mesh: dem__footing.at (3) */
+    DEM__PLACE_SLACK = 7,     /* mesh: dem__footing.slack [m]; 0: no footing */
+    DEM__PLACE_FACE = 8,      /* mesh: dem__footing.face */
+    DEM__PLACE_ARM = 4,       /* polyhedron: from the centre of i to that of the sphere that touches for it [m] (3) */
+    DEM__PLACE_WEIGHT = 7,    /* polyhedron: factor of the force [-] */
+    DEM__PLACE_CURVATURE = 8, /* polyhedron: curvature of the wall as the contact began [1/m] */
+    DEM__CONE_CURVATURE = 0,  /* cone: the same */
+    DEM__PLACES = 12
+};
 
 /* Two particles that may touch before the list is built anew. */
 typedef struct dem__near {
@@ -229,8 +243,7 @@ typedef struct dem__contacts {
     uint8_t *edge, *ended;                       /* begins or ends in this step; has ended */
     double *gap, *force;
     double *state[DEM_STATE_MAX];
-    double *touch[DEM__PLACES]; /* mesh: normal and gap of the place that it follows; footing: place, slack, face; the normal one step
-                                   before. Cone: its curvature. Polyhedron: normal, gap, place, weight; curvature of the wall */
+    double *touch[DEM__PLACES]; /* of the place where it touches: see DEM__PLACE_NORMAL; only with walls.touch_keepers */
     double *wrench[9];          /* force on i, torques on i and j, of a run's last step */
     dem__correction *correction;
     double *elastic, *power[3], *loss[4]; /* with a ledger: power by normal, rolling, wall; loss by normal, sliding, rolling, wall */
