@@ -2552,7 +2552,8 @@ typedef struct dem__contacts {
     int has_history;             /* whether states can be other than zero */
     void *block;
     size_t bytes;
-    int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the pair, or -1 */
+    int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the near pair; -1: none; below -1: a contact of a polyhedron
+                                                    (dem__is_convex_contact) */
     int32_t *type;                               /* index in types; -1: constants of its own */
     int32_t *slots;                              /* a list of slots, or one in each chunk */
     uint8_t *edge, *ended;                       /* begins or ends in this step; has ended */
@@ -4879,7 +4880,7 @@ static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int 
     const ptrdiff_t i = w->engine->contacts.i[c];
     const int k = -1 - (int)w->engine->contacts.j[c];
     int32_t slot[DEM__NUMBERS];
-    if (k < 0 || w->wall[k].kind != DEM_MESH || w->engine->contacts.near[c] < -1) return 0; /* those of a polyhedron follow its points */
+    if (k < 0 || w->wall[k].kind != DEM_MESH || dem__is_convex_contact(w, c)) return 0; /* those of a polyhedron follow its points */
     const int slots = dem__contacts_at(w, i, k, slot);
     return slot[0] == c ? dem__follow_mesh(w, i, k, slot, slots, step, bear) : 0;
 }
@@ -6718,7 +6719,7 @@ static inline void dem__list_wall_contacts(dem_world *w) {
 static inline void dem__find_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     DEM__EACH_CONTACT(w, c) {
-        if (contacts->near[c] < -1) continue; /* of a polyhedron: see convex_pairs.h */
+        if (dem__is_convex_contact(w, c)) continue; /* see dem__list_convex_pairs */
         const int32_t p = contacts->j[c] < 0 ? -1 : dem__near_pair(w, contacts->i[c], contacts->j[c]);
         contacts->near[c] = p;
         if (p >= 0) dem__stop_timer(&w->engine->pairs.timers, p);
@@ -7083,7 +7084,7 @@ static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrd
     const dem_wall *wall = &w->wall[number];
     const dem_particle *s = &w->particle[i];
     at->particle = s, at->wall = wall, at->row = k, at->velocity = wall->velocity, at->slot = slot, at->element = element;
-    if (slot >= 0 && w->engine->contacts.near[slot] < -1) { /* of a polyhedron: dem__fill_convex_rows replaces this */
+    if (slot >= 0 && dem__is_convex_contact(w, slot)) { /* dem__fill_convex_rows replaces this */
         at->outside = 0.0, at->from = dem_vec3(1.0, 0.0, 0.0), at->touch.normal = wall->axis[2], at->touch.gap = 0.0;
     } else if ((at->outside = dem__reach_round(wall, s->x, element, &at->from, &at->inner)) == 0.0) {
         dem__touch_place(w, slot, wall, s->x, s->radius, element, &at->touch);
@@ -13023,7 +13024,7 @@ static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t e
     (void)part, (void)context;
     for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
         for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
-            if (contacts->near[c] > -2) continue;
+            if (!dem__is_convex_contact(w, c)) continue;
             const dem__convex_pair *p = &w->engine->convex.pair[-2 - contacts->near[c]];
             dem__convex_point *point = w->engine->convex.point + p->first, *stop = point + p->count;
             dem__set_place_vec(w, DEM__PLACE_BEFORE, c, dem__place_normal(w, c));

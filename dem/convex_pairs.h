@@ -219,7 +219,7 @@ static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t e
     (void)part, (void)context;
     for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
         for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
-            if (contacts->near[c] > -2) continue;
+            if (!dem__is_convex_contact(w, c)) continue;
             const dem__convex_pair *p = &w->engine->convex.pair[-2 - contacts->near[c]];
             dem__convex_point *point = w->engine->convex.point + p->first, *stop = point + p->count;
             dem__set_place_vec(w, DEM__PLACE_BEFORE, c, dem__place_normal(w, c));

@@ -228,7 +228,7 @@ static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int 
     const ptrdiff_t i = w->engine->contacts.i[c];
     const int k = -1 - (int)w->engine->contacts.j[c];
     int32_t slot[DEM__NUMBERS];
-    if (k < 0 || w->wall[k].kind != DEM_MESH || w->engine->contacts.near[c] < -1) return 0; /* those of a polyhedron follow its points */
+    if (k < 0 || w->wall[k].kind != DEM_MESH || dem__is_convex_contact(w, c)) return 0; /* those of a polyhedron follow its points */
     const int slots = dem__contacts_at(w, i, k, slot);
     return slot[0] == c ? dem__follow_mesh(w, i, k, slot, slots, step, bear) : 0;
 }

@@ -237,7 +237,8 @@ typedef struct dem__contacts {
     int has_history;             /* whether states can be other than zero */
     void *block;
     size_t bytes;
-    int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the pair, or -1 */
+    int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the near pair; -1: none; below -1: a contact of a polyhedron
+                                                    (dem__is_convex_contact) */
     int32_t *type;                               /* index in types; -1: constants of its own */
     int32_t *slots;                              /* a list of slots, or one in each chunk */
     uint8_t *edge, *ended;                       /* begins or ends in this step; has ended */

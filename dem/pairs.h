@@ -274,7 +274,7 @@ static inline void dem__list_wall_contacts(dem_world *w) {
 static inline void dem__find_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     DEM__EACH_CONTACT(w, c) {
-        if (contacts->near[c] < -1) continue; /* of a polyhedron: see convex_pairs.h */
+        if (dem__is_convex_contact(w, c)) continue; /* see dem__list_convex_pairs */
         const int32_t p = contacts->j[c] < 0 ? -1 : dem__near_pair(w, contacts->i[c], contacts->j[c]);
         contacts->near[c] = p;
         if (p >= 0) dem__stop_timer(&w->engine->pairs.timers, p);

@@ -208,7 +208,7 @@ static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrd
     const dem_wall *wall = &w->wall[number];
     const dem_particle *s = &w->particle[i];
     at->particle = s, at->wall = wall, at->row = k, at->velocity = wall->velocity, at->slot = slot, at->element = element;
-    if (slot >= 0 && w->engine->contacts.near[slot] < -1) { /* of a polyhedron: dem__fill_convex_rows replaces this */
+    if (slot >= 0 && dem__is_convex_contact(w, slot)) { /* dem__fill_convex_rows replaces this */
         at->outside = 0.0, at->from = dem_vec3(1.0, 0.0, 0.0), at->touch.normal = wall->axis[2], at->touch.gap = 0.0;
     } else if ((at->outside = dem__reach_round(wall, s->x, element, &at->from, &at->inner)) == 0.0) {
         dem__touch_place(w, slot, wall, s->x, s->radius, element, &at->touch);
