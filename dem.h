@@ -2556,12 +2556,14 @@ typedef struct dem__contacts {
                                                     (dem__is_convex_contact) */
     int32_t *type;                               /* index in types; -1: constants of its own */
     int32_t *slots;                              /* a list of slots, or one in each chunk */
-    uint8_t *edge, *ended;                       /* begins or ends in this step; has ended */
+    uint8_t *edge;                               /* its edge step is to be corrected: written by the kernel for the contacts that it lists;
+                                                    free before it, when dem__follow_meshes notes meshes with places left */
+    uint8_t *ended;                              /* has ended */
     double *gap, *force;
     double *state[DEM_STATE_MAX];
-    double *touch[DEM__PLACES]; /* of the place where it touches: see DEM__PLACE_NORMAL; only with walls.touch_keepers */
-    double *wrench[9];          /* force on i, torques on i and j, of a run's last step */
-    dem__correction *correction;
+    double *touch[DEM__PLACES];           /* of the place where it touches: see DEM__PLACE_NORMAL; only with walls.touch_keepers */
+    double *wrench[9];                    /* force on i, torques on i and j, of a run's last step */
+    dem__correction *correction;          /* from the kernel to the end of the step; scratch memory of dem__arrange before it */
     double *elastic, *power[3], *loss[4]; /* with a ledger: power by normal, rolling, wall; loss by normal, sliding, rolling, wall */
     dem__contact_type types[DEM__TYPES_MAX];
     int type_count;
@@ -4411,9 +4413,9 @@ static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__rang
     dem__parallel(w, parts, dem__run_part, &split);
 }
 
-/* ------------------------------------------------------------------------------------------------- >>lists */
+/* ------------------------------------------------------------------------------------------ >>timers */
 /* Timers of near pairs and of particles with walls, and batches of them.
-   Relies on bodies, bounds and walls.
+   Relies on flight.h for where particles are; reads the bounds that bounds.h sets.
    May be changed here alone: how times are stored; a timer is never late. */
 
 /* A timer holds the step of the next test of a near pair, or of a particle and a wall. A test finds a contact, or the next step in which
@@ -4885,6 +4887,8 @@ static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int 
     return slot[0] == c ? dem__follow_mesh(w, i, k, slot, slots, step, bear) : 0;
 }
 
+/* Moves the contacts of chunks first .. end-1. Notes in contacts.edge, which is free before the kernel, where places are left: contacts begin
+   on one thread. */
 static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
     dem__contacts *contacts = &w->engine->contacts;
     (void)part;

@@ -233,6 +233,8 @@ static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int 
     return slot[0] == c ? dem__follow_mesh(w, i, k, slot, slots, step, bear) : 0;
 }
 
+/* Moves the contacts of chunks first .. end-1. Notes in contacts.edge, which is free before the kernel, where places are left: contacts begin
+   on one thread. */
 static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
     dem__contacts *contacts = &w->engine->contacts;
     (void)part;

@@ -241,12 +241,14 @@ typedef struct dem__contacts {
                                                     (dem__is_convex_contact) */
     int32_t *type;                               /* index in types; -1: constants of its own */
     int32_t *slots;                              /* a list of slots, or one in each chunk */
-    uint8_t *edge, *ended;                       /* begins or ends in this step; has ended */
+    uint8_t *edge;                               /* its edge step is to be corrected: written by the kernel for the contacts that it lists;
+                                                    free before it, when dem__follow_meshes notes meshes with places left */
+    uint8_t *ended;                              /* has ended */
     double *gap, *force;
     double *state[DEM_STATE_MAX];
-    double *touch[DEM__PLACES]; /* of the place where it touches: see DEM__PLACE_NORMAL; only with walls.touch_keepers */
-    double *wrench[9];          /* force on i, torques on i and j, of a run's last step */
-    dem__correction *correction;
+    double *touch[DEM__PLACES];           /* of the place where it touches: see DEM__PLACE_NORMAL; only with walls.touch_keepers */
+    double *wrench[9];                    /* force on i, torques on i and j, of a run's last step */
+    dem__correction *correction;          /* from the kernel to the end of the step; scratch memory of dem__arrange before it */
     double *elastic, *power[3], *loss[4]; /* with a ledger: power by normal, rolling, wall; loss by normal, sliding, rolling, wall */
     dem__contact_type types[DEM__TYPES_MAX];
     int type_count;
