@@ -508,9 +508,9 @@ typedef struct dem_law {
     void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
     /* Both may be NULL; they get world->user. born: for the contacts that begin in a step, before their first force, sorted by partners.
        ended: for a contact that has ended: by itself, or because a particle was removed (its world->alive is not DEM_PRESENT) or a wall no
-       longer acts (dem_wall_acts). dem_get_contact() (for a link dem_get_link()) and dem_set_contact_state() read and write them. */
-    void (*born)(struct dem_world *world, const int32_t *slots, ptrdiff_t n, void *user);
-    void (*ended)(struct dem_world *world, int32_t slot, void *user);
+       longer acts (dem_wall_acts). dem_get_contact() (for a link dem_get_link()) and dem_set_contact_state() take their numbers. */
+    void (*born)(struct dem_world *world, const int32_t *numbers, ptrdiff_t n, void *user);
+    void (*ended)(struct dem_world *world, int32_t number, void *user);
 } dem_law;
 
 /* To build upon: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling (states, history, vectors: 0,
@@ -988,7 +988,7 @@ DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k);
 /* Returns the link of particle i with j (a wall: -1 - index) at an element of it, or -1. */
 DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element);
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world);
-/* Returns contact k = 0 .. dem_contact_count-1. Hooks of laws call k a slot; for them force is not set. */
+/* Returns contact k = 0 .. dem_contact_count-1. Hooks of laws get k as a number; for them force is not set. */
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k);
 /* Sets the law's states of contact k. state: [law->states]. For hooks of laws, and between runs. */
 DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state);
@@ -2285,7 +2285,7 @@ struct dem__type_rows;
 struct dem__wall_row;
 struct dem__columns;
 struct dem__chunk;
-typedef struct dem__convex_room {
+typedef struct dem__convex_calls {
     int (*list_pairs)(dem_world *w);                                /* lists pairs for a new list of near pairs; 0: out of memory */
     void (*follow)(dem_world *w, int64_t step);                     /* finds points of contact at a step; moves and begins contacts */
     void (*prepare)(const dem_world *w, ptrdiff_t c, dem_birth *b); /* sets sizes and mass of the contact in slot c */
@@ -2297,11 +2297,11 @@ typedef struct dem__convex_room {
     dem_status (*add)(dem_world *w, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
                       int group);                                                     /* adds polyhedra: dem_add_convex, for feeds */
     void (*leave_edges)(dem_world *w, const struct dem__chunk *in, ptrdiff_t marked); /* excludes polyhedra from edge steps */
-} dem__convex_room;
+} dem__convex_calls;
 
 /* Polyhedra. Written by convex_pairs.h and load.h. Without any all of it is zero. */
 typedef struct dem__convex_state {
-    const dem__convex_room *room; /* NULL without shapes */
+    const dem__convex_calls *calls; /* NULL without shapes */
     dem_convex *shape;
     int shapes;
     int32_t *shape_of;      /* of a particle: its shape's number + 1, or 0 for a sphere; NULL without shapes */
@@ -2413,7 +2413,7 @@ typedef struct dem__posture {
 
 /* The functions that the engine calls for rigid bodies, in the order of a step; they are in rigid.h. The first body of a world sets the
    table (dem__reserve_bodies), so that a program that adds no body and loads no world compiles none of them. */
-typedef struct dem__body_room {
+typedef struct dem__body_calls {
     dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau);         /* returns the state at tau [s] after the origin
                                                                                              step */
     void (*set_origin)(dem_world *w, dem__rigid *r);                                      /* makes the present step the origin */
@@ -2434,7 +2434,7 @@ typedef struct dem__body_room {
     double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);           /* estimated change of i's velocity by links
                                                                                              [m/s] */
     void (*note_strides)(dem_world *w);                                                   /* stores how far flights are integrated */
-} dem__body_room;
+} dem__body_calls;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */
 typedef struct dem__timers {
@@ -2500,8 +2500,8 @@ typedef struct dem__bodies {
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     ptrdiff_t active_count, to_check_count;
     ptrdiff_t passed_capacity;
-    dem__rigid *rigid;          /* bodies with an orientation; NULL without any */
-    const dem__body_room *room; /* set with them */
+    dem__rigid *rigid;            /* bodies with an orientation; NULL without any */
+    const dem__body_calls *calls; /* set with them */
     ptrdiff_t rigid_count, rigid_capacity;
     int32_t *rigid_of;     /* of a particle: its body's number + 1; 0: a sphere of its own; NULL without any body */
     dem__fixed *fixed;     /* NULL unless has_fixed */
@@ -2576,7 +2576,7 @@ typedef struct dem__links {
     dem_loop_fn loop;
     void (*step)(dem_world *w); /* takes their step; set with their law */
     double interval, near;
-    int on, stride, states;
+    int on, every, states; /* every: steps between two evaluations */
     ptrdiff_t count, capacity;
     void *block;
     size_t bytes;
@@ -2584,7 +2584,7 @@ typedef struct dem__links {
     double *state[DEM_STATE_MAX], *wrench[9], *gap;
     uint8_t *ended;
     int32_t *first_link, *is_loaded; /* of a particle: the first link of its list; whether its load contains forces of links */
-    dem__wrench *evaluated_at;       /* of a particle: position and spin at the last evaluation of links */
+    dem__wrench *evaluated_at;       /* of a particle: position [m] and spin [rad/s] at the last evaluation of links */
     int64_t evaluated_step;          /* step of that evaluation */
 } dem__links;
 
@@ -3408,7 +3408,7 @@ DEM_INLINE dem__pieces dem__pieces_of(const dem_world *w, ptrdiff_t i) {
 DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) { return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass; }
 
 DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
-    return w->engine->bodies.room->posture(w, r, tau);
+    return w->engine->bodies.calls->posture(w, r, tau);
 }
 
 /* Return the position and the velocity of a particle of a rigid body at tau after its origin step [s]. */
@@ -3486,7 +3486,7 @@ DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
-        w->engine->bodies.room->set_origin(w, r);
+        w->engine->bodies.calls->set_origin(w, r);
         return;
     }
     const double tau = dem__now(w, i);
@@ -3560,7 +3560,7 @@ static inline void dem__restart(dem_world *w, ptrdiff_t i) {
     dem__book_field_work(w, -dem__motion_energy(w, i));
     if (r) {
         r->v = dem__add(r->v, error);
-        w->engine->bodies.room->place(w, r);
+        w->engine->bodies.calls->place(w, r);
     } else w->particle[i].v = dem__add(w->particle[i].v, error);
     dem__book_field_work(w, dem__motion_energy(w, i));
 }
@@ -3577,7 +3577,7 @@ DEM_INLINE dem_vec dem__nearest_image(const dem_world *w, dem_vec d) {
 }
 
 /* Returns the number of steps between two evaluations of the links, also for a loaded world without their law. */
-DEM_INLINE int dem__link_stride(const dem_world *w) {
+DEM_INLINE int dem__steps_of_links(const dem_world *w) {
     const double n = floor(w->engine->links.interval / w->engine->run.dt);
     return n < 1.0 ? 1 : n > 1000.0 ? 1000 : (int)n;
 }
@@ -3641,7 +3641,7 @@ static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
-        bodies->room->fall(w, r);
+        bodies->calls->fall(w, r);
         return;
     }
     if (dem__is_fixed(w, i)) {
@@ -3723,11 +3723,11 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
 }
 
 /* Sets the number of steps between two evaluations of the links, and the step of the last one as it would have been with it. */
-static inline void dem__set_stride(dem_world *w) {
+static inline void dem__set_link_steps(dem_world *w) {
     dem__links *links = &w->engine->links;
     if (!links->on) return;
-    if (links->law) links->stride = dem__link_stride(w);
-    links->evaluated_step = w->step - w->step % dem__link_stride(w);
+    if (links->law) links->every = dem__steps_of_links(w);
+    links->evaluated_step = w->step - w->step % dem__steps_of_links(w);
 }
 
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
@@ -3741,7 +3741,7 @@ DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     w->engine->run.start_time = w->time;
     w->engine->run.start_step = w->step;
     w->def.dt = w->engine->run.dt = dt;
-    dem__set_stride(w);
+    dem__set_link_steps(w);
     dem__resume_link_work(w, dem__all_particles(w));
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
@@ -3827,7 +3827,7 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     dem__book_motion(w, -dem__motion_energy(w, i));
     w->particle[i].v = dem__flushed_vec(velocity);
     w->particle[i].spin = dem__flushed_vec(spin);
-    if (r) w->engine->bodies.room->set_motion(w, r, dem__flushed_vec(velocity), dem__flushed_vec(spin));
+    if (r) w->engine->bodies.calls->set_motion(w, r, dem__flushed_vec(velocity), dem__flushed_vec(spin));
     dem__book_motion(w, dem__motion_energy(w, i));
     dem__resume_link_work(w, dem__pieces_of(w, i));
     w->engine->run.needs_lists = 1;
@@ -3858,7 +3858,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
         load[a] = !w->engine->links.is_loaded[i] ? wanted[a] : load[a] + change;
         external[a] = wanted[a];
     }
-    if (r) w->engine->bodies.room->place(w, r);
+    if (r) w->engine->bodies.calls->place(w, r);
     if (!w->touching[i]) dem__free_acceleration(w, i);
     dem__resume_link_work(w, dem__pieces_of(w, i));
     dem__wake(w, i); /* a loaded particle is not in free flight */
@@ -4766,8 +4766,8 @@ DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     return 1;
 }
 
-/* Returns whether the contact in slot c is one of a polyhedron. The functions after it read and write what a contact keeps of the place where
-   it touches: see DEM__PLACE_NORMAL in engine.h. first: the first of three numbers. */
+/* Returns whether the contact in slot c is one of a polyhedron. The functions after it read and write what a contact keeps of the place
+   where it touches: see DEM__PLACE_NORMAL in engine.h. first: the first of three numbers. */
 DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
 DEM_INLINE dem_vec dem__place_vec(const dem_world *w, int first, ptrdiff_t c) {
     double *const *place = &w->engine->contacts.touch[first];
@@ -4887,8 +4887,8 @@ static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int 
     return slot[0] == c ? dem__follow_mesh(w, i, k, slot, slots, step, bear) : 0;
 }
 
-/* Moves the contacts of chunks first .. end-1. Notes in contacts.edge, which is free before the kernel, where places are left: contacts begin
-   on one thread. */
+/* Moves the contacts of chunks first .. end-1. Notes in contacts.edge, which is free before the kernel, where places are left: contacts
+   begin on one thread. */
 static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
     dem__contacts *contacts = &w->engine->contacts;
     (void)part;
@@ -5900,8 +5900,8 @@ static inline double dem__mesh_volume(const dem_mesh *m) {
 /* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present forces. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    if (r) return w->engine->bodies.room->link_drift(w, r, i);
-    return (double)w->engine->links.stride * w->engine->run.dt / w->particle[i].mass * dem__length(dem__first(w->engine->bodies.load[i]));
+    if (r) return w->engine->bodies.calls->link_drift(w, r, i);
+    return (double)w->engine->links.every * w->engine->run.dt / w->particle[i].mass * dem__length(dem__first(w->engine->bodies.load[i]));
 }
 
 /* Returns a limit of the change of velocity by an acceleration in one step [m/s]; the sum of components needs no root. */
@@ -5924,7 +5924,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     const double t = dem__since_listed(w, step);
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem__rigid *body = w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight it turns about the centre of mass */
-    const double swing = body ? bodies->room->swing(body, dem__length(bodies->offset[i])) : 0.0;
+    const double swing = body ? bodies->calls->swing(body, dem__length(bodies->offset[i])) : 0.0;
     const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a) : dem__add(v, impact);
     const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),
                  held = 16.0 * w->engine->run.dt * dem__length(dem__sub(w->particle[i].a, g));
@@ -6825,7 +6825,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__pairs *pairs = &w->engine->pairs;
     const int keeps = !run->needs_lists;
-    if (bodies->rigid) bodies->room->note_strides(w);
+    if (bodies->rigid) bodies->calls->note_strides(w);
     if (w->status != DEM_OK) return 0;
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     if (!keeps) dem__release_unloaded(w);
@@ -6841,7 +6841,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
-    if (w->engine->convex.room && !w->engine->convex.room->list_pairs(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
+    if (w->engine->convex.calls && !w->engine->convex.calls->list_pairs(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     dem__find_links(w);
     pairs->next_check = w->step + DEM__STEPS_MAX;
     pairs->listed_step = w->step;
@@ -6862,7 +6862,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
     const int64_t least = 1 + (w->step - w->engine->pairs.listed_step) / 40;
-    if (w->engine->bodies.rigid) w->engine->bodies.room->note_strides(w);
+    if (w->engine->bodies.rigid) w->engine->bodies.calls->note_strides(w);
     int64_t due = w->engine->pairs.listed_step + DEM__STEPS_MAX;
     if (w->step >= due) return dem__rebuild(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -7566,14 +7566,14 @@ DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum 
 
 /* Call the functions for polyhedra on a block. They are functions of their own because a call through a pointer would slow the kernel. */
 static DEM__NOINLINE void dem__fill_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, double half) {
-    w->engine->convex.room->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
+    w->engine->convex.calls->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }
 static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, const dem__columns *at,
                                                  double half, int features) {
-    w->engine->convex.room->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
+    w->engine->convex.calls->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
 }
 static DEM__NOINLINE void dem__leave_other_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
-    w->engine->convex.room->leave_edges(w, in, marked);
+    w->engine->convex.calls->leave_edges(w, in, marked);
 }
 
 /* Gathers the block of n contacts from slot base on, and prefetches the next one, of this chunk or of the one after it. */
@@ -7599,7 +7599,7 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     x->walls = walls;
     dem__load_types(w, base, n, law->constants, &x->types);
     dem__complete_rows(w, &x->rows, &x->types, n, half, half, x->wall, walls, has_friction);
-    if (w->engine->convex.room) dem__fill_other_rows(w, x, base, n, half);
+    if (w->engine->convex.calls) dem__fill_other_rows(w, x, base, n, half);
 }
 
 /* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the sizes only. Conditions
@@ -7706,7 +7706,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__columns_of(w, base, law, features, &old);
         dem__new_columns(w, base, law, features, DEM__COPY_ROWS || only_ledger, &x->block, &at);
         dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate, features);
-        if (w->engine->convex.room) {
+        if (w->engine->convex.calls) {
             const dem__columns same = at; /* the address of `at` itself would keep clang from vectorising the law */
             dem__finish_other_rows(w, x, base, n, &same, 0.5 * h, features);
         }
@@ -7716,7 +7716,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
             continue;
         }
         const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
-        if (w->engine->convex.room) dem__leave_other_edges(w, in, marked);
+        if (w->engine->convex.calls) dem__leave_other_edges(w, in, marked);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, chunk, base, n, at.out, has_friction);
@@ -8051,7 +8051,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         b.mass = w->particle[i].mass;
         b.inertia = inertia;
     }
-    if (dem__is_convex_contact(w, c)) w->engine->convex.room->prepare(w, c, &b);
+    if (dem__is_convex_contact(w, c)) w->engine->convex.calls->prepare(w, c, &b);
     else if (j < 0) b.curvature = dem__curvature_at(w, c);
     b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j] : &w->def.pair[b.material_j][b.material_i];
     b.user = w->user;
@@ -8463,7 +8463,7 @@ static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t e
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
     const int books = w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
-    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, w->engine->bodies.rigid ? w->engine->bodies.room->advance : dem__advance_range,
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range,
                   &h); /* n / 4: little work for each particle */
 }
 
@@ -8575,8 +8575,8 @@ static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         dem__rigid *r = dem__rigid_of(w, i);
         if (!r || r->first != i || w->touching[i] > 0) continue;
-        w->engine->bodies.room->place(w, r); /* the torque needs the arms that this sets */
-        w->engine->bodies.room->fall(w, r);
+        w->engine->bodies.calls->place(w, r); /* the torque needs the arms that this sets */
+        w->engine->bodies.calls->fall(w, r);
     }
 }
 
@@ -8589,7 +8589,7 @@ static inline int dem__kick(dem_world *w, double h) {
     double all = 0.0;
     if (n == 0) return 1;
     kicked.h = h;
-    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.room->kick, &h);
+    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.calls->kick, &h);
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);
     for (int q = 0; q < parts; q++) {
         const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
@@ -8622,7 +8622,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
     if (dem__has_body(w, c)) {
-        w->engine->bodies.room->push(w, c, has_friction);
+        w->engine->bodies.calls->push(w, c, has_friction);
         return;
     }
     const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
@@ -8671,7 +8671,7 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
         const dem__chunk *in = &contacts->chunk[q];
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c] && dem__has_body(w, c)) w->engine->bodies.room->shift(w, c);
+            if (contacts->edge[c] && dem__has_body(w, c)) w->engine->bodies.calls->shift(w, c);
         }
     }
 }
@@ -8806,7 +8806,7 @@ static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t 
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
-    dem__in_parts(w, parts, pairs->timers.pages, w->engine->bodies.rigid ? w->engine->bodies.room->test_due : dem__test_due_range, &step);
+    dem__in_parts(w, parts, pairs->timers.pages, w->engine->bodies.rigid ? w->engine->bodies.calls->test_due : dem__test_due_range, &step);
     pairs->due_count = 0;
     for (int q = 0; q < parts; q++) {
         dem__timer_batch *batch = &dem__work_of(w, q)->batch;
@@ -8831,7 +8831,7 @@ static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
 static inline void dem__detect(dem_world *w, int64_t step) {
     dem__wall_state *walls = &w->engine->walls;
     if (walls->meshes) walls->follow_meshes(w, step);
-    if (w->engine->convex.room) w->engine->convex.room->follow(w, step);
+    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, step);
     if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__test_all_pairs(w, step);
     if (!(w->def.skip & DEM_SKIP_SPACE)) {
         for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
@@ -8944,9 +8944,9 @@ static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem
     dem__rigid *r = dem__rigid_of(w, i);
     dem_particle *p = &w->particle[i];
     if (r) {
-        w->engine->bodies.room->set_origin(w, r);
+        w->engine->bodies.calls->set_origin(w, r);
         r->x = x, r->v = v, r->a = a;
-        w->engine->bodies.room->place(w, r);
+        w->engine->bodies.calls->place(w, r);
         return;
     }
     p->spin = dem__spin_at(w, i, dem__now(w, i));
@@ -9208,7 +9208,7 @@ DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff
     const double here = dem__length(now), there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
                  end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
     const double most = here > there ? here : there;
-    const double swing = r ? w->engine->bodies.room->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
+    const double swing = r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
     return (most > end ? most : end) + swing;
 }
 
@@ -9242,7 +9242,7 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
         dem__rigid *r = dem__rigid_of(w, i);
         const double tau = dem__now(w, i);
         if (w->engine->run.has_periodic && w->particle[i].origin == w->step) {
-            if (r) bodies->room->wrap(w, r);
+            if (r) bodies->calls->wrap(w, r);
             else dem__wrap(w, i);
         }
         dem__set_timer(&field->timers, i, field->until[i]);
@@ -9443,7 +9443,7 @@ static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
     w->def.skip = 0;
     dem__test_all_pairs(w, w->step);
-    if (w->engine->convex.room) w->engine->convex.room->follow(w, w->step);
+    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, w->step);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls; k++) {
             if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k)) dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
@@ -9640,7 +9640,7 @@ DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, in
     if (leaving) dem__free_untouched(w);
     dem__check_bounds(w);
     if (in_field && w->status == DEM_OK && !dem__begin_flights(w)) return 0;
-    if (w->engine->links.stride > 0 && w->step % w->engine->links.stride == 0) w->engine->links.step(w);
+    if (w->engine->links.every > 0 && w->step % w->engine->links.every == 0) w->engine->links.step(w);
     return w->status == DEM_OK;
 }
 
@@ -9838,7 +9838,7 @@ static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
     dem__rigid *r = dem__rigid_of(w, i);
     const dem_particle *p = &w->particle[i];
     dem__set_origin(w, i);
-    if (r) bodies->room->wrap(w, r), bodies->room->place(w, r);
+    if (r) bodies->calls->wrap(w, r), bodies->calls->place(w, r);
     else dem__wrap(w, i);
     if (w->engine->ledger.on && r) dem__book_link_work(w, dem__link_work(w, i));
     else if (w->engine->ledger.on && !dem__is_fixed(w, i)) {
@@ -9862,7 +9862,7 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
             if (dem__is_linked(w, k)) return;
         }
         dem__book_link_work(w, -dem__motion_energy(w, r->first));
-        w->engine->bodies.room->kick_links(w, r, half);
+        w->engine->bodies.calls->kick_links(w, r, half);
         dem__book_link_work(w, dem__motion_energy(w, r->first));
         return;
     }
@@ -9892,7 +9892,7 @@ static inline void dem__step_links(dem_world *w) {
     dem__links *links = &w->engine->links;
     int32_t *linked = w->engine->scratch.index;
     ptrdiff_t n = 0;
-    const double h = (double)links->stride * run->dt;
+    const double h = (double)links->every * run->dt;
     for (int32_t i = 0; i < (int32_t)w->count; i++) {
         linked[n] = i;
         n += dem__is_linked(w, i);
@@ -9944,7 +9944,7 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
         links->states = law->states;
     }
     dem__stop_link_work(w, others);
-    dem__set_stride(w);
+    dem__set_link_steps(w);
     dem__resume_link_work(w, others);
     return DEM_OK;
 }
@@ -10045,7 +10045,7 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     dem__book_motion(w, -dem__rotational(w, r->first));
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     r->turn = dem__turns(q, r->frame);
-    w->engine->bodies.room->set_motion(w, r, r->v, spin);
+    w->engine->bodies.calls->set_motion(w, r, r->v, spin);
     dem__book_motion(w, dem__rotational(w, r->first));
     if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
     dem__resume_link_work(w, dem__pieces_of(w, i));
@@ -10196,7 +10196,7 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>rigid */
-/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_room in engine.h). Reads the
+/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in engine.h). Reads the
    sums of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one
    thread, so that bits do not depend on threads.
    May be changed here alone: how a body is integrated.
@@ -10533,25 +10533,25 @@ static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *
     const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
     dem_vec force, torque;
     dem__sum_on_body(w, r, 0, 1, &force, &torque);
-    return (double)w->engine->links.stride * w->engine->run.dt *
+    return (double)w->engine->links.every * w->engine->run.dt *
            (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
 }
 
-static const dem__body_room dem__rigid_bodies = {dem__find_posture,
-                                                 dem__set_body_origin,
-                                                 dem__set_body_motion,
-                                                 dem__wrap_body,
-                                                 dem__place_pieces,
-                                                 dem__free_body,
-                                                 dem__test_due_with_bodies,
-                                                 dem__advance_with_bodies,
-                                                 dem__kick_bodies_range,
-                                                 dem__push_bodies,
-                                                 dem__shift_bodies,
-                                                 dem__kick_linked_body,
-                                                 dem__swing,
-                                                 dem__body_link_drift,
-                                                 dem__note_strides};
+static const dem__body_calls dem__rigid_bodies = {dem__find_posture,
+                                                  dem__set_body_origin,
+                                                  dem__set_body_motion,
+                                                  dem__wrap_body,
+                                                  dem__place_pieces,
+                                                  dem__free_body,
+                                                  dem__test_due_with_bodies,
+                                                  dem__advance_with_bodies,
+                                                  dem__kick_bodies_range,
+                                                  dem__push_bodies,
+                                                  dem__shift_bodies,
+                                                  dem__kick_linked_body,
+                                                  dem__swing,
+                                                  dem__body_link_drift,
+                                                  dem__note_strides};
 
 /* Definition of a rigid body: see rigid.h. */
 typedef struct dem__body_def {
@@ -10577,7 +10577,7 @@ static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t piece
     const ptrdiff_t larger = wanted + wanted / 2 + 16;
     dem__rigid *fresh = (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
     if (!fresh) return 0;
-    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->room = &dem__rigid_bodies;
+    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = &dem__rigid_bodies;
     if (old > 0) return dem__reserve_particles(w, pieces);
     if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + pieces + 1))
         return 1;
@@ -12683,12 +12683,12 @@ DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
 /* Returns how fast particle i turns about the centre of its clump, at most [m/s]. */
 DEM_INLINE double dem__swing_of(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
-    return r ? w->engine->bodies.room->swing(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
+    return r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
 }
 /* Returns how fast the surface of particle i, or a clump's sphere, moves relative to the centre of its body, at most [m/s]. */
 DEM_INLINE double dem__stir_of(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
-    return s ? w->engine->bodies.room->swing(dem__rigid_of(w, i), s->reach) : dem__swing_of(w, i);
+    return s ? w->engine->bodies.calls->swing(dem__rigid_of(w, i), s->reach) : dem__swing_of(w, i);
 }
 /* Returns the time from the origin step of particle i to a step [s]. */
 DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step) {
@@ -12784,7 +12784,7 @@ static inline void dem__rest_from_wall(const dem_world *w, dem__convex_pair *p, 
     const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
     const dem_vec v = dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)), a = dem__centre_pull(w, p->i);
     const dem__approach q = dem__approach_to(w, wall, x, v, a);
-    const double stir = reach > 0.0 ? w->engine->bodies.room->swing(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound : 0.0;
+    const double stir = reach > 0.0 ? w->engine->bodies.calls->swing(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound : 0.0;
     const double touch = dem__time_to_cover(gap - slack, q.speed + stir, q.pull),
                  cross = dem__time_to_cover(crossing - slack, dem__length(v), dem__length(a));
     const int steps = dem__steps_until(w, cross < touch ? cross : touch);
@@ -13236,13 +13236,13 @@ static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birt
 }
 
 /* ------------------------------------------------------------------------------------- >>convex_add */
-/* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them (dem__convex_room). Reads shapes;
+/* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them (dem__convex_calls). Reads shapes;
    writes the world through dem__add_body.
    May be changed here alone: what is refused. */
 
-static const dem__convex_room dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
-                                                dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
-                                                dem__leave_convex_edges};
+static const dem__convex_calls dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
+                                                 dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
+                                                 dem__leave_convex_edges};
 
 /* Returns whether the tables of a shape agree with each other, and its numbers are such as the code relies on. */
 static inline int dem__is_sound_shape(const dem_convex *c) {
@@ -13272,13 +13272,13 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
     dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
     if (!fresh) return -(int)DEM_OUT_OF_MEMORY;
-    convex->shape = fresh, convex->room = &dem__polyhedra;
+    convex->shape = fresh, convex->calls = &dem__polyhedra;
     convex->shape[convex->shapes++] = *shape;
     if (convex->shapes > 1) return convex->shapes - 1;
     dem__bodies *bodies = &w->engine->bodies;
     if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + 1)) return 0;
     dem__release(a, convex->shape, size);
-    convex->shape = NULL, convex->shapes = 0, convex->room = NULL;
+    convex->shape = NULL, convex->shapes = 0, convex->calls = NULL;
     return -(int)DEM_OUT_OF_MEMORY;
 }
 
@@ -14075,7 +14075,7 @@ static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptr
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     dem_status status;
     if (feed->polyhedron)
-        status = w->engine->convex.room->add(w, feed->polyhedron - 1, n, b->centre, b->orientation, feed->material, feed->group);
+        status = w->engine->convex.calls->add(w, feed->polyhedron - 1, n, b->centre, b->orientation, feed->material, feed->group);
     else if (feed->clump)
         status = feed->clump->add__(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group);
     else status = dem_add_spheres(w, n, b->centre, b->diameter, feed->material, feed->group);
@@ -15557,7 +15557,7 @@ static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, d
     convex->shape = (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
     if (!convex->shape) return DEM_OUT_OF_MEMORY;
     memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
-    convex->shapes = (int)n, convex->room = &dem__polyhedra;
+    convex->shapes = (int)n, convex->calls = &dem__polyhedra;
     w->engine->walls.touch_keepers++;
     g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
     if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
@@ -15680,7 +15680,7 @@ static inline void dem__derive_loaded(dem_world *w) {
     int32_t *first = w->engine->walls.first_contact;
     w->engine->run.needs_lists = w->engine->run.keeps_wrenches = 1;
     w->engine->bodies.loads_on |= w->engine->bodies.has_fixed;
-    dem__set_stride(w);
+    dem__set_link_steps(w);
     dem__find_links(w);
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];

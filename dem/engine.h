@@ -98,7 +98,7 @@ typedef struct dem__posture {
 
 /* The functions that the engine calls for rigid bodies, in the order of a step; they are in rigid.h. The first body of a world sets the
    table (dem__reserve_bodies), so that a program that adds no body and loads no world compiles none of them. */
-typedef struct dem__body_room {
+typedef struct dem__body_calls {
     dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau);         /* returns the state at tau [s] after the origin
                                                                                              step */
     void (*set_origin)(dem_world *w, dem__rigid *r);                                      /* makes the present step the origin */
@@ -119,7 +119,7 @@ typedef struct dem__body_room {
     double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);           /* estimated change of i's velocity by links
                                                                                              [m/s] */
     void (*note_strides)(dem_world *w);                                                   /* stores how far flights are integrated */
-} dem__body_room;
+} dem__body_calls;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */
 typedef struct dem__timers {
@@ -185,8 +185,8 @@ typedef struct dem__bodies {
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     ptrdiff_t active_count, to_check_count;
     ptrdiff_t passed_capacity;
-    dem__rigid *rigid;          /* bodies with an orientation; NULL without any */
-    const dem__body_room *room; /* set with them */
+    dem__rigid *rigid;            /* bodies with an orientation; NULL without any */
+    const dem__body_calls *calls; /* set with them */
     ptrdiff_t rigid_count, rigid_capacity;
     int32_t *rigid_of;     /* of a particle: its body's number + 1; 0: a sphere of its own; NULL without any body */
     dem__fixed *fixed;     /* NULL unless has_fixed */
@@ -261,7 +261,7 @@ typedef struct dem__links {
     dem_loop_fn loop;
     void (*step)(dem_world *w); /* takes their step; set with their law */
     double interval, near;
-    int on, stride, states;
+    int on, every, states; /* every: steps between two evaluations */
     ptrdiff_t count, capacity;
     void *block;
     size_t bytes;
@@ -269,7 +269,7 @@ typedef struct dem__links {
     double *state[DEM_STATE_MAX], *wrench[9], *gap;
     uint8_t *ended;
     int32_t *first_link, *is_loaded; /* of a particle: the first link of its list; whether its load contains forces of links */
-    dem__wrench *evaluated_at;       /* of a particle: position and spin at the last evaluation of links */
+    dem__wrench *evaluated_at;       /* of a particle: position [m] and spin [rad/s] at the last evaluation of links */
     int64_t evaluated_step;          /* step of that evaluation */
 } dem__links;
 
