@@ -2326,7 +2326,8 @@ typedef struct dem__bound {
     double ux, uy, uz, tolerance; /* [m/s] */
 } dem__bound;
 
-typedef double dem__wrench[6]; /* force [N] and torque [N m], or position [m] and spin [rad/s] */
+typedef double dem__two_vec[6];   /* two vectors, which dem__first and dem__second return */
+typedef dem__two_vec dem__wrench; /* force [N] and torque [N m] */
 
 /* Sums of forces and torques on a particle, and what turns them into accelerations. One cache line. */
 typedef struct dem__sum {
@@ -2584,7 +2585,7 @@ typedef struct dem__links {
     double *state[DEM_STATE_MAX], *wrench[9], *gap;
     uint8_t *ended;
     int32_t *first_link, *is_loaded; /* of a particle: the first link of its list; whether its load contains forces of links */
-    dem__wrench *evaluated_at;       /* of a particle: position [m] and spin [rad/s] at the last evaluation of links */
+    dem__two_vec *evaluated_at;      /* of a particle: position [m] and spin [rad/s] at the last evaluation of links */
     int64_t evaluated_step;          /* step of that evaluation */
 } dem__links;
 
@@ -2702,7 +2703,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     dem__links *links = &w->engine->links;
     int n = 0;
     double **doubles[] = {&bodies->wall_speed, &bodies->shifted, &bodies->mass_share};
-    dem__wrench **sixes[] = {&bodies->load, &bodies->external, &links->evaluated_at};
+    dem__two_vec **sixes[] = {&bodies->load, &bodies->external, &links->evaluated_at};
     int32_t **integers[] = {&w->material,
                             &w->group,
                             &w->alive,
@@ -2721,7 +2722,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
     }
     for (size_t k = 0; k < sizeof sixes / sizeof *sixes; k++, n++) {
-        list[n].address = sixes[k], list[n].size = sizeof(dem__wrench);
+        list[n].address = sixes[k], list[n].size = sizeof(dem__two_vec);
     }
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);

@@ -11,7 +11,8 @@ typedef struct dem__bound {
     double ux, uy, uz, tolerance; /* [m/s] */
 } dem__bound;
 
-typedef double dem__wrench[6]; /* force [N] and torque [N m], or position [m] and spin [rad/s] */
+typedef double dem__two_vec[6];   /* two vectors, which dem__first and dem__second return */
+typedef dem__two_vec dem__wrench; /* force [N] and torque [N m] */
 
 /* Sums of forces and torques on a particle, and what turns them into accelerations. One cache line. */
 typedef struct dem__sum {
@@ -269,7 +270,7 @@ typedef struct dem__links {
     double *state[DEM_STATE_MAX], *wrench[9], *gap;
     uint8_t *ended;
     int32_t *first_link, *is_loaded; /* of a particle: the first link of its list; whether its load contains forces of links */
-    dem__wrench *evaluated_at;       /* of a particle: position [m] and spin [rad/s] at the last evaluation of links */
+    dem__two_vec *evaluated_at;      /* of a particle: position [m] and spin [rad/s] at the last evaluation of links */
     int64_t evaluated_step;          /* step of that evaluation */
 } dem__links;
 
