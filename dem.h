@@ -2299,7 +2299,7 @@ typedef struct dem__convex_calls {
     void (*leave_edges)(dem_world *w, const struct dem__chunk *in, ptrdiff_t marked); /* excludes polyhedra from edge steps */
 } dem__convex_calls;
 
-/* Polyhedra. Written by convex_pairs.h and load.h. Without any all of it is zero. */
+/* Polyhedra. convex_add.h adds shapes, convex_pairs.h lists pairs and finds their points. Without any shape all of it is zero. */
 typedef struct dem__convex_state {
     const dem__convex_calls *calls; /* NULL without shapes */
     dem_convex *shape;
@@ -2314,9 +2314,9 @@ typedef struct dem__convex_state {
 } dem__convex_state;
 
 /* -------------------------------------------------------------------------------------------- >>engine */
-/* The private state behind a world, in owners; each names the files that write it.
+/* The private state behind a world, in structs. Their comments say where most of it happens, not who writes each field: ask grep.
    Relies on types.h.
-   May be changed here alone: a field that only its owner's files name; saved fields are rows of saved.h, arrays rows of store.h. */
+   May be changed here alone: comments; saved fields are rows of saved.h, arrays rows of store.h. */
 
 /* Bound on a particle's motion, in the frame in free fall since the list was built. At t [s] after that, its surface lies within reach + t
    tolerance of the point x + t u. The bound holds while its velocity differs from u by less than the tolerance; then it gets a new one. One
@@ -2453,7 +2453,7 @@ enum { DEM__NEVER = INT32_MAX - 1, DEM__STOPPED = INT32_MAX };
 /* Activity of a particle: in free flight; taking steps; taking steps, with its bound to be checked at the end of this one. */
 enum { DEM__FLYING, DEM__STEPPING, DEM__TO_CHECK };
 
-/* The run: time, the law, and work that is pending. Written by step.h; needs_* by whatever changes a world. */
+/* The run: time, the law, and work that is pending. step.h sets it for a run; whatever changes a world sets needs_*. */
 typedef struct dem__run {
     double dt, kernel_dt; /* [s]; kernel_dt is 0 where forces are found but no time passes */
     double start_time;    /* time of start_step [s] */
@@ -2481,7 +2481,8 @@ typedef struct dem__fixed {
     int64_t on;      /* 0: not fixed */
 } dem__fixed;
 
-/* Particles, beside the public arrays of the world. Written by body.h, bounds.h, step.h. */
+/* Particles, beside the public arrays of the world. body.h adds them, advance.h, rigid.h and flights.h move them, bounds.h
+   bounds their motion, compact.h closes gaps. */
 typedef struct dem__bodies {
     ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
@@ -2509,7 +2510,8 @@ typedef struct dem__bodies {
     dem_vec *offset, *arm; /* from the body's centre to the particle's [m]: along the principal axes; in the world's axes, at the origin */
 } dem__bodies;
 
-/* Walls, beside the public array. Written by walls.h, motion.h, detect.h. */
+/* Walls, beside the public array. walls.h and mesh.h add them, motion.h moves them, detect.h and bounds.h set their
+   timers. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
     int meshes, touch_keepers, controls; /* number of meshes; of walls whose contacts keep a touch (meshes, cones); whether forces drive any
@@ -2520,7 +2522,7 @@ typedef struct dem__wall_state {
     int32_t *first_contact; /* of a particle: its first contact with a wall; contacts.wall_next leads on */
 } dem__wall_state;
 
-/* Near pairs and the list's life. Written by pairs.h, bounds.h. */
+/* Near pairs and the list's life. margin.h chooses how long the list may last, pairs.h builds it, due.h tests the pairs. */
 typedef struct dem__pairs {
     ptrdiff_t count, due_count; /* due_count: tested in the last step */
     dem__near *near;
@@ -2542,7 +2544,8 @@ typedef struct dem__pairs {
 
 /* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by partners; gaps are
    filled from its end; now and then all are ordered by i, the last first. The order of slots depends only on the history of the scene,
-   never on threads. It fixes the order of every sum, and so the bits. Written by contacts.h, kernel.h, edges.h. */
+   never on threads. It fixes the order of every sum, and so the bits. detect.h and convex_pairs.h begin them, kernel.h and
+   edges.h evaluate them, contacts.h orders and ends them. */
 typedef struct dem__contacts {
     ptrdiff_t count, capacity, begun; /* begun: in this step, at the end of the last chunk */
     int chunk_count;
@@ -2571,7 +2574,8 @@ typedef struct dem__contacts {
     double *mass, *predict, *sum, *part, *constant[DEM_CONSTANTS_MAX]; /* of contacts with constants of their own */
 } dem__contacts;
 
-/* Links, in the order in which they were made; each is in the lists of its two bodies. Written by contacts.h, kernel.h, step.h. */
+/* Links, in the order in which they were made; each is in the lists of its two bodies. links.h adds and steps them, kernel.h
+   evaluates them, removal.h cuts them. */
 typedef struct dem__links {
     const dem_law *law;
     dem_loop_fn loop;
@@ -2589,7 +2593,7 @@ typedef struct dem__links {
     int64_t evaluated_step;          /* step of that evaluation */
 } dem__links;
 
-/* A force field, and the flights in it. Written by field.h. */
+/* A force field, and the flights in it. flights.h begins and ends flights, field.h computes them. */
 typedef struct dem__field {
     int on; /* a field is set; after loading its law may be missing */
     dem_force_field def;
@@ -2605,7 +2609,7 @@ typedef struct dem__field {
 } dem__field;
 #define DEM__NO_FLIGHT INT64_MAX
 
-/* The energy ledger. Written by ledger.h. */
+/* The energy ledger. step.h begins, pauses and resumes it; ledger.h books. */
 typedef struct dem__ledger {
     int on, started;     /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
     int counts;          /* whether the last run had DEM_ENERGY */
@@ -2620,10 +2624,10 @@ typedef struct dem__scratch {
     int works;
     void *work_block;
     size_t work_bytes;
-    int32_t *index; /* one for each particle */
+    int32_t *index; /* one for each particle; no value outlives the function that fills it and those that it calls */
 } dem__scratch;
 
-/* Whether OpenMP's threads save time. Written by parallel.h; no result depends on it. */
+/* Whether OpenMP's threads save time. parallel.h alone writes it; no result depends on it. */
 typedef struct dem__pace {
     double loss;              /* time lost by waiting that has not been saved since [s] */
     double alone_until, rest; /* time until which loops run alone; how long they did so last [s] */
@@ -3100,7 +3104,8 @@ DEM_API void dem_free(dem_world *world) {
 }
 
 /* ------------------------------------------------------------------------------------------- >>ledger */
-/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums.
+/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums, but step.h
+   sets where they start.
    May be changed here alone: what is booked where. */
 
 /* Returns whether a wall is enabled and acts on particle i. */
@@ -3108,9 +3113,9 @@ DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
     return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
 }
 
-/* Returns the force of a wrench. */
+/* Returns the first of two vectors: the force of a wrench. */
 DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
-/* Returns the torque of a wrench. */
+/* Returns the second one: the torque of a wrench. */
 DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
 
 /* Books the potential energy that a particle gains where it is put back into the periodic box [J]. */
@@ -3120,6 +3125,9 @@ DEM_INLINE void dem__book_wrap(dem_world *w, double raised) {
 
 /* Books the potential energy of a particle that is added at rest [J]. */
 DEM_INLINE void dem__book_added(dem_world *w, double potential) { dem__book_wrap(w, potential); }
+
+/* Books the potential energy that a particle gains where the caller changes gravity [J]. */
+DEM_INLINE void dem__book_gravity(dem_world *w, double raised) { dem__book_wrap(w, raised); }
 
 /* Books a change of a particle's kinetic energy by the caller [J]. */
 DEM_INLINE void dem__book_motion(dem_world *w, double change) {
@@ -3766,7 +3774,7 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
             const dem_vec x = r ? r->x : w->particle[i].x;
             const double raised =
                 w->alive[i] && (!r || r->first == i) && !dem__is_fixed(w, i) ? -w->particle[i].mass * dem__dot(change, x) : 0.0;
-            w->engine->ledger.sums.added += raised, w->engine->ledger.sums.added_potential += raised;
+            dem__book_gravity(w, raised);
         }
     }
     w->def.gravity = gravity;

@@ -286,7 +286,7 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
             const dem_vec x = r ? r->x : w->particle[i].x;
             const double raised =
                 w->alive[i] && (!r || r->first == i) && !dem__is_fixed(w, i) ? -w->particle[i].mass * dem__dot(change, x) : 0.0;
-            w->engine->ledger.sums.added += raised, w->engine->ledger.sums.added_potential += raised;
+            dem__book_gravity(w, raised);
         }
     }
     w->def.gravity = gravity;

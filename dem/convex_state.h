@@ -53,7 +53,7 @@ typedef struct dem__convex_calls {
     void (*leave_edges)(dem_world *w, const struct dem__chunk *in, ptrdiff_t marked); /* excludes polyhedra from edge steps */
 } dem__convex_calls;
 
-/* Polyhedra. Written by convex_pairs.h and load.h. Without any all of it is zero. */
+/* Polyhedra. convex_add.h adds shapes, convex_pairs.h lists pairs and finds their points. Without any shape all of it is zero. */
 typedef struct dem__convex_state {
     const dem__convex_calls *calls; /* NULL without shapes */
     dem_convex *shape;

@@ -1,7 +1,7 @@
 /* -------------------------------------------------------------------------------------------- >>engine */
-/* The private state behind a world, in owners; each names the files that write it.
+/* The private state behind a world, in structs. Their comments say where most of it happens, not who writes each field: ask grep.
    Relies on types.h.
-   May be changed here alone: a field that only its owner's files name; saved fields are rows of saved.h, arrays rows of store.h. */
+   May be changed here alone: comments; saved fields are rows of saved.h, arrays rows of store.h. */
 
 /* Bound on a particle's motion, in the frame in free fall since the list was built. At t [s] after that, its surface lies within reach + t
    tolerance of the point x + t u. The bound holds while its velocity differs from u by less than the tolerance; then it gets a new one. One
@@ -138,7 +138,7 @@ enum { DEM__NEVER = INT32_MAX - 1, DEM__STOPPED = INT32_MAX };
 /* Activity of a particle: in free flight; taking steps; taking steps, with its bound to be checked at the end of this one. */
 enum { DEM__FLYING, DEM__STEPPING, DEM__TO_CHECK };
 
-/* The run: time, the law, and work that is pending. Written by step.h; needs_* by whatever changes a world. */
+/* The run: time, the law, and work that is pending. step.h sets it for a run; whatever changes a world sets needs_*. */
 typedef struct dem__run {
     double dt, kernel_dt; /* [s]; kernel_dt is 0 where forces are found but no time passes */
     double start_time;    /* time of start_step [s] */
@@ -166,7 +166,8 @@ typedef struct dem__fixed {
     int64_t on;      /* 0: not fixed */
 } dem__fixed;
 
-/* Particles, beside the public arrays of the world. Written by body.h, bounds.h, step.h. */
+/* Particles, beside the public arrays of the world. body.h adds them, advance.h, rigid.h and flights.h move them, bounds.h
+   bounds their motion, compact.h closes gaps. */
 typedef struct dem__bodies {
     ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
@@ -194,7 +195,8 @@ typedef struct dem__bodies {
     dem_vec *offset, *arm; /* from the body's centre to the particle's [m]: along the principal axes; in the world's axes, at the origin */
 } dem__bodies;
 
-/* Walls, beside the public array. Written by walls.h, motion.h, detect.h. */
+/* Walls, beside the public array. walls.h and mesh.h add them, motion.h moves them, detect.h and bounds.h set their
+   timers. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
     int meshes, touch_keepers, controls; /* number of meshes; of walls whose contacts keep a touch (meshes, cones); whether forces drive any
@@ -205,7 +207,7 @@ typedef struct dem__wall_state {
     int32_t *first_contact; /* of a particle: its first contact with a wall; contacts.wall_next leads on */
 } dem__wall_state;
 
-/* Near pairs and the list's life. Written by pairs.h, bounds.h. */
+/* Near pairs and the list's life. margin.h chooses how long the list may last, pairs.h builds it, due.h tests the pairs. */
 typedef struct dem__pairs {
     ptrdiff_t count, due_count; /* due_count: tested in the last step */
     dem__near *near;
@@ -227,7 +229,8 @@ typedef struct dem__pairs {
 
 /* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by partners; gaps are
    filled from its end; now and then all are ordered by i, the last first. The order of slots depends only on the history of the scene,
-   never on threads. It fixes the order of every sum, and so the bits. Written by contacts.h, kernel.h, edges.h. */
+   never on threads. It fixes the order of every sum, and so the bits. detect.h and convex_pairs.h begin them, kernel.h and
+   edges.h evaluate them, contacts.h orders and ends them. */
 typedef struct dem__contacts {
     ptrdiff_t count, capacity, begun; /* begun: in this step, at the end of the last chunk */
     int chunk_count;
@@ -256,7 +259,8 @@ typedef struct dem__contacts {
     double *mass, *predict, *sum, *part, *constant[DEM_CONSTANTS_MAX]; /* of contacts with constants of their own */
 } dem__contacts;
 
-/* Links, in the order in which they were made; each is in the lists of its two bodies. Written by contacts.h, kernel.h, step.h. */
+/* Links, in the order in which they were made; each is in the lists of its two bodies. links.h adds and steps them, kernel.h
+   evaluates them, removal.h cuts them. */
 typedef struct dem__links {
     const dem_law *law;
     dem_loop_fn loop;
@@ -274,7 +278,7 @@ typedef struct dem__links {
     int64_t evaluated_step;          /* step of that evaluation */
 } dem__links;
 
-/* A force field, and the flights in it. Written by field.h. */
+/* A force field, and the flights in it. flights.h begins and ends flights, field.h computes them. */
 typedef struct dem__field {
     int on; /* a field is set; after loading its law may be missing */
     dem_force_field def;
@@ -290,7 +294,7 @@ typedef struct dem__field {
 } dem__field;
 #define DEM__NO_FLIGHT INT64_MAX
 
-/* The energy ledger. Written by ledger.h. */
+/* The energy ledger. step.h begins, pauses and resumes it; ledger.h books. */
 typedef struct dem__ledger {
     int on, started;     /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
     int counts;          /* whether the last run had DEM_ENERGY */
@@ -305,10 +309,10 @@ typedef struct dem__scratch {
     int works;
     void *work_block;
     size_t work_bytes;
-    int32_t *index; /* one for each particle */
+    int32_t *index; /* one for each particle; no value outlives the function that fills it and those that it calls */
 } dem__scratch;
 
-/* Whether OpenMP's threads save time. Written by parallel.h; no result depends on it. */
+/* Whether OpenMP's threads save time. parallel.h alone writes it; no result depends on it. */
 typedef struct dem__pace {
     double loss;              /* time lost by waiting that has not been saved since [s] */
     double alone_until, rest; /* time until which loops run alone; how long they did so last [s] */
