@@ -9500,7 +9500,8 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
 /* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved
    and freed.
    May be changed here alone: the order of a step (hashes follow). */
-/* Tests all pairs and walls once, whatever is skipped. The timers stay. */
+/* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip, and set none if it
+   is 0. */
 static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
     w->def.skip = 0;
