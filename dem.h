@@ -508,9 +508,9 @@ typedef struct dem_law {
     void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
     /* Both may be NULL; they get world->user. born: for the contacts that begin in a step, before their first force, sorted by partners.
        ended: for a contact that has ended: by itself, or because a particle was removed (its world->alive is not DEM_PRESENT) or a wall no
-       longer acts (dem_wall_acts). dem_get_contact() (for a link dem_get_link()) and dem_set_contact_state() read and write them. */
-    void (*born)(struct dem_world *world, const int32_t *slots, ptrdiff_t n, void *user);
-    void (*ended)(struct dem_world *world, int32_t slot, void *user);
+       longer acts (dem_wall_acts). dem_get_contact() (for a link dem_get_link()) and dem_set_contact_state() take their numbers. */
+    void (*born)(struct dem_world *world, const int32_t *numbers, ptrdiff_t n, void *user);
+    void (*ended)(struct dem_world *world, int32_t number, void *user);
 } dem_law;
 
 /* To build upon: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling (states, history, vectors: 0,
@@ -988,7 +988,7 @@ DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k);
 /* Returns the link of particle i with j (a wall: -1 - index) at an element of it, or -1. */
 DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element);
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world);
-/* Returns contact k = 0 .. dem_contact_count-1. Hooks of laws call k a slot; for them force is not set. */
+/* Returns contact k = 0 .. dem_contact_count-1. Hooks of laws get k as a number; for them force is not set. */
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k);
 /* Sets the law's states of contact k. state: [law->states]. For hooks of laws, and between runs. */
 DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state);
@@ -2285,7 +2285,7 @@ struct dem__type_rows;
 struct dem__wall_row;
 struct dem__columns;
 struct dem__chunk;
-typedef struct dem__convex_room {
+typedef struct dem__convex_calls {
     int (*list_pairs)(dem_world *w);                                /* lists pairs for a new list of near pairs; 0: out of memory */
     void (*follow)(dem_world *w, int64_t step);                     /* finds points of contact at a step; moves and begins contacts */
     void (*prepare)(const dem_world *w, ptrdiff_t c, dem_birth *b); /* sets sizes and mass of the contact in slot c */
@@ -2297,11 +2297,11 @@ typedef struct dem__convex_room {
     dem_status (*add)(dem_world *w, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
                       int group);                                                     /* adds polyhedra: dem_add_convex, for feeds */
     void (*leave_edges)(dem_world *w, const struct dem__chunk *in, ptrdiff_t marked); /* excludes polyhedra from edge steps */
-} dem__convex_room;
+} dem__convex_calls;
 
-/* Polyhedra. Written by convex_pairs.h and load.h. Without any all of it is zero. */
+/* Polyhedra. convex_add.h adds shapes, convex_pairs.h lists pairs and finds their points. Without any shape all of it is zero. */
 typedef struct dem__convex_state {
-    const dem__convex_room *room; /* NULL without shapes */
+    const dem__convex_calls *calls; /* NULL without shapes */
     dem_convex *shape;
     int shapes;
     int32_t *shape_of;      /* of a particle: its shape's number + 1, or 0 for a sphere; NULL without shapes */
@@ -2314,9 +2314,9 @@ typedef struct dem__convex_state {
 } dem__convex_state;
 
 /* -------------------------------------------------------------------------------------------- >>engine */
-/* The private state behind a world, in owners; each names the files that write it.
+/* The private state behind a world, in structs. Their comments say where most of it happens, not who writes each field: ask grep.
    Relies on types.h.
-   May be changed here alone: a field that only its owner's files name; saved fields are rows of saved.h, arrays rows of store.h. */
+   May be changed here alone: comments; saved fields are rows of saved.h, arrays rows of store.h. */
 
 /* Bound on a particle's motion, in the frame in free fall since the list was built. At t [s] after that, its surface lies within reach + t
    tolerance of the point x + t u. The bound holds while its velocity differs from u by less than the tolerance; then it gets a new one. One
@@ -2326,7 +2326,8 @@ typedef struct dem__bound {
     double ux, uy, uz, tolerance; /* [m/s] */
 } dem__bound;
 
-typedef double dem__wrench[6]; /* force [N] and torque [N m], or position [m] and spin [rad/s] */
+typedef double dem__two_vec[6];   /* two vectors, which dem__first and dem__second return */
+typedef dem__two_vec dem__wrench; /* force [N] and torque [N m] */
 
 /* Sums of forces and torques on a particle, and what turns them into accelerations. One cache line. */
 typedef struct dem__sum {
@@ -2369,7 +2370,21 @@ typedef struct dem__wall_force {
     dem_vec force, torque;
 } dem__wall_force;
 
-enum { DEM__PLACES = 12 }; /* numbers kept of the place where a contact touches a mesh */
+/* The numbers kept of the place where a contact touches: the arrays of contacts.touch. A sphere at a mesh, a sphere at a cone and a
+   polyhedron use them each in its own way; other contacts have none. */
+enum {
+    DEM__PLACE_NORMAL = 0,    /* mesh, polyhedron: normal of the place that it follows (3 numbers) */
+    DEM__PLACE_GAP = 3,       /* mesh, polyhedron: gap there [m] */
+    DEM__PLACE_BEFORE = 9,    /* mesh, polyhedron: the normal one step before (3) */
+    DEM__PLACE_FOOTING = 4,   /* mesh: dem__footing.at (3) */
+    DEM__PLACE_SLACK = 7,     /* mesh: dem__footing.slack [m]; 0: no footing */
+    DEM__PLACE_FACE = 8,      /* mesh: dem__footing.face */
+    DEM__PLACE_ARM = 4,       /* polyhedron: from the centre of i to that of the sphere that touches for it [m] (3) */
+    DEM__PLACE_WEIGHT = 7,    /* polyhedron: factor of the force [-] */
+    DEM__PLACE_CURVATURE = 8, /* polyhedron: curvature of the wall as the contact began [1/m] */
+    DEM__CONE_CURVATURE = 0,  /* cone: the same */
+    DEM__PLACES = 12
+};
 
 /* Two particles that may touch before the list is built anew. */
 typedef struct dem__near {
@@ -2399,7 +2414,7 @@ typedef struct dem__posture {
 
 /* The functions that the engine calls for rigid bodies, in the order of a step; they are in rigid.h. The first body of a world sets the
    table (dem__reserve_bodies), so that a program that adds no body and loads no world compiles none of them. */
-typedef struct dem__body_room {
+typedef struct dem__body_calls {
     dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau);         /* returns the state at tau [s] after the origin
                                                                                              step */
     void (*set_origin)(dem_world *w, dem__rigid *r);                                      /* makes the present step the origin */
@@ -2420,7 +2435,7 @@ typedef struct dem__body_room {
     double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);           /* estimated change of i's velocity by links
                                                                                              [m/s] */
     void (*note_strides)(dem_world *w);                                                   /* stores how far flights are integrated */
-} dem__body_room;
+} dem__body_calls;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */
 typedef struct dem__timers {
@@ -2438,7 +2453,7 @@ enum { DEM__NEVER = INT32_MAX - 1, DEM__STOPPED = INT32_MAX };
 /* Activity of a particle: in free flight; taking steps; taking steps, with its bound to be checked at the end of this one. */
 enum { DEM__FLYING, DEM__STEPPING, DEM__TO_CHECK };
 
-/* The run: time, the law, and work that is pending. Written by step.h; needs_* by whatever changes a world. */
+/* The run: time, the law, and work that is pending. step.h sets it for a run; whatever changes a world sets needs_*. */
 typedef struct dem__run {
     double dt, kernel_dt; /* [s]; kernel_dt is 0 where forces are found but no time passes */
     double start_time;    /* time of start_step [s] */
@@ -2466,7 +2481,8 @@ typedef struct dem__fixed {
     int64_t on;      /* 0: not fixed */
 } dem__fixed;
 
-/* Particles, beside the public arrays of the world. Written by body.h, bounds.h, step.h. */
+/* Particles, beside the public arrays of the world. body.h adds them, advance.h, rigid.h and flights.h move them, bounds.h
+   bounds their motion, compact.h closes gaps. */
 typedef struct dem__bodies {
     ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
@@ -2486,15 +2502,16 @@ typedef struct dem__bodies {
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     ptrdiff_t active_count, to_check_count;
     ptrdiff_t passed_capacity;
-    dem__rigid *rigid;          /* bodies with an orientation; NULL without any */
-    const dem__body_room *room; /* set with them */
+    dem__rigid *rigid;            /* bodies with an orientation; NULL without any */
+    const dem__body_calls *calls; /* set with them */
     ptrdiff_t rigid_count, rigid_capacity;
     int32_t *rigid_of;     /* of a particle: its body's number + 1; 0: a sphere of its own; NULL without any body */
     dem__fixed *fixed;     /* NULL unless has_fixed */
     dem_vec *offset, *arm; /* from the body's centre to the particle's [m]: along the principal axes; in the world's axes, at the origin */
 } dem__bodies;
 
-/* Walls, beside the public array. Written by walls.h, motion.h, detect.h. */
+/* Walls, beside the public array. walls.h and mesh.h add them, motion.h moves them, detect.h and bounds.h set their
+   timers. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
     int meshes, touch_keepers, controls; /* number of meshes; of walls whose contacts keep a touch (meshes, cones); whether forces drive any
@@ -2505,7 +2522,7 @@ typedef struct dem__wall_state {
     int32_t *first_contact; /* of a particle: its first contact with a wall; contacts.wall_next leads on */
 } dem__wall_state;
 
-/* Near pairs and the list's life. Written by pairs.h, bounds.h. */
+/* Near pairs and the list's life. margin.h chooses how long the list may last, pairs.h builds it, due.h tests the pairs. */
 typedef struct dem__pairs {
     ptrdiff_t count, due_count; /* due_count: tested in the last step */
     dem__near *near;
@@ -2527,7 +2544,8 @@ typedef struct dem__pairs {
 
 /* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by partners; gaps are
    filled from its end; now and then all are ordered by i, the last first. The order of slots depends only on the history of the scene,
-   never on threads. It fixes the order of every sum, and so the bits. Written by contacts.h, kernel.h, edges.h. */
+   never on threads. It fixes the order of every sum, and so the bits. detect.h and convex_pairs.h begin them, kernel.h and
+   edges.h evaluate them, contacts.h orders and ends them. */
 typedef struct dem__contacts {
     ptrdiff_t count, capacity, begun; /* begun: in this step, at the end of the last chunk */
     int chunk_count;
@@ -2538,29 +2556,32 @@ typedef struct dem__contacts {
     int has_history;             /* whether states can be other than zero */
     void *block;
     size_t bytes;
-    int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the pair, or -1 */
+    int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the near pair; -1: none; below -1: a contact of a polyhedron
+                                                    (dem__is_convex_contact) */
     int32_t *type;                               /* index in types; -1: constants of its own */
     int32_t *slots;                              /* a list of slots, or one in each chunk */
-    uint8_t *edge, *ended;                       /* begins or ends in this step; has ended */
+    uint8_t *edge;                               /* its edge step is to be corrected: written by the kernel for the contacts that it lists;
+                                                    free before it, when dem__follow_meshes notes meshes with places left */
+    uint8_t *ended;                              /* has ended */
     double *gap, *force;
     double *state[DEM_STATE_MAX];
-    double *touch[DEM__PLACES]; /* mesh: normal and gap of the place that it follows; footing: place, slack, face; the normal one step
-                                   before. Cone: its curvature. Polyhedron: normal, gap, place, weight; curvature of the wall */
-    double *wrench[9];          /* force on i, torques on i and j, of a run's last step */
-    dem__correction *correction;
+    double *touch[DEM__PLACES];           /* of the place where it touches: see DEM__PLACE_NORMAL; only with walls.touch_keepers */
+    double *wrench[9];                    /* force on i, torques on i and j, of a run's last step */
+    dem__correction *correction;          /* from the kernel to the end of the step; scratch memory of dem__arrange before it */
     double *elastic, *power[3], *loss[4]; /* with a ledger: power by normal, rolling, wall; loss by normal, sliding, rolling, wall */
     dem__contact_type types[DEM__TYPES_MAX];
     int type_count;
     double *mass, *predict, *sum, *part, *constant[DEM_CONSTANTS_MAX]; /* of contacts with constants of their own */
 } dem__contacts;
 
-/* Links, in the order in which they were made; each is in the lists of its two bodies. Written by contacts.h, kernel.h, step.h. */
+/* Links, in the order in which they were made; each is in the lists of its two bodies. links.h adds and steps them, kernel.h
+   evaluates them, removal.h cuts them. */
 typedef struct dem__links {
     const dem_law *law;
     dem_loop_fn loop;
     void (*step)(dem_world *w); /* takes their step; set with their law */
     double interval, near;
-    int on, stride, states;
+    int on, every, states; /* every: steps between two evaluations */
     ptrdiff_t count, capacity;
     void *block;
     size_t bytes;
@@ -2568,11 +2589,11 @@ typedef struct dem__links {
     double *state[DEM_STATE_MAX], *wrench[9], *gap;
     uint8_t *ended;
     int32_t *first_link, *is_loaded; /* of a particle: the first link of its list; whether its load contains forces of links */
-    dem__wrench *evaluated_at;       /* of a particle: position and spin at the last evaluation of links */
+    dem__two_vec *evaluated_at;      /* of a particle: position [m] and spin [rad/s] at the last evaluation of links */
     int64_t evaluated_step;          /* step of that evaluation */
 } dem__links;
 
-/* A force field, and the flights in it. Written by field.h. */
+/* A force field, and the flights in it. flights.h begins and ends flights, field.h computes them. */
 typedef struct dem__field {
     int on; /* a field is set; after loading its law may be missing */
     dem_force_field def;
@@ -2588,7 +2609,7 @@ typedef struct dem__field {
 } dem__field;
 #define DEM__NO_FLIGHT INT64_MAX
 
-/* The energy ledger. Written by ledger.h. */
+/* The energy ledger. step.h begins, pauses and resumes it; ledger.h books. */
 typedef struct dem__ledger {
     int on, started;     /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
     int counts;          /* whether the last run had DEM_ENERGY */
@@ -2603,10 +2624,10 @@ typedef struct dem__scratch {
     int works;
     void *work_block;
     size_t work_bytes;
-    int32_t *index; /* one for each particle */
+    int32_t *index; /* one for each particle; no value outlives the function that fills it and those that it calls */
 } dem__scratch;
 
-/* Whether OpenMP's threads save time. Written by parallel.h; no result depends on it. */
+/* Whether OpenMP's threads save time. parallel.h alone writes it; no result depends on it. */
 typedef struct dem__pace {
     double loss;              /* time lost by waiting that has not been saved since [s] */
     double alone_until, rest; /* time until which loops run alone; how long they did so last [s] */
@@ -2686,7 +2707,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     dem__links *links = &w->engine->links;
     int n = 0;
     double **doubles[] = {&bodies->wall_speed, &bodies->shifted, &bodies->mass_share};
-    dem__wrench **sixes[] = {&bodies->load, &bodies->external, &links->evaluated_at};
+    dem__two_vec **sixes[] = {&bodies->load, &bodies->external, &links->evaluated_at};
     int32_t **integers[] = {&w->material,
                             &w->group,
                             &w->alive,
@@ -2705,7 +2726,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
     }
     for (size_t k = 0; k < sizeof sixes / sizeof *sixes; k++, n++) {
-        list[n].address = sixes[k], list[n].size = sizeof(dem__wrench);
+        list[n].address = sixes[k], list[n].size = sizeof(dem__two_vec);
     }
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);
@@ -3083,7 +3104,8 @@ DEM_API void dem_free(dem_world *world) {
 }
 
 /* ------------------------------------------------------------------------------------------- >>ledger */
-/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums.
+/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums, but step.h
+   sets where they start.
    May be changed here alone: what is booked where. */
 
 /* Returns whether a wall is enabled and acts on particle i. */
@@ -3091,9 +3113,9 @@ DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
     return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
 }
 
-/* Returns the force of a wrench. */
+/* Returns the first of two vectors: the force of a wrench. */
 DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
-/* Returns the torque of a wrench. */
+/* Returns the second one: the torque of a wrench. */
 DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
 
 /* Books the potential energy that a particle gains where it is put back into the periodic box [J]. */
@@ -3103,6 +3125,9 @@ DEM_INLINE void dem__book_wrap(dem_world *w, double raised) {
 
 /* Books the potential energy of a particle that is added at rest [J]. */
 DEM_INLINE void dem__book_added(dem_world *w, double potential) { dem__book_wrap(w, potential); }
+
+/* Books the potential energy that a particle gains where the caller changes gravity [J]. */
+DEM_INLINE void dem__book_gravity(dem_world *w, double raised) { dem__book_wrap(w, raised); }
 
 /* Books a change of a particle's kinetic energy by the caller [J]. */
 DEM_INLINE void dem__book_motion(dem_world *w, double change) {
@@ -3392,7 +3417,7 @@ DEM_INLINE dem__pieces dem__pieces_of(const dem_world *w, ptrdiff_t i) {
 DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) { return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass; }
 
 DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
-    return w->engine->bodies.room->posture(w, r, tau);
+    return w->engine->bodies.calls->posture(w, r, tau);
 }
 
 /* Return the position and the velocity of a particle of a rigid body at tau after its origin step [s]. */
@@ -3470,7 +3495,7 @@ DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
-        w->engine->bodies.room->set_origin(w, r);
+        w->engine->bodies.calls->set_origin(w, r);
         return;
     }
     const double tau = dem__now(w, i);
@@ -3544,7 +3569,7 @@ static inline void dem__restart(dem_world *w, ptrdiff_t i) {
     dem__book_field_work(w, -dem__motion_energy(w, i));
     if (r) {
         r->v = dem__add(r->v, error);
-        w->engine->bodies.room->place(w, r);
+        w->engine->bodies.calls->place(w, r);
     } else w->particle[i].v = dem__add(w->particle[i].v, error);
     dem__book_field_work(w, dem__motion_energy(w, i));
 }
@@ -3561,7 +3586,7 @@ DEM_INLINE dem_vec dem__nearest_image(const dem_world *w, dem_vec d) {
 }
 
 /* Returns the number of steps between two evaluations of the links, also for a loaded world without their law. */
-DEM_INLINE int dem__link_stride(const dem_world *w) {
+DEM_INLINE int dem__steps_of_links(const dem_world *w) {
     const double n = floor(w->engine->links.interval / w->engine->run.dt);
     return n < 1.0 ? 1 : n > 1000.0 ? 1000 : (int)n;
 }
@@ -3625,7 +3650,7 @@ static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
-        bodies->room->fall(w, r);
+        bodies->calls->fall(w, r);
         return;
     }
     if (dem__is_fixed(w, i)) {
@@ -3707,11 +3732,11 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
 }
 
 /* Sets the number of steps between two evaluations of the links, and the step of the last one as it would have been with it. */
-static inline void dem__set_stride(dem_world *w) {
+static inline void dem__set_link_steps(dem_world *w) {
     dem__links *links = &w->engine->links;
     if (!links->on) return;
-    if (links->law) links->stride = dem__link_stride(w);
-    links->evaluated_step = w->step - w->step % dem__link_stride(w);
+    if (links->law) links->every = dem__steps_of_links(w);
+    links->evaluated_step = w->step - w->step % dem__steps_of_links(w);
 }
 
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
@@ -3725,7 +3750,7 @@ DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     w->engine->run.start_time = w->time;
     w->engine->run.start_step = w->step;
     w->def.dt = w->engine->run.dt = dt;
-    dem__set_stride(w);
+    dem__set_link_steps(w);
     dem__resume_link_work(w, dem__all_particles(w));
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
@@ -3749,7 +3774,7 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
             const dem_vec x = r ? r->x : w->particle[i].x;
             const double raised =
                 w->alive[i] && (!r || r->first == i) && !dem__is_fixed(w, i) ? -w->particle[i].mass * dem__dot(change, x) : 0.0;
-            w->engine->ledger.sums.added += raised, w->engine->ledger.sums.added_potential += raised;
+            dem__book_gravity(w, raised);
         }
     }
     w->def.gravity = gravity;
@@ -3811,7 +3836,7 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     dem__book_motion(w, -dem__motion_energy(w, i));
     w->particle[i].v = dem__flushed_vec(velocity);
     w->particle[i].spin = dem__flushed_vec(spin);
-    if (r) w->engine->bodies.room->set_motion(w, r, dem__flushed_vec(velocity), dem__flushed_vec(spin));
+    if (r) w->engine->bodies.calls->set_motion(w, r, dem__flushed_vec(velocity), dem__flushed_vec(spin));
     dem__book_motion(w, dem__motion_energy(w, i));
     dem__resume_link_work(w, dem__pieces_of(w, i));
     w->engine->run.needs_lists = 1;
@@ -3842,7 +3867,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
         load[a] = !w->engine->links.is_loaded[i] ? wanted[a] : load[a] + change;
         external[a] = wanted[a];
     }
-    if (r) w->engine->bodies.room->place(w, r);
+    if (r) w->engine->bodies.calls->place(w, r);
     if (!w->touching[i]) dem__free_acceleration(w, i);
     dem__resume_link_work(w, dem__pieces_of(w, i));
     dem__wake(w, i); /* a loaded particle is not in free flight */
@@ -4397,9 +4422,9 @@ static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__rang
     dem__parallel(w, parts, dem__run_part, &split);
 }
 
-/* ------------------------------------------------------------------------------------------------- >>lists */
+/* ------------------------------------------------------------------------------------------ >>timers */
 /* Timers of near pairs and of particles with walls, and batches of them.
-   Relies on bodies, bounds and walls.
+   Relies on flight.h for where particles are; reads the bounds that bounds.h sets.
    May be changed here alone: how times are stored; a timer is never late. */
 
 /* A timer holds the step of the next test of a near pair, or of a particle and a wall. A test finds a contact, or the next step in which
@@ -4750,42 +4775,50 @@ DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     return 1;
 }
 
+/* Returns whether the contact in slot c is one of a polyhedron. The functions after it read and write what a contact keeps of the place
+   where it touches: see DEM__PLACE_NORMAL in engine.h. first: the first of three numbers. */
+DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
+DEM_INLINE dem_vec dem__place_vec(const dem_world *w, int first, ptrdiff_t c) {
+    double *const *place = &w->engine->contacts.touch[first];
+    return dem_vec3(place[0][c], place[1][c], place[2][c]);
+}
+DEM_INLINE void dem__set_place_vec(dem_world *w, int first, ptrdiff_t c, dem_vec v) {
+    double *const *place = &w->engine->contacts.touch[first];
+    place[0][c] = v.x, place[1][c] = v.y, place[2][c] = v.z;
+}
+DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_NORMAL, c); }
+DEM_INLINE dem_vec dem__place_before(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_BEFORE, c); }
+DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_ARM, c); }
+DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
+    double *const *place = w->engine->contacts.touch;
+    dem__footing f;
+    f.at = dem__place_vec(w, DEM__PLACE_FOOTING, c);
+    f.slack = place[DEM__PLACE_SLACK][c], f.face = (int32_t)place[DEM__PLACE_FACE][c];
+    return f;
+}
+DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *f) {
+    double *const *place = w->engine->contacts.touch;
+    dem__set_place_vec(w, DEM__PLACE_FOOTING, c, f->at);
+    place[DEM__PLACE_SLACK][c] = f->slack, place[DEM__PLACE_FACE][c] = (double)f->face;
+}
+/* Moves the contact in slot c to a place of its mesh. */
+DEM_INLINE void dem__set_touch(dem_world *w, ptrdiff_t c, const dem__touch *touch) {
+    dem__set_place_vec(w, DEM__PLACE_NORMAL, c, touch->normal);
+    w->engine->contacts.touch[DEM__PLACE_GAP][c] = touch->gap;
+}
+
 /* Begins a contact with a wall. A cone is touched from both sides and at its rims: a contact keeps the curvature with which it began.
    Returns 0 when out of memory. */
 static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!dem__new_contact(w, i, -1 - wall, element, -1)) return 0;
     const ptrdiff_t c = dem__next_slot(w) - 1;
-    if (w->wall[wall].kind == DEM_CONE) contacts->touch[0][c] = touch->curvature;
+    if (w->wall[wall].kind == DEM_CONE) contacts->touch[DEM__CONE_CURVATURE][c] = touch->curvature;
     if (w->wall[wall].kind != DEM_MESH) return 1;
-    contacts->touch[0][c] = touch->normal.x, contacts->touch[1][c] = touch->normal.y, contacts->touch[2][c] = touch->normal.z;
-    contacts->touch[3][c] = touch->gap;
-    contacts->touch[7][c] = 0.0; /* no footing yet */
-    contacts->touch[9][c] = touch->normal.x, contacts->touch[10][c] = touch->normal.y, contacts->touch[11][c] = touch->normal.z;
+    dem__set_touch(w, c, touch);
+    contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing yet */
+    dem__set_place_vec(w, DEM__PLACE_BEFORE, c, touch->normal);
     return 1;
-}
-
-/* Returns whether the contact in slot c is one of a polyhedron. The next two functions return its normal, and the vector from the centre of
-   i to that of the sphere that touches for it. */
-DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
-DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    return dem_vec3(place[0][c], place[1][c], place[2][c]);
-}
-DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    return dem_vec3(place[4][c], place[5][c], place[6][c]);
-}
-
-DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    dem__footing f;
-    f.at = dem_vec3(place[4][c], place[5][c], place[6][c]), f.slack = place[7][c], f.face = (int32_t)place[8][c];
-    return f;
-}
-DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *f) {
-    double *const *place = w->engine->contacts.touch;
-    place[4][c] = f->at.x, place[5][c] = f->at.y, place[6][c] = f->at.z, place[7][c] = f->slack, place[8][c] = (double)f->face;
 }
 
 /* Lists the contacts of particle i with wall k in the order of elements. Returns their number, at most DEM__NUMBERS. */
@@ -4801,90 +4834,111 @@ DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t 
     return n;
 }
 
-/* Moves the contacts of particle i with mesh k to a step to which the wall has been moved. Each continues at the deepest place whose normal
-   is near its own, or ends. bear: whether contacts begin at the remaining places. Returns whether places are left. */
-static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step, int bear) {
+/* Where particle i touches mesh k. */
+typedef struct dem__mesh_places {
+    dem__touch touch[DEM__TOUCHES];
+    int n, taken, used; /* number of places; bits: places that have a contact, elements of the contacts */
+} dem__mesh_places;
+
+/* Moves the contacts of particle i with mesh k, in the listed slots, to a step to which the wall has been moved. Each continues at the
+   deepest place whose normal is near its own, or ends. Returns the places; none if the only contact rests on its footing. */
+static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step, dem__mesh_places *at) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem_wall *wall = &w->wall[k];
     const double tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
     const dem_vec x = dem__at(w, i, tau), d = dem__sub(x, wall->position);
     const double speed = dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
-    double **place = contacts->touch, least;
-    dem__touch touch[DEM__TOUCHES];
-    int n, taken = 0, used = 0, left = 0;
     const double radius = w->particle[i].radius, near = w->engine->links.near,
                  leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact opens in a step */
         deep = leaves > near ? leaves : near;
     dem__footing footing = dem__footing_of(w, slot[0]);
-    for (int m = 0; m < slots && !bear; m++) { /* with `bear` this has been done in this step */
-        for (int a = 0; a < 3; a++) place[9 + a][slot[m]] = place[a][slot[m]];
+    double least;
+    at->n = at->taken = at->used = 0;
+    if (slots == 1 && dem__keeps_footing(wall, &footing, d, radius, deep, at->touch)) {
+        dem__set_touch(w, slot[0], at->touch);
+        return;
     }
-    if (slots == 1 && dem__keeps_footing(wall, &footing, d, radius, deep, touch)) {
-        const int32_t c = slot[0];
-        place[0][c] = touch->normal.x, place[1][c] = touch->normal.y, place[2][c] = touch->normal.z, place[3][c] = touch->gap;
-        return 0;
-    }
-    n = dem__touch_mesh(wall, d, radius, deep, radius, touch, &least);
+    at->n = dem__touch_mesh(wall, d, radius, deep, radius, at->touch, &least);
     for (int m = 0; m < slots; m++) {
         const int32_t c = slot[m];
         int q = 0;
-        used |= 1 << contacts->element[c];
-        while (q < n &&
-               ((taken >> q & 1) ||
-                !(touch[q].normal.x * place[0][c] + touch[q].normal.y * place[1][c] + touch[q].normal.z * place[2][c] > DEM__SMOOTH)))
-            q++;
-        if (q == n) { /* merged with another: it ends without a force, whatever its depth */
-            place[3][c] = w->particle[i].radius;
+        at->used |= 1 << contacts->element[c];
+        while (q < at->n && ((at->taken >> q & 1) || !(dem__dot(at->touch[q].normal, dem__place_normal(w, c)) > DEM__SMOOTH))) q++;
+        if (q == at->n) { /* merged with another: it ends without a force, whatever its depth */
+            contacts->touch[DEM__PLACE_GAP][c] = w->particle[i].radius;
             contacts->force[c] = 0.0;
             continue;
         }
-        taken |= 1 << q;
-        place[0][c] = touch[q].normal.x, place[1][c] = touch[q].normal.y, place[2][c] = touch[q].normal.z;
-        place[3][c] = touch[q].gap;
+        at->taken |= 1 << q;
+        dem__set_touch(w, c, &at->touch[q]);
     }
     footing.slack = 0.0;
-    if (slots == 1 && n == 1 && taken) footing = dem__find_footing(wall, d, radius, touch);
+    if (slots == 1 && at->n == 1 && at->taken) footing = dem__find_footing(wall, d, radius, at->touch);
     for (int m = 0; m < slots; m++) dem__set_footing(w, slot[m], &footing);
-    for (int q = 0; q < n; q++) {
-        int32_t free_number = 0;
-        if ((taken >> q & 1) || !(touch[q].gap < 0.0)) continue;
-        left = 1;
-        while (used >> free_number & 1) free_number++;
-        if (free_number == DEM__NUMBERS) break;
-        used |= 1 << free_number;
-        if (bear && !dem__new_wall_contact(w, i, k, &touch[q], free_number)) break;
+}
+
+/* Returns whether place q touches and has no contact. */
+DEM_INLINE int dem__is_place_left(const dem__mesh_places *at, int q) { return !(at->taken >> q & 1) && at->touch[q].gap < 0.0; }
+static inline int dem__are_places_left(const dem__mesh_places *at) {
+    for (int q = 0; q < at->n; q++) {
+        if (dem__is_place_left(at, q)) return 1;
     }
-    return left;
+    return 0;
 }
 
-/* Moves a particle's contacts with a mesh if slot c holds the first of them; otherwise does nothing. Returns whether places for new
-   contacts are left. */
-static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int bear) {
-    const ptrdiff_t i = w->engine->contacts.i[c];
+/* Begins contacts of particle i with mesh k at the places that are left, as long as there are free elements. */
+static inline void dem__begin_at_places(dem_world *w, ptrdiff_t i, int k, dem__mesh_places *at) {
+    for (int q = 0; q < at->n; q++) {
+        int32_t element = 0;
+        if (!dem__is_place_left(at, q)) continue;
+        while (at->used >> element & 1) element++;
+        if (element == DEM__NUMBERS) return;
+        at->used |= 1 << element;
+        if (!dem__new_wall_contact(w, i, k, &at->touch[q], element)) return;
+    }
+}
+
+/* Lists the contacts of a particle with a mesh if slot c holds the first of them. Returns their number, otherwise 0. */
+static inline int dem__contacts_at_mesh(const dem_world *w, ptrdiff_t c, int32_t *slot) {
     const int k = -1 - (int)w->engine->contacts.j[c];
-    int32_t slot[DEM__NUMBERS];
-    if (k < 0 || w->wall[k].kind != DEM_MESH || w->engine->contacts.near[c] < -1) return 0; /* those of a polyhedron follow its points */
-    const int slots = dem__contacts_at(w, i, k, slot);
-    return slot[0] == c ? dem__follow_mesh(w, i, k, slot, slots, step, bear) : 0;
+    if (k < 0 || w->wall[k].kind != DEM_MESH || dem__is_convex_contact(w, c)) return 0; /* those of a polyhedron follow its points */
+    const int slots = dem__contacts_at(w, w->engine->contacts.i[c], k, slot);
+    return slot[0] == c ? slots : 0;
 }
 
+/* Moves the contacts of chunks first .. end-1. Notes in contacts.edge, which is free before the kernel, where places are left: contacts
+   begin on one thread. */
 static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
     dem__contacts *contacts = &w->engine->contacts;
     (void)part;
     for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
         for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
-            contacts->edge[c] = (uint8_t)dem__follow_slot(w, c, *(const int64_t *)step, 0);
+            int32_t slot[DEM__NUMBERS];
+            dem__mesh_places at;
+            const int slots = dem__contacts_at_mesh(w, c, slot);
+            contacts->edge[c] = 0;
+            if (slots == 0) continue;
+            for (int m = 0; m < slots; m++) dem__set_place_vec(w, DEM__PLACE_BEFORE, slot[m], dem__place_normal(w, slot[m]));
+            dem__match_places(w, contacts->i[c], -1 - (int)contacts->j[c], slot, slots, *(const int64_t *)step, &at);
+            contacts->edge[c] = (uint8_t)dem__are_places_left(&at);
         }
     }
 }
 
-/* Moves contacts with meshes to a step to which the walls have been moved. */
+/* Moves contacts with meshes to a step to which the walls have been moved, and begins those at other places of meshes that particles touch
+   already. */
 static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t end = dem__next_slot(w);
     dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count, dem__find_followers, &step);
     DEM__EACH_CONTACT(w, c) {
-        if (c < end && contacts->edge[c] && w->status == DEM_OK) dem__follow_slot(w, c, step, 1);
+        int32_t slot[DEM__NUMBERS];
+        dem__mesh_places at;
+        if (c >= end || !contacts->edge[c] || w->status != DEM_OK) continue;
+        const ptrdiff_t i = contacts->i[c];
+        const int k = -1 - (int)contacts->j[c], slots = dem__contacts_at_mesh(w, c, slot);
+        dem__match_places(w, i, k, slot, slots, step, &at);
+        dem__begin_at_places(w, i, k, &at);
     }
 }
 
@@ -4906,30 +4960,6 @@ static inline double dem__other_bars(const dem_world *w, const dem_wall *wall, d
     return third < w->engine->pairs.wall_reach ? third : w->engine->pairs.wall_reach;
 }
 
-/* Returns a time [s] before which particle i cannot touch a wall, from its velocity and the tolerance of its bound; 0 if none is known.
-   Near a wall it is longer than the time from speeds alone, but it holds for this bound only. A plane, a bar and a cylinder from outside
-   are convex, so that a gap cannot shrink faster than along its normal. */
-static inline double dem__time_to_wall(const dem_world *w, ptrdiff_t i, const dem_wall *wall, dem_vec v, int k, const dem__touch *touch,
-                                       int found, double others) {
-    const double stray = 2.0 * w->engine->bodies.bound[i].tolerance, near = w->engine->links.near + w->engine->pairs.position_tolerance,
-                 radius = w->particle[i].radius;
-    const dem_vec u = dem__sub(v, wall->velocity), g = dem__free_fall(w);
-    double a = w->engine->pairs.gravity_size + wall->acceleration_bound, least = HUGE_VAL;
-    if (found == 0 || wall->asked.drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
-    if (wall->kind == DEM_SCREEN) least = dem__time_to_close(others - near, dem__length(u) + stray, a);
-    if (wall->kind == DEM_CYLINDER) {
-        const double along = dem__dot(g, wall->axis[2]), from_axis = wall->radius - radius - touch->gap;
-        a = sqrt(fabs(dem__dot(g, g) - along * along)) + wall->side_bound;
-        if (wall->inside) a += dem__bend(wall, u, from_axis);
-    }
-    for (int q = 0; q < found; q++) {
-        if (wall->kind != DEM_EXIT && dem__touches_element(w, i, k, touch[q].element)) continue;
-        const double t = dem__time_to_close(touch[q].gap - near, stray - dem__dot(u, touch[q].normal), a);
-        least = t < least ? t : least;
-    }
-    return least;
-}
-
 /* Returns how far x is from a face of the periodic box beyond which the wall does not continue [m]: walls are not repeated. */
 static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wall, dem_vec x) {
     double least = HUGE_VAL;
@@ -4945,62 +4975,115 @@ static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wal
     return least;
 }
 
-/* Tests the particle and the wall of timer e, at a step to which the wall has been moved: begins contacts, or sets the timer. */
-static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
-    const dem__run *run = &w->engine->run;
-    dem__bodies *bodies = &w->engine->bodies;
-    const dem__pairs *pairs = &w->engine->pairs;
-    const dem__links *links = &w->engine->links;
-    const ptrdiff_t i = e / w->walls;
-    const int k = (int)(e % w->walls);
-    int found, touches = 0;
-    dem_wall *wall = &w->wall[k];
-    w->looks++;
-    if (!w->alive[i] || !dem__is_at_wall(w, i, k)) return;
-    double tau = (double)(step - w->particle[i].origin) * run->dt, least, others = pairs->wall_reach;
-    dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
-    if (run->has_periodic) x = dem__in_box(w, x); /* where the step will put it: bars are told apart by their place */
+/* A test of particle i with wall k. */
+typedef struct dem__wall_test {
+    ptrdiff_t i;
+    int k;
+    dem_wall *wall;
+    dem_vec x, v;  /* of the particle at the step of the test */
+    double clear;  /* lower limit of the gaps where there is no contact [m] */
+    double others; /* the same of what is not among the places found */
+    int found;
     dem__touch touch[DEM__TOUCHES];
-    found = dem__touch_wall(wall, x, w->particle[i].radius, w->def.skip & DEM_SKIP_SPACE ? pairs->wall_reach : links->near, touch, &least);
-    if (wall->kind == DEM_EXIT) {
-        const dem__rigid *r = dem__rigid_of(w, i);
-        if (least < 0.0) {
-            if (!r || dem__has_passed(wall, dem__in_box(w, dem__posture_at(w, r, tau).x))) dem__pass_exit(w, i, k);
-            else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
-            return;
-        }
-    } else if (found > 0) {
-        if (wall->kind == DEM_SCREEN) others = dem__other_bars(w, wall, w->particle[i].radius, touch, found);
-        least = others;
-        for (int q = 0; q < found; q++) {
-            if (dem__touches_element(w, i, k, touch[q].element)) continue;
-            const int linked = touch[q].gap < links->near && dem__link_of(w, i, -1 - k, touch[q].element) >= 0;
-            if (touch[q].gap < (linked ? links->near : 0.0)) {
-                if (!dem__new_wall_contact(w, i, k, &touch[q], touch[q].element)) return;
-                touches = 1;
-            } else least = touch[q].gap - links->near < least ? touch[q].gap - links->near : least;
-        }
-        if (touches && wall->kind != DEM_SCREEN) return;
+} dem__wall_test;
+
+/* Returns a time [s] before which the particle cannot touch the wall, from its velocity and the tolerance of its bound; 0 if none is known.
+   Near a wall it is longer than the time from speeds alone, but it holds for this bound only. A plane, a bar and a cylinder from outside
+   are convex, so that a gap cannot shrink faster than along its normal. */
+static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test *t) {
+    const dem_wall *wall = t->wall;
+    const double stray = 2.0 * w->engine->bodies.bound[t->i].tolerance, near = w->engine->links.near + w->engine->pairs.position_tolerance,
+                 radius = w->particle[t->i].radius;
+    const dem_vec u = dem__sub(t->v, wall->velocity), g = dem__free_fall(w);
+    double a = w->engine->pairs.gravity_size + wall->acceleration_bound, least = HUGE_VAL;
+    if (t->found == 0 || wall->asked.drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
+    if (wall->kind == DEM_SCREEN) least = dem__time_to_close(t->others - near, dem__length(u) + stray, a);
+    if (wall->kind == DEM_CYLINDER) {
+        const double along = dem__dot(g, wall->axis[2]), from_axis = wall->radius - radius - t->touch->gap;
+        a = sqrt(fabs(dem__dot(g, g) - along * along)) + wall->side_bound;
+        if (wall->inside) a += dem__bend(wall, u, from_axis);
     }
-    if (!(w->def.skip & DEM_SKIP_SPACE)) return;
-    const double crossing = run->has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
-    least = crossing < least ? crossing : least;
-    double speed = dem__length(v) + 2.0 * bodies->bound[i].tolerance;
-    if (speed < 0.5 * bodies->wall_speed[i]) bodies->wall_speed[i] = 1.25 * speed;
-    speed = (speed > bodies->wall_speed[i] ? speed : bodies->wall_speed[i]) + wall->speed_bound;
-    int most = DEM__STEPS_MAX;
-    if (wall->spin_bound > 0.0) { /* the surface is faster further out, where the particle may be at the next test */
-        const double turn = DEM__RETEST_STEPS * run->dt, out = turn * (speed + turn * pairs->gravity_size);
-        speed += wall->spin_bound * (dem__arm(wall, x) + out);
-        most = DEM__RETEST_STEPS;
+    for (int q = 0; q < t->found; q++) {
+        if (wall->kind != DEM_EXIT && dem__touches_element(w, t->i, t->k, t->touch[q].element)) continue;
+        const double time = dem__time_to_close(t->touch[q].gap - near, stray - dem__dot(u, t->touch[q].normal), a);
+        least = time < least ? time : least;
     }
-    const int sure = dem__steps_until(w, dem__time_to_cover(least - pairs->position_tolerance, speed, pairs->gravity_size)),
+    return least;
+}
+
+/* Lets a particle beyond an exit leave. A rigid body whose centre is not beyond it is tested again in the next step. */
+static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t e, int64_t step) {
+    const dem__rigid *r = dem__rigid_of(w, t->i);
+    const double tau = (double)(step - w->particle[t->i].origin) * w->engine->run.dt;
+    if (!r || dem__has_passed(t->wall, dem__in_box(w, dem__posture_at(w, r, tau).x))) dem__pass_exit(w, t->i, t->k);
+    else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
+}
+
+/* Begins contacts at the places found, and sets what is clear of them. Returns 0 if the wall needs no other test: it is touched at its only
+   place, or memory ran out. */
+static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
+    const double near = w->engine->links.near;
+    int touches = 0;
+    if (t->wall->kind == DEM_SCREEN) t->others = dem__other_bars(w, t->wall, w->particle[t->i].radius, t->touch, t->found);
+    t->clear = t->others;
+    for (int q = 0; q < t->found; q++) {
+        const dem__touch *place = &t->touch[q];
+        if (dem__touches_element(w, t->i, t->k, place->element)) continue;
+        const int linked = place->gap < near && dem__link_of(w, t->i, -1 - t->k, place->element) >= 0;
+        if (place->gap < (linked ? near : 0.0)) {
+            if (!dem__new_wall_contact(w, t->i, t->k, place, place->element)) return 0;
+            touches = 1;
+        } else t->clear = place->gap - near < t->clear ? place->gap - near : t->clear;
+    }
+    return !touches || t->wall->kind == DEM_SCREEN;
+}
+
+/* Returns a limit of the speed at which particle and wall approach each other now [m/s]. most: number of steps for which it holds if
+   gravity is added. */
+static inline double dem__speed_to_wall(dem_world *w, const dem__wall_test *t, int *most) {
+    double *relied = &w->engine->bodies.wall_speed[t->i], speed = dem__length(t->v) + 2.0 * w->engine->bodies.bound[t->i].tolerance;
+    if (speed < 0.5 * *relied) *relied = 1.25 * speed;
+    speed = (speed > *relied ? speed : *relied) + t->wall->speed_bound;
+    *most = DEM__STEPS_MAX;
+    if (!(t->wall->spin_bound > 0.0)) return speed;
+    /* the surface is faster further out, where the particle may be at the next test */
+    const double turn = DEM__RETEST_STEPS * w->engine->run.dt, out = turn * (speed + turn * w->engine->pairs.gravity_size);
+    *most = DEM__RETEST_STEPS;
+    return speed + t->wall->spin_bound * (dem__arm(t->wall, t->x) + out);
+}
+
+/* Sets timer e to the next step in which the particle may touch the wall at another place. */
+static inline void dem__wait_for_wall(dem_world *w, const dem__wall_test *t, int32_t e, int64_t step) {
+    const dem__pairs *pairs = &w->engine->pairs;
+    const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, t->wall, t->x) : HUGE_VAL,
+                 way = crossing < t->clear ? crossing : t->clear;
+    int most, better = 0;
+    const double speed = dem__speed_to_wall(w, t, &most);
+    const int sure = dem__steps_until(w, dem__time_to_cover(way - pairs->position_tolerance, speed, pairs->gravity_size)),
               steps = sure < most ? sure : most;
-    int better = 0;
-    if (steps < DEM__RETEST_STEPS / 4 && crossing == HUGE_VAL)
-        better = dem__steps_until(w, dem__time_to_wall(w, i, wall, v, k, touch, found, others));
+    if (steps < DEM__RETEST_STEPS / 4 && crossing == HUGE_VAL) better = dem__steps_until(w, dem__time_to_wall(w, t));
     w->engine->walls.sure[e] = (uint32_t)(uint64_t)(step + steps);
     dem__set_timer(&w->engine->walls.timers, e, step + (better > steps ? better : steps));
+}
+
+/* Tests the particle and the wall of timer e, at a step to which the wall has been moved: begins contacts, or sets the timer. */
+static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
+    const int skips = w->def.skip & DEM_SKIP_SPACE;
+    dem__wall_test t;
+    t.i = e / w->walls, t.k = (int)(e % w->walls), t.wall = &w->wall[t.k];
+    w->looks++;
+    if (!w->alive[t.i] || !dem__is_at_wall(w, t.i, t.k)) return;
+    const double tau = (double)(step - w->particle[t.i].origin) * w->engine->run.dt, radius = w->particle[t.i].radius;
+    t.x = dem__at(w, t.i, tau), t.v = dem__velocity_at(w, t.i, tau);
+    if (w->engine->run.has_periodic) t.x = dem__in_box(w, t.x); /* where the step will put it: bars are told apart by their place */
+    t.others = w->engine->pairs.wall_reach;
+    t.found = dem__touch_wall(t.wall, t.x, radius, skips ? t.others : w->engine->links.near, t.touch, &t.clear);
+    if (t.wall->kind == DEM_EXIT && t.clear < 0.0) {
+        dem__test_exit(w, &t, e, step);
+        return;
+    }
+    if (t.wall->kind != DEM_EXIT && t.found > 0 && !dem__begin_at_wall(w, &t)) return;
+    if (skips) dem__wait_for_wall(w, &t, e, step);
 }
 
 /* Adding meshes and boxes: the tree of a mesh's triangles.
@@ -5879,8 +5962,8 @@ static inline double dem__mesh_volume(const dem_mesh *m) {
 /* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present forces. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    if (r) return w->engine->bodies.room->link_drift(w, r, i);
-    return (double)w->engine->links.stride * w->engine->run.dt / w->particle[i].mass * dem__length(dem__first(w->engine->bodies.load[i]));
+    if (r) return w->engine->bodies.calls->link_drift(w, r, i);
+    return (double)w->engine->links.every * w->engine->run.dt / w->particle[i].mass * dem__length(dem__first(w->engine->bodies.load[i]));
 }
 
 /* Returns a limit of the change of velocity by an acceleration in one step [m/s]; the sum of components needs no root. */
@@ -5903,7 +5986,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     const double t = dem__since_listed(w, step);
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem__rigid *body = w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight it turns about the centre of mass */
-    const double swing = body ? bodies->room->swing(body, dem__length(bodies->offset[i])) : 0.0;
+    const double swing = body ? bodies->calls->swing(body, dem__length(bodies->offset[i])) : 0.0;
     const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a) : dem__add(v, impact);
     const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),
                  held = 16.0 * w->engine->run.dt * dem__length(dem__sub(w->particle[i].a, g));
@@ -6702,7 +6785,7 @@ static inline void dem__list_wall_contacts(dem_world *w) {
 static inline void dem__find_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     DEM__EACH_CONTACT(w, c) {
-        if (contacts->near[c] < -1) continue; /* of a polyhedron: see convex_pairs.h */
+        if (dem__is_convex_contact(w, c)) continue; /* see dem__list_convex_pairs */
         const int32_t p = contacts->j[c] < 0 ? -1 : dem__near_pair(w, contacts->i[c], contacts->j[c]);
         contacts->near[c] = p;
         if (p >= 0) dem__stop_timer(&w->engine->pairs.timers, p);
@@ -6804,7 +6887,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__pairs *pairs = &w->engine->pairs;
     const int keeps = !run->needs_lists;
-    if (bodies->rigid) bodies->room->note_strides(w);
+    if (bodies->rigid) bodies->calls->note_strides(w);
     if (w->status != DEM_OK) return 0;
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     if (!keeps) dem__release_unloaded(w);
@@ -6820,7 +6903,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
-    if (w->engine->convex.room && !w->engine->convex.room->list_pairs(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
+    if (w->engine->convex.calls && !w->engine->convex.calls->list_pairs(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     dem__find_links(w);
     pairs->next_check = w->step + DEM__STEPS_MAX;
     pairs->listed_step = w->step;
@@ -6841,7 +6924,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
     const int64_t least = 1 + (w->step - w->engine->pairs.listed_step) / 40;
-    if (w->engine->bodies.rigid) w->engine->bodies.room->note_strides(w);
+    if (w->engine->bodies.rigid) w->engine->bodies.calls->note_strides(w);
     int64_t due = w->engine->pairs.listed_step + DEM__STEPS_MAX;
     if (w->step >= due) return dem__rebuild(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -7041,10 +7124,9 @@ DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old,
 /* Finds the place where a wall is touched by the contact in a slot, or by a link (slot -1). */
 DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius, int32_t element,
                                  dem__touch *touch) {
-    const dem__contacts *contacts = &w->engine->contacts;
     if (slot >= 0 && wall->kind == DEM_MESH) {
-        touch->normal = dem_vec3(contacts->touch[0][slot], contacts->touch[1][slot], contacts->touch[2][slot]);
-        touch->gap = contacts->touch[3][slot];
+        touch->normal = dem__place_normal(w, slot);
+        touch->gap = w->engine->contacts.touch[DEM__PLACE_GAP][slot];
     } else if (wall->kind == DEM_PLANE) dem__touch_plane(wall, x, radius, touch);
     else dem__touch_element(wall, x, radius, element, touch);
 }
@@ -7068,7 +7150,7 @@ static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrd
     const dem_wall *wall = &w->wall[number];
     const dem_particle *s = &w->particle[i];
     at->particle = s, at->wall = wall, at->row = k, at->velocity = wall->velocity, at->slot = slot, at->element = element;
-    if (slot >= 0 && w->engine->contacts.near[slot] < -1) { /* of a polyhedron: dem__fill_convex_rows replaces this */
+    if (slot >= 0 && dem__is_convex_contact(w, slot)) { /* dem__fill_convex_rows replaces this */
         at->outside = 0.0, at->from = dem_vec3(1.0, 0.0, 0.0), at->touch.normal = wall->axis[2], at->touch.gap = 0.0;
     } else if ((at->outside = dem__reach_round(wall, s->x, element, &at->from, &at->inner)) == 0.0) {
         dem__touch_place(w, slot, wall, s->x, s->radius, element, &at->touch);
@@ -7140,9 +7222,7 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
     const dem_vec n = dem_vec3(b->nx[k], b->ny[k], b->nz[k]);
     dem_vec t;
     if (wall->kind == DEM_MESH && at->slot >= 0) { /* between edges and faces: only the contact knows both normals */
-        double *const *touch = w->engine->contacts.touch;
-        const dem_vec before = dem_vec3(touch[9][at->slot], touch[10][at->slot], touch[11][at->slot]);
-        t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
+        t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, dem__place_before(w, at->slot)));
     } else {
         dem_vec u = dem_vec3(b->vx[k], b->vy[k], b->vz[k]);
         if (wall->slides) { /* u is relative to its surface, not to its frame */
@@ -7548,14 +7628,14 @@ DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum 
 
 /* Call the functions for polyhedra on a block. They are functions of their own because a call through a pointer would slow the kernel. */
 static DEM__NOINLINE void dem__fill_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, double half) {
-    w->engine->convex.room->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
+    w->engine->convex.calls->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }
 static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, const dem__columns *at,
                                                  double half, int features) {
-    w->engine->convex.room->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
+    w->engine->convex.calls->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
 }
 static DEM__NOINLINE void dem__leave_other_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
-    w->engine->convex.room->leave_edges(w, in, marked);
+    w->engine->convex.calls->leave_edges(w, in, marked);
 }
 
 /* Gathers the block of n contacts from slot base on, and prefetches the next one, of this chunk or of the one after it. */
@@ -7581,7 +7661,7 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     x->walls = walls;
     dem__load_types(w, base, n, law->constants, &x->types);
     dem__complete_rows(w, &x->rows, &x->types, n, half, half, x->wall, walls, has_friction);
-    if (w->engine->convex.room) dem__fill_other_rows(w, x, base, n, half);
+    if (w->engine->convex.calls) dem__fill_other_rows(w, x, base, n, half);
 }
 
 /* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the sizes only. Conditions
@@ -7688,7 +7768,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__columns_of(w, base, law, features, &old);
         dem__new_columns(w, base, law, features, DEM__COPY_ROWS || only_ledger, &x->block, &at);
         dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate, features);
-        if (w->engine->convex.room) {
+        if (w->engine->convex.calls) {
             const dem__columns same = at; /* the address of `at` itself would keep clang from vectorising the law */
             dem__finish_other_rows(w, x, base, n, &same, 0.5 * h, features);
         }
@@ -7698,7 +7778,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
             continue;
         }
         const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
-        if (w->engine->convex.room) dem__leave_other_edges(w, in, marked);
+        if (w->engine->convex.calls) dem__leave_other_edges(w, in, marked);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, chunk, base, n, at.out, has_friction);
@@ -8000,7 +8080,7 @@ static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     const dem_wall *wall = &w->wall[-1 - contacts->j[c]];
     const dem_particle *p = &w->particle[contacts->i[c]];
     dem__touch touch;
-    if (wall->kind == DEM_CONE) return contacts->touch[0][c];
+    if (wall->kind == DEM_CONE) return contacts->touch[DEM__CONE_CURVATURE][c];
     dem__touch_element(wall, p->x, p->radius, contacts->element[c], &touch);
     return touch.curvature;
 }
@@ -8033,7 +8113,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         b.mass = w->particle[i].mass;
         b.inertia = inertia;
     }
-    if (dem__is_convex_contact(w, c)) w->engine->convex.room->prepare(w, c, &b);
+    if (dem__is_convex_contact(w, c)) w->engine->convex.calls->prepare(w, c, &b);
     else if (j < 0) b.curvature = dem__curvature_at(w, c);
     b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j] : &w->def.pair[b.material_j][b.material_i];
     b.user = w->user;
@@ -8445,7 +8525,7 @@ static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t e
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
     const int books = w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
-    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, w->engine->bodies.rigid ? w->engine->bodies.room->advance : dem__advance_range,
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range,
                   &h); /* n / 4: little work for each particle */
 }
 
@@ -8557,8 +8637,8 @@ static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         dem__rigid *r = dem__rigid_of(w, i);
         if (!r || r->first != i || w->touching[i] > 0) continue;
-        w->engine->bodies.room->place(w, r); /* the torque needs the arms that this sets */
-        w->engine->bodies.room->fall(w, r);
+        w->engine->bodies.calls->place(w, r); /* the torque needs the arms that this sets */
+        w->engine->bodies.calls->fall(w, r);
     }
 }
 
@@ -8571,7 +8651,7 @@ static inline int dem__kick(dem_world *w, double h) {
     double all = 0.0;
     if (n == 0) return 1;
     kicked.h = h;
-    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.room->kick, &h);
+    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.calls->kick, &h);
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);
     for (int q = 0; q < parts; q++) {
         const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
@@ -8604,7 +8684,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
     if (dem__has_body(w, c)) {
-        w->engine->bodies.room->push(w, c, has_friction);
+        w->engine->bodies.calls->push(w, c, has_friction);
         return;
     }
     const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
@@ -8653,7 +8733,7 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
         const dem__chunk *in = &contacts->chunk[q];
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c] && dem__has_body(w, c)) w->engine->bodies.room->shift(w, c);
+            if (contacts->edge[c] && dem__has_body(w, c)) w->engine->bodies.calls->shift(w, c);
         }
     }
 }
@@ -8788,7 +8868,7 @@ static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t 
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
-    dem__in_parts(w, parts, pairs->timers.pages, w->engine->bodies.rigid ? w->engine->bodies.room->test_due : dem__test_due_range, &step);
+    dem__in_parts(w, parts, pairs->timers.pages, w->engine->bodies.rigid ? w->engine->bodies.calls->test_due : dem__test_due_range, &step);
     pairs->due_count = 0;
     for (int q = 0; q < parts; q++) {
         dem__timer_batch *batch = &dem__work_of(w, q)->batch;
@@ -8813,7 +8893,7 @@ static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
 static inline void dem__detect(dem_world *w, int64_t step) {
     dem__wall_state *walls = &w->engine->walls;
     if (walls->meshes) walls->follow_meshes(w, step);
-    if (w->engine->convex.room) w->engine->convex.room->follow(w, step);
+    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, step);
     if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__test_all_pairs(w, step);
     if (!(w->def.skip & DEM_SKIP_SPACE)) {
         for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
@@ -8926,9 +9006,9 @@ static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem
     dem__rigid *r = dem__rigid_of(w, i);
     dem_particle *p = &w->particle[i];
     if (r) {
-        w->engine->bodies.room->set_origin(w, r);
+        w->engine->bodies.calls->set_origin(w, r);
         r->x = x, r->v = v, r->a = a;
-        w->engine->bodies.room->place(w, r);
+        w->engine->bodies.calls->place(w, r);
         return;
     }
     p->spin = dem__spin_at(w, i, dem__now(w, i));
@@ -9190,7 +9270,7 @@ DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff
     const double here = dem__length(now), there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
                  end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
     const double most = here > there ? here : there;
-    const double swing = r ? w->engine->bodies.room->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
+    const double swing = r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
     return (most > end ? most : end) + swing;
 }
 
@@ -9224,7 +9304,7 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
         dem__rigid *r = dem__rigid_of(w, i);
         const double tau = dem__now(w, i);
         if (w->engine->run.has_periodic && w->particle[i].origin == w->step) {
-            if (r) bodies->room->wrap(w, r);
+            if (r) bodies->calls->wrap(w, r);
             else dem__wrap(w, i);
         }
         dem__set_timer(&field->timers, i, field->until[i]);
@@ -9420,12 +9500,13 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
 /* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved
    and freed.
    May be changed here alone: the order of a step (hashes follow). */
-/* Tests all pairs and walls once, whatever is skipped. The timers stay. */
+/* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip, and set none if it
+   is 0. */
 static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
     w->def.skip = 0;
     dem__test_all_pairs(w, w->step);
-    if (w->engine->convex.room) w->engine->convex.room->follow(w, w->step);
+    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, w->step);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls; k++) {
             if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k)) dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
@@ -9622,7 +9703,7 @@ DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, in
     if (leaving) dem__free_untouched(w);
     dem__check_bounds(w);
     if (in_field && w->status == DEM_OK && !dem__begin_flights(w)) return 0;
-    if (w->engine->links.stride > 0 && w->step % w->engine->links.stride == 0) w->engine->links.step(w);
+    if (w->engine->links.every > 0 && w->step % w->engine->links.every == 0) w->engine->links.step(w);
     return w->status == DEM_OK;
 }
 
@@ -9820,7 +9901,7 @@ static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
     dem__rigid *r = dem__rigid_of(w, i);
     const dem_particle *p = &w->particle[i];
     dem__set_origin(w, i);
-    if (r) bodies->room->wrap(w, r), bodies->room->place(w, r);
+    if (r) bodies->calls->wrap(w, r), bodies->calls->place(w, r);
     else dem__wrap(w, i);
     if (w->engine->ledger.on && r) dem__book_link_work(w, dem__link_work(w, i));
     else if (w->engine->ledger.on && !dem__is_fixed(w, i)) {
@@ -9844,7 +9925,7 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
             if (dem__is_linked(w, k)) return;
         }
         dem__book_link_work(w, -dem__motion_energy(w, r->first));
-        w->engine->bodies.room->kick_links(w, r, half);
+        w->engine->bodies.calls->kick_links(w, r, half);
         dem__book_link_work(w, dem__motion_energy(w, r->first));
         return;
     }
@@ -9874,7 +9955,7 @@ static inline void dem__step_links(dem_world *w) {
     dem__links *links = &w->engine->links;
     int32_t *linked = w->engine->scratch.index;
     ptrdiff_t n = 0;
-    const double h = (double)links->stride * run->dt;
+    const double h = (double)links->every * run->dt;
     for (int32_t i = 0; i < (int32_t)w->count; i++) {
         linked[n] = i;
         n += dem__is_linked(w, i);
@@ -9926,7 +10007,7 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
         links->states = law->states;
     }
     dem__stop_link_work(w, others);
-    dem__set_stride(w);
+    dem__set_link_steps(w);
     dem__resume_link_work(w, others);
     return DEM_OK;
 }
@@ -10027,7 +10108,7 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     dem__book_motion(w, -dem__rotational(w, r->first));
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     r->turn = dem__turns(q, r->frame);
-    w->engine->bodies.room->set_motion(w, r, r->v, spin);
+    w->engine->bodies.calls->set_motion(w, r, r->v, spin);
     dem__book_motion(w, dem__rotational(w, r->first));
     if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
     dem__resume_link_work(w, dem__pieces_of(w, i));
@@ -10178,7 +10259,7 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>rigid */
-/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_room in engine.h). Reads the
+/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in engine.h). Reads the
    sums of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one
    thread, so that bits do not depend on threads.
    May be changed here alone: how a body is integrated.
@@ -10515,25 +10596,25 @@ static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *
     const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
     dem_vec force, torque;
     dem__sum_on_body(w, r, 0, 1, &force, &torque);
-    return (double)w->engine->links.stride * w->engine->run.dt *
+    return (double)w->engine->links.every * w->engine->run.dt *
            (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
 }
 
-static const dem__body_room dem__rigid_bodies = {dem__find_posture,
-                                                 dem__set_body_origin,
-                                                 dem__set_body_motion,
-                                                 dem__wrap_body,
-                                                 dem__place_pieces,
-                                                 dem__free_body,
-                                                 dem__test_due_with_bodies,
-                                                 dem__advance_with_bodies,
-                                                 dem__kick_bodies_range,
-                                                 dem__push_bodies,
-                                                 dem__shift_bodies,
-                                                 dem__kick_linked_body,
-                                                 dem__swing,
-                                                 dem__body_link_drift,
-                                                 dem__note_strides};
+static const dem__body_calls dem__rigid_bodies = {dem__find_posture,
+                                                  dem__set_body_origin,
+                                                  dem__set_body_motion,
+                                                  dem__wrap_body,
+                                                  dem__place_pieces,
+                                                  dem__free_body,
+                                                  dem__test_due_with_bodies,
+                                                  dem__advance_with_bodies,
+                                                  dem__kick_bodies_range,
+                                                  dem__push_bodies,
+                                                  dem__shift_bodies,
+                                                  dem__kick_linked_body,
+                                                  dem__swing,
+                                                  dem__body_link_drift,
+                                                  dem__note_strides};
 
 /* Definition of a rigid body: see rigid.h. */
 typedef struct dem__body_def {
@@ -10559,7 +10640,7 @@ static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t piece
     const ptrdiff_t larger = wanted + wanted / 2 + 16;
     dem__rigid *fresh = (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
     if (!fresh) return 0;
-    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->room = &dem__rigid_bodies;
+    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = &dem__rigid_bodies;
     if (old > 0) return dem__reserve_particles(w, pieces);
     if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + pieces + 1))
         return 1;
@@ -12665,12 +12746,12 @@ DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
 /* Returns how fast particle i turns about the centre of its clump, at most [m/s]. */
 DEM_INLINE double dem__swing_of(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
-    return r ? w->engine->bodies.room->swing(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
+    return r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
 }
 /* Returns how fast the surface of particle i, or a clump's sphere, moves relative to the centre of its body, at most [m/s]. */
 DEM_INLINE double dem__stir_of(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
-    return s ? w->engine->bodies.room->swing(dem__rigid_of(w, i), s->reach) : dem__swing_of(w, i);
+    return s ? w->engine->bodies.calls->swing(dem__rigid_of(w, i), s->reach) : dem__swing_of(w, i);
 }
 /* Returns the time from the origin step of particle i to a step [s]. */
 DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step) {
@@ -12766,7 +12847,7 @@ static inline void dem__rest_from_wall(const dem_world *w, dem__convex_pair *p, 
     const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
     const dem_vec v = dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)), a = dem__centre_pull(w, p->i);
     const dem__approach q = dem__approach_to(w, wall, x, v, a);
-    const double stir = reach > 0.0 ? w->engine->bodies.room->swing(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound : 0.0;
+    const double stir = reach > 0.0 ? w->engine->bodies.calls->swing(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound : 0.0;
     const double touch = dem__time_to_cover(gap - slack, q.speed + stir, q.pull),
                  cross = dem__time_to_cover(crossing - slack, dem__length(v), dem__length(a));
     const int steps = dem__steps_until(w, cross < touch ? cross : touch);
@@ -12981,8 +13062,9 @@ static inline int dem__find_convex_points(dem_world *w, int64_t step) {
 
 DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
     double *const *place = w->engine->contacts.touch;
-    place[0][c] = p->normal.x, place[1][c] = p->normal.y, place[2][c] = p->normal.z, place[3][c] = p->gap;
-    place[4][c] = p->at.x, place[5][c] = p->at.y, place[6][c] = p->at.z, place[7][c] = p->weight;
+    dem__set_place_vec(w, DEM__PLACE_NORMAL, c, p->normal);
+    dem__set_place_vec(w, DEM__PLACE_ARM, c, p->at);
+    place[DEM__PLACE_GAP][c] = p->gap, place[DEM__PLACE_WEIGHT][c] = p->weight;
 }
 
 /* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall, which the contact
@@ -12998,8 +13080,8 @@ static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__co
                            dem__element_of_key(wall, p->key), &touch);
     }
     dem__set_place(w, c, p);
-    contacts->touch[8][c] = touch.curvature;
-    for (int a = 0; a < 3; a++) contacts->touch[9 + a][c] = contacts->touch[a][c];
+    contacts->touch[DEM__PLACE_CURVATURE][c] = touch.curvature;
+    dem__set_place_vec(w, DEM__PLACE_BEFORE, c, p->normal);
 }
 
 /* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap above 0, and so
@@ -13009,15 +13091,15 @@ static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t e
     (void)part, (void)context;
     for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
         for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
-            if (contacts->near[c] > -2) continue;
+            if (!dem__is_convex_contact(w, c)) continue;
             const dem__convex_pair *p = &w->engine->convex.pair[-2 - contacts->near[c]];
             dem__convex_point *point = w->engine->convex.point + p->first, *stop = point + p->count;
-            for (int a = 0; a < 3; a++) contacts->touch[9 + a][c] = contacts->touch[a][c];
+            dem__set_place_vec(w, DEM__PLACE_BEFORE, c, dem__place_normal(w, c));
             while (point < stop && point->key != contacts->element[c]) point++;
             if (point < stop) {
                 dem__set_place(w, c, point);
                 point->taken = 1;
-            } else contacts->touch[3][c] = w->particle[p->i].radius;
+            } else contacts->touch[DEM__PLACE_GAP][c] = w->particle[p->i].radius;
         }
     }
 }
@@ -13139,12 +13221,10 @@ DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, i
 /* Fills row k of a polyhedron's contact with another body or a wall. */
 static inline void dem__fill_convex_row(const dem_world *w, dem__rows *b, const dem__type_rows *t, int k, ptrdiff_t c, double half,
                                         dem__wall_row *at) {
-    double *const *place = w->engine->contacts.touch;
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    const dem_vec n = dem__place_normal(w, c), arm = dem__place_arm(w, c);
-    const dem_vec before = dem_vec3(place[9][c], place[10][c], place[11][c]);
+    const dem_vec n = dem__place_normal(w, c), arm = dem__place_arm(w, c), before = dem__place_before(w, c);
     dem_vec v, a, other_v, other_a, spin;
-    b->nx[k] = n.x, b->ny[k] = n.y, b->nz[k] = n.z, b->gap[k] = place[3][c];
+    b->nx[k] = n.x, b->ny[k] = n.y, b->nz[k] = n.z, b->gap[k] = w->engine->contacts.touch[DEM__PLACE_GAP][c];
     b->inverse[k] = 1.0 / (t->sum[k] + b->gap[k]);
     dem__point_motion(w, i, arm, half, &v, &a);
     if (j >= 0) {
@@ -13182,7 +13262,7 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
     for (int k = 0; k < n; k++) {
         const ptrdiff_t c = base + k;
         if (!dem__is_convex_contact(w, c)) continue;
-        const double weight = contacts->touch[7][c];
+        const double weight = contacts->touch[DEM__PLACE_WEIGHT][c];
         const dem_vec arm = dem__place_arm(w, c), other = dem__other_arm(b, t, k, arm);
         for (int a = 0; a < 9; a++) out[a][k] *= weight;
         const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f), on_j = dem__cross(other, f);
@@ -13215,17 +13295,17 @@ static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birt
     b->radius_i = dem__touching_radius(w, i);
     b->mass = 1.0 / (per_i + (j >= 0 && !dem__is_fixed(w, j) ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
     if (j >= 0) b->radius_j = dem__touching_radius(w, j);
-    else b->curvature = w->engine->contacts.touch[8][c];
+    else b->curvature = w->engine->contacts.touch[DEM__PLACE_CURVATURE][c];
 }
 
 /* ------------------------------------------------------------------------------------- >>convex_add */
-/* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them (dem__convex_room). Reads shapes;
+/* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them (dem__convex_calls). Reads shapes;
    writes the world through dem__add_body.
    May be changed here alone: what is refused. */
 
-static const dem__convex_room dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
-                                                dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
-                                                dem__leave_convex_edges};
+static const dem__convex_calls dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
+                                                 dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
+                                                 dem__leave_convex_edges};
 
 /* Returns whether the tables of a shape agree with each other, and its numbers are such as the code relies on. */
 static inline int dem__is_sound_shape(const dem_convex *c) {
@@ -13255,13 +13335,13 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
     dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
     if (!fresh) return -(int)DEM_OUT_OF_MEMORY;
-    convex->shape = fresh, convex->room = &dem__polyhedra;
+    convex->shape = fresh, convex->calls = &dem__polyhedra;
     convex->shape[convex->shapes++] = *shape;
     if (convex->shapes > 1) return convex->shapes - 1;
     dem__bodies *bodies = &w->engine->bodies;
     if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + 1)) return 0;
     dem__release(a, convex->shape, size);
-    convex->shape = NULL, convex->shapes = 0, convex->room = NULL;
+    convex->shape = NULL, convex->shapes = 0, convex->calls = NULL;
     return -(int)DEM_OUT_OF_MEMORY;
 }
 
@@ -14058,7 +14138,7 @@ static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptr
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     dem_status status;
     if (feed->polyhedron)
-        status = w->engine->convex.room->add(w, feed->polyhedron - 1, n, b->centre, b->orientation, feed->material, feed->group);
+        status = w->engine->convex.calls->add(w, feed->polyhedron - 1, n, b->centre, b->orientation, feed->material, feed->group);
     else if (feed->clump)
         status = feed->clump->add__(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group);
     else status = dem_add_spheres(w, n, b->centre, b->diameter, feed->material, feed->group);
@@ -14214,7 +14294,7 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
 }
 
 /* ----------------------------------------------------------------------------------------------- >>measure */
-/* Measuring: volumes, regions, stress, fields, histograms, mixing. Reads a const world; writes the caller's arrays. Relies on read.h.
+/* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. Relies on read.h.
    May be changed here alone: all but what a number means. */
 
 /* Returns the volume of the unit ball where z > c. */
@@ -14449,60 +14529,99 @@ DEM_INLINE void dem__add_stress(double (*stress)[3], double weight, dem_vec f, d
     }
 }
 
-DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *region, dem_measure *measure) {
-    const dem_world *w = world;
-    dem_measure m;
-    dem_vec low = dem_vec3(0.0, 0.0, 0.0), high = low, shift[27];
-    dem_wall inside;
-    if (!w || !w->def.allocator.fn || !measure || !dem__is_region(region)) return DEM_BAD_ARGUMENT;
-    memset(&inside, 0, sizeof inside);
-    const dem_status status = dem__make_inside(&inside, w, region);
-    if (status != DEM_OK) return status;
-    const int images = dem__images(w, shift);
-    memset(&m, 0, sizeof m);
-    const double volume = dem_region_volume(region), share = volume > 0.0 ? 1.0 / volume : (double)NAN;
-    dem__tree_bounds(region, &low, &high);
-    for (int pass = 0; pass < 2; pass++) {
-        for (ptrdiff_t i = 0; i < w->count; i++) {
-            const dem_vec at = dem_position(w, i);
-            const double r = w->particle[i].radius;
-            dem_vec centre = at, v = dem_vec3(0.0, 0.0, 0.0);
-            if (!w->alive[i]) continue;
-            const double filled = pass == 0 ? dem__filled(w, i) * share : 0.0;
-            const int counts = dem__counts(w, i, &centre, &v);
-            for (int image = 0; image < images; image++) {
-                const dem_vec x = dem__add(at, shift[image]), c = dem__add(centre, shift[image]);
-                if (pass == 0 && x.x + r >= low.x && x.x - r <= high.x && x.y + r >= low.y && x.y - r <= high.y && x.z + r >= low.z &&
-                    x.z - r <= high.z)
-                    m.solid_fraction += dem__ball_in(region, &inside, x, r) * filled;
-                if (!counts || !(c.x >= low.x && c.x <= high.x && c.y >= low.y && c.y <= high.y && c.z >= low.z && c.z <= high.z)) continue;
-                if (!dem__holds(region, &inside, c)) continue;
-                if (pass == 0) {
-                    m.count++;
-                    m.mass += w->particle[i].mass;
-                    m.coordination += w->touching[i];
-                    m.velocity = dem__add(m.velocity, dem__scale(w->particle[i].mass, v));
-                } else {
-                    const dem_vec u = dem__sub(v, m.velocity);
-                    m.granular_temperature += w->particle[i].mass * dem__dot(u, u);
-                    dem__add_stress(m.kinetic_stress, w->particle[i].mass * share, u, u);
-                }
-            }
-        }
-        const double inverse = m.count > 0 ? 1.0 / m.mass : 0.0;
-        if (pass == 0) m.velocity = dem__scale(inverse, m.velocity);
-        if (pass == 1) m.granular_temperature *= inverse / 3.0;
+/* A region that is measured. */
+typedef struct dem__measured {
+    const dem_region *region;
+    dem_wall inside;   /* the tree of a mesh region */
+    dem_vec low, high; /* the box around the region */
+    dem_vec shift[27]; /* from a particle to its images in the periodic box, the first 0 */
+    int images;
+    double share; /* 1 / volume [1/m3] */
+} dem__measured;
+
+/* Adds the share of a region that particle i and its images fill. */
+static inline void dem__add_solid(const dem_world *w, const dem__measured *q, ptrdiff_t i, dem_measure *m) {
+    const dem_vec at = dem_position(w, i), low = q->low, high = q->high;
+    const double r = w->particle[i].radius, filled = dem__filled(w, i) * q->share;
+    for (int image = 0; image < q->images; image++) {
+        const dem_vec x = dem__add(at, q->shift[image]);
+        if (x.x + r >= low.x && x.x - r <= high.x && x.y + r >= low.y && x.y - r <= high.y && x.z + r >= low.z && x.z - r <= high.z)
+            m->solid_fraction += dem__ball_in(q->region, &q->inside, x, r) * filled;
     }
-    if (m.count > 0) m.coordination /= (double)m.count;
+}
+
+/* Returns how many images of a point are in a region. */
+static inline int dem__images_in(const dem__measured *q, dem_vec point) {
+    const dem_vec low = q->low, high = q->high;
+    int n = 0;
+    for (int image = 0; image < q->images; image++) {
+        const dem_vec c = dem__add(point, q->shift[image]);
+        if (!(c.x >= low.x && c.x <= high.x && c.y >= low.y && c.y <= high.y && c.z >= low.z && c.z <= high.z)) continue;
+        n += dem__holds(q->region, &q->inside, c);
+    }
+    return n;
+}
+
+/* Measures number, mass, mean velocity and coordination number, and the solid fraction. */
+static inline void dem__measure_bodies(const dem_world *w, const dem__measured *q, dem_measure *m) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        dem_vec centre, v;
+        if (!w->alive[i]) continue;
+        dem__add_solid(w, q, i, m);
+        for (int n = dem__counts(w, i, &centre, &v) ? dem__images_in(q, centre) : 0; n > 0; n--) {
+            m->count++;
+            m->mass += w->particle[i].mass;
+            m->coordination += w->touching[i];
+            m->velocity = dem__add(m->velocity, dem__scale(w->particle[i].mass, v));
+        }
+    }
+    m->velocity = dem__scale(m->count > 0 ? 1.0 / m->mass : 0.0, m->velocity);
+    if (m->count > 0) m->coordination /= (double)m->count;
+}
+
+/* Measures granular temperature and kinetic stress, which are relative to the mean velocity. */
+static inline void dem__measure_fluctuations(const dem_world *w, const dem__measured *q, dem_measure *m) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        dem_vec centre, v;
+        if (!w->alive[i] || !dem__counts(w, i, &centre, &v)) continue;
+        const dem_vec u = dem__sub(v, m->velocity);
+        for (int n = dem__images_in(q, centre); n > 0; n--) {
+            m->granular_temperature += w->particle[i].mass * dem__dot(u, u);
+            dem__add_stress(m->kinetic_stress, w->particle[i].mass * q->share, u, u);
+        }
+    }
+    m->granular_temperature *= (m->count > 0 ? 1.0 / m->mass : 0.0) / 3.0;
+}
+
+/* Measures the stress by forces of contacts and links. */
+static inline void dem__measure_contacts(const dem_world *w, const dem__measured *q, dem_measure *m) {
     for (ptrdiff_t k = 0; k < w->engine->contacts.count + w->engine->links.count; k++) {
         dem_vec from, to, force;
         if (!dem__branch(w, k, &from, &to, &force)) continue;
-        for (int image = 0; image < images; image++) {
-            const double part = dem__share_in(region, &inside, dem__add(from, shift[image]), dem__add(to, shift[image]));
-            if (part > 0.0) dem__add_stress(m.contact_stress, part * share, force, dem__sub(to, from));
+        for (int image = 0; image < q->images; image++) {
+            const double part = dem__share_in(q->region, &q->inside, dem__add(from, q->shift[image]), dem__add(to, q->shift[image]));
+            if (part > 0.0) dem__add_stress(m->contact_stress, part * q->share, force, dem__sub(to, from));
         }
     }
-    if (inside.tree) w->def.allocator.fn(w->def.allocator.user, inside.tree, inside.tree->bytes, 0);
+}
+
+DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *region, dem_measure *measure) {
+    const dem_world *w = world;
+    dem_measure m;
+    dem__measured q;
+    if (!w || !w->def.allocator.fn || !measure || !dem__is_region(region)) return DEM_BAD_ARGUMENT;
+    memset(&q, 0, sizeof q);
+    const dem_status status = dem__make_inside(&q.inside, w, region);
+    if (status != DEM_OK) return status;
+    const double volume = dem_region_volume(region);
+    q.region = region, q.share = volume > 0.0 ? 1.0 / volume : (double)NAN;
+    q.images = dem__images(w, q.shift);
+    dem__tree_bounds(region, &q.low, &q.high);
+    memset(&m, 0, sizeof m);
+    dem__measure_bodies(w, &q, &m);
+    dem__measure_fluctuations(w, &q, &m);
+    dem__measure_contacts(w, &q, &m);
+    if (q.inside.tree) w->def.allocator.fn(w->def.allocator.user, q.inside.tree, q.inside.tree->bytes, 0);
     *measure = m;
     return DEM_OK;
 }
@@ -14647,6 +14766,10 @@ DEM_API dem_status dem_residence(const dem_world *world, const dem_region *regio
     }
     return DEM_OK;
 }
+
+/* ------------------------------------------------------------------------------------------------ >>mixing */
+/* How well groups of particles are mixed. Reads a const world; writes the caller's arrays. Relies on measure.h for cells.
+   May be changed here alone: all but what a number means. */
 
 DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *cells, int group, double *of_group, double *of_all) {
     const dem_world *w = world;
@@ -15107,7 +15230,8 @@ static inline void dem__contact_fields(dem_world *w, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 5);
     dem__add_fields(g, "contact.state", contacts->state, contacts->states);
     g->needed = g->fields;
-    if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, w->engine->convex.shapes > 0 ? 9 : 4);
+    const int places = w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_FOOTING; /* a footing is found anew */
+    if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, places);
     dem__add_fields(g, "contact.wrench", contacts->wrench, 9);
     if (w->engine->ledger.on) {
         dem__add_fields(g, "contact.elastic", &contacts->elastic, 1);
@@ -15539,7 +15663,7 @@ static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, d
     convex->shape = (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
     if (!convex->shape) return DEM_OUT_OF_MEMORY;
     memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
-    convex->shapes = (int)n, convex->room = &dem__polyhedra;
+    convex->shapes = (int)n, convex->calls = &dem__polyhedra;
     w->engine->walls.touch_keepers++;
     g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
     if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
@@ -15662,7 +15786,7 @@ static inline void dem__derive_loaded(dem_world *w) {
     int32_t *first = w->engine->walls.first_contact;
     w->engine->run.needs_lists = w->engine->run.keeps_wrenches = 1;
     w->engine->bodies.loads_on |= w->engine->bodies.has_fixed;
-    dem__set_stride(w);
+    dem__set_link_steps(w);
     dem__find_links(w);
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
@@ -15670,7 +15794,8 @@ static inline void dem__derive_loaded(dem_world *w) {
         dem__activate(w, i);
         if (j >= 0) dem__activate(w, j);
         else contacts->wall_next[c] = first[i], first[i] = (int32_t)c;
-        if (j < 0 && w->engine->convex.shapes > 0 && !dem__shape_of(w, i)) contacts->touch[7][c] = 0.0; /* no footing is trusted */
+        if (j < 0 && w->engine->convex.shapes > 0 && !dem__shape_of(w, i))
+            contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing is trusted */
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__set_inverse_mass(w, i);

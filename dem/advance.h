@@ -33,7 +33,7 @@ static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t e
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
     const int books = w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
-    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, w->engine->bodies.rigid ? w->engine->bodies.room->advance : dem__advance_range,
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range,
                   &h); /* n / 4: little work for each particle */
 }
 
@@ -145,8 +145,8 @@ static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         dem__rigid *r = dem__rigid_of(w, i);
         if (!r || r->first != i || w->touching[i] > 0) continue;
-        w->engine->bodies.room->place(w, r); /* the torque needs the arms that this sets */
-        w->engine->bodies.room->fall(w, r);
+        w->engine->bodies.calls->place(w, r); /* the torque needs the arms that this sets */
+        w->engine->bodies.calls->fall(w, r);
     }
 }
 
@@ -159,7 +159,7 @@ static inline int dem__kick(dem_world *w, double h) {
     double all = 0.0;
     if (n == 0) return 1;
     kicked.h = h;
-    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.room->kick, &h);
+    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.calls->kick, &h);
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);
     for (int q = 0; q < parts; q++) {
         const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
@@ -192,7 +192,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
     if (dem__has_body(w, c)) {
-        w->engine->bodies.room->push(w, c, has_friction);
+        w->engine->bodies.calls->push(w, c, has_friction);
         return;
     }
     const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
@@ -241,7 +241,7 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
         const dem__chunk *in = &contacts->chunk[q];
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c] && dem__has_body(w, c)) w->engine->bodies.room->shift(w, c);
+            if (contacts->edge[c] && dem__has_body(w, c)) w->engine->bodies.calls->shift(w, c);
         }
     }
 }

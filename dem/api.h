@@ -327,7 +327,7 @@ DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k);
 /* Returns the link of particle i with j (a wall: -1 - index) at an element of it, or -1. */
 DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element);
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world);
-/* Returns contact k = 0 .. dem_contact_count-1. Hooks of laws call k a slot; for them force is not set. */
+/* Returns contact k = 0 .. dem_contact_count-1. Hooks of laws get k as a number; for them force is not set. */
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k);
 /* Sets the law's states of contact k. state: [law->states]. For hooks of laws, and between runs. */
 DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state);

@@ -7,7 +7,7 @@
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
-        w->engine->bodies.room->set_origin(w, r);
+        w->engine->bodies.calls->set_origin(w, r);
         return;
     }
     const double tau = dem__now(w, i);
@@ -81,7 +81,7 @@ static inline void dem__restart(dem_world *w, ptrdiff_t i) {
     dem__book_field_work(w, -dem__motion_energy(w, i));
     if (r) {
         r->v = dem__add(r->v, error);
-        w->engine->bodies.room->place(w, r);
+        w->engine->bodies.calls->place(w, r);
     } else w->particle[i].v = dem__add(w->particle[i].v, error);
     dem__book_field_work(w, dem__motion_energy(w, i));
 }
@@ -98,7 +98,7 @@ DEM_INLINE dem_vec dem__nearest_image(const dem_world *w, dem_vec d) {
 }
 
 /* Returns the number of steps between two evaluations of the links, also for a loaded world without their law. */
-DEM_INLINE int dem__link_stride(const dem_world *w) {
+DEM_INLINE int dem__steps_of_links(const dem_world *w) {
     const double n = floor(w->engine->links.interval / w->engine->run.dt);
     return n < 1.0 ? 1 : n > 1000.0 ? 1000 : (int)n;
 }
@@ -162,7 +162,7 @@ static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
-        bodies->room->fall(w, r);
+        bodies->calls->fall(w, r);
         return;
     }
     if (dem__is_fixed(w, i)) {
@@ -244,11 +244,11 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
 }
 
 /* Sets the number of steps between two evaluations of the links, and the step of the last one as it would have been with it. */
-static inline void dem__set_stride(dem_world *w) {
+static inline void dem__set_link_steps(dem_world *w) {
     dem__links *links = &w->engine->links;
     if (!links->on) return;
-    if (links->law) links->stride = dem__link_stride(w);
-    links->evaluated_step = w->step - w->step % dem__link_stride(w);
+    if (links->law) links->every = dem__steps_of_links(w);
+    links->evaluated_step = w->step - w->step % dem__steps_of_links(w);
 }
 
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
@@ -262,7 +262,7 @@ DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     w->engine->run.start_time = w->time;
     w->engine->run.start_step = w->step;
     w->def.dt = w->engine->run.dt = dt;
-    dem__set_stride(w);
+    dem__set_link_steps(w);
     dem__resume_link_work(w, dem__all_particles(w));
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
@@ -286,7 +286,7 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
             const dem_vec x = r ? r->x : w->particle[i].x;
             const double raised =
                 w->alive[i] && (!r || r->first == i) && !dem__is_fixed(w, i) ? -w->particle[i].mass * dem__dot(change, x) : 0.0;
-            w->engine->ledger.sums.added += raised, w->engine->ledger.sums.added_potential += raised;
+            dem__book_gravity(w, raised);
         }
     }
     w->def.gravity = gravity;
@@ -348,7 +348,7 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     dem__book_motion(w, -dem__motion_energy(w, i));
     w->particle[i].v = dem__flushed_vec(velocity);
     w->particle[i].spin = dem__flushed_vec(spin);
-    if (r) w->engine->bodies.room->set_motion(w, r, dem__flushed_vec(velocity), dem__flushed_vec(spin));
+    if (r) w->engine->bodies.calls->set_motion(w, r, dem__flushed_vec(velocity), dem__flushed_vec(spin));
     dem__book_motion(w, dem__motion_energy(w, i));
     dem__resume_link_work(w, dem__pieces_of(w, i));
     w->engine->run.needs_lists = 1;
@@ -379,7 +379,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
         load[a] = !w->engine->links.is_loaded[i] ? wanted[a] : load[a] + change;
         external[a] = wanted[a];
     }
-    if (r) w->engine->bodies.room->place(w, r);
+    if (r) w->engine->bodies.calls->place(w, r);
     if (!w->touching[i]) dem__free_acceleration(w, i);
     dem__resume_link_work(w, dem__pieces_of(w, i));
     dem__wake(w, i); /* a loaded particle is not in free flight */

@@ -116,7 +116,7 @@ static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     const dem_wall *wall = &w->wall[-1 - contacts->j[c]];
     const dem_particle *p = &w->particle[contacts->i[c]];
     dem__touch touch;
-    if (wall->kind == DEM_CONE) return contacts->touch[0][c];
+    if (wall->kind == DEM_CONE) return contacts->touch[DEM__CONE_CURVATURE][c];
     dem__touch_element(wall, p->x, p->radius, contacts->element[c], &touch);
     return touch.curvature;
 }
@@ -149,7 +149,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         b.mass = w->particle[i].mass;
         b.inertia = inertia;
     }
-    if (dem__is_convex_contact(w, c)) w->engine->convex.room->prepare(w, c, &b);
+    if (dem__is_convex_contact(w, c)) w->engine->convex.calls->prepare(w, c, &b);
     else if (j < 0) b.curvature = dem__curvature_at(w, c);
     b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j] : &w->def.pair[b.material_j][b.material_i];
     b.user = w->user;

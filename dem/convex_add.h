@@ -1,11 +1,11 @@
 /* ------------------------------------------------------------------------------------- >>convex_add */
-/* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them (dem__convex_room). Reads shapes;
+/* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them (dem__convex_calls). Reads shapes;
    writes the world through dem__add_body.
    May be changed here alone: what is refused. */
 
-static const dem__convex_room dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
-                                                dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
-                                                dem__leave_convex_edges};
+static const dem__convex_calls dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
+                                                 dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
+                                                 dem__leave_convex_edges};
 
 /* Returns whether the tables of a shape agree with each other, and its numbers are such as the code relies on. */
 static inline int dem__is_sound_shape(const dem_convex *c) {
@@ -35,13 +35,13 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
     dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
     if (!fresh) return -(int)DEM_OUT_OF_MEMORY;
-    convex->shape = fresh, convex->room = &dem__polyhedra;
+    convex->shape = fresh, convex->calls = &dem__polyhedra;
     convex->shape[convex->shapes++] = *shape;
     if (convex->shapes > 1) return convex->shapes - 1;
     dem__bodies *bodies = &w->engine->bodies;
     if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + 1)) return 0;
     dem__release(a, convex->shape, size);
-    convex->shape = NULL, convex->shapes = 0, convex->room = NULL;
+    convex->shape = NULL, convex->shapes = 0, convex->calls = NULL;
     return -(int)DEM_OUT_OF_MEMORY;
 }
 

@@ -29,12 +29,12 @@ DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
 /* Returns how fast particle i turns about the centre of its clump, at most [m/s]. */
 DEM_INLINE double dem__swing_of(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
-    return r ? w->engine->bodies.room->swing(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
+    return r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
 }
 /* Returns how fast the surface of particle i, or a clump's sphere, moves relative to the centre of its body, at most [m/s]. */
 DEM_INLINE double dem__stir_of(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
-    return s ? w->engine->bodies.room->swing(dem__rigid_of(w, i), s->reach) : dem__swing_of(w, i);
+    return s ? w->engine->bodies.calls->swing(dem__rigid_of(w, i), s->reach) : dem__swing_of(w, i);
 }
 /* Returns the time from the origin step of particle i to a step [s]. */
 DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step) {
@@ -130,7 +130,7 @@ static inline void dem__rest_from_wall(const dem_world *w, dem__convex_pair *p, 
     const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
     const dem_vec v = dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)), a = dem__centre_pull(w, p->i);
     const dem__approach q = dem__approach_to(w, wall, x, v, a);
-    const double stir = reach > 0.0 ? w->engine->bodies.room->swing(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound : 0.0;
+    const double stir = reach > 0.0 ? w->engine->bodies.calls->swing(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound : 0.0;
     const double touch = dem__time_to_cover(gap - slack, q.speed + stir, q.pull),
                  cross = dem__time_to_cover(crossing - slack, dem__length(v), dem__length(a));
     const int steps = dem__steps_until(w, cross < touch ? cross : touch);

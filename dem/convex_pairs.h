@@ -190,8 +190,9 @@ static inline int dem__find_convex_points(dem_world *w, int64_t step) {
 
 DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
     double *const *place = w->engine->contacts.touch;
-    place[0][c] = p->normal.x, place[1][c] = p->normal.y, place[2][c] = p->normal.z, place[3][c] = p->gap;
-    place[4][c] = p->at.x, place[5][c] = p->at.y, place[6][c] = p->at.z, place[7][c] = p->weight;
+    dem__set_place_vec(w, DEM__PLACE_NORMAL, c, p->normal);
+    dem__set_place_vec(w, DEM__PLACE_ARM, c, p->at);
+    place[DEM__PLACE_GAP][c] = p->gap, place[DEM__PLACE_WEIGHT][c] = p->weight;
 }
 
 /* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall, which the contact
@@ -207,8 +208,8 @@ static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__co
                            dem__element_of_key(wall, p->key), &touch);
     }
     dem__set_place(w, c, p);
-    contacts->touch[8][c] = touch.curvature;
-    for (int a = 0; a < 3; a++) contacts->touch[9 + a][c] = contacts->touch[a][c];
+    contacts->touch[DEM__PLACE_CURVATURE][c] = touch.curvature;
+    dem__set_place_vec(w, DEM__PLACE_BEFORE, c, p->normal);
 }
 
 /* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap above 0, and so
@@ -218,15 +219,15 @@ static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t e
     (void)part, (void)context;
     for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
         for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
-            if (contacts->near[c] > -2) continue;
+            if (!dem__is_convex_contact(w, c)) continue;
             const dem__convex_pair *p = &w->engine->convex.pair[-2 - contacts->near[c]];
             dem__convex_point *point = w->engine->convex.point + p->first, *stop = point + p->count;
-            for (int a = 0; a < 3; a++) contacts->touch[9 + a][c] = contacts->touch[a][c];
+            dem__set_place_vec(w, DEM__PLACE_BEFORE, c, dem__place_normal(w, c));
             while (point < stop && point->key != contacts->element[c]) point++;
             if (point < stop) {
                 dem__set_place(w, c, point);
                 point->taken = 1;
-            } else contacts->touch[3][c] = w->particle[p->i].radius;
+            } else contacts->touch[DEM__PLACE_GAP][c] = w->particle[p->i].radius;
         }
     }
 }

@@ -27,12 +27,10 @@ DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, i
 /* Fills row k of a polyhedron's contact with another body or a wall. */
 static inline void dem__fill_convex_row(const dem_world *w, dem__rows *b, const dem__type_rows *t, int k, ptrdiff_t c, double half,
                                         dem__wall_row *at) {
-    double *const *place = w->engine->contacts.touch;
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    const dem_vec n = dem__place_normal(w, c), arm = dem__place_arm(w, c);
-    const dem_vec before = dem_vec3(place[9][c], place[10][c], place[11][c]);
+    const dem_vec n = dem__place_normal(w, c), arm = dem__place_arm(w, c), before = dem__place_before(w, c);
     dem_vec v, a, other_v, other_a, spin;
-    b->nx[k] = n.x, b->ny[k] = n.y, b->nz[k] = n.z, b->gap[k] = place[3][c];
+    b->nx[k] = n.x, b->ny[k] = n.y, b->nz[k] = n.z, b->gap[k] = w->engine->contacts.touch[DEM__PLACE_GAP][c];
     b->inverse[k] = 1.0 / (t->sum[k] + b->gap[k]);
     dem__point_motion(w, i, arm, half, &v, &a);
     if (j >= 0) {
@@ -70,7 +68,7 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
     for (int k = 0; k < n; k++) {
         const ptrdiff_t c = base + k;
         if (!dem__is_convex_contact(w, c)) continue;
-        const double weight = contacts->touch[7][c];
+        const double weight = contacts->touch[DEM__PLACE_WEIGHT][c];
         const dem_vec arm = dem__place_arm(w, c), other = dem__other_arm(b, t, k, arm);
         for (int a = 0; a < 9; a++) out[a][k] *= weight;
         const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f), on_j = dem__cross(other, f);
@@ -103,5 +101,5 @@ static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birt
     b->radius_i = dem__touching_radius(w, i);
     b->mass = 1.0 / (per_i + (j >= 0 && !dem__is_fixed(w, j) ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
     if (j >= 0) b->radius_j = dem__touching_radius(w, j);
-    else b->curvature = w->engine->contacts.touch[8][c];
+    else b->curvature = w->engine->contacts.touch[DEM__PLACE_CURVATURE][c];
 }

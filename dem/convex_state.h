@@ -39,7 +39,7 @@ struct dem__type_rows;
 struct dem__wall_row;
 struct dem__columns;
 struct dem__chunk;
-typedef struct dem__convex_room {
+typedef struct dem__convex_calls {
     int (*list_pairs)(dem_world *w);                                /* lists pairs for a new list of near pairs; 0: out of memory */
     void (*follow)(dem_world *w, int64_t step);                     /* finds points of contact at a step; moves and begins contacts */
     void (*prepare)(const dem_world *w, ptrdiff_t c, dem_birth *b); /* sets sizes and mass of the contact in slot c */
@@ -51,11 +51,11 @@ typedef struct dem__convex_room {
     dem_status (*add)(dem_world *w, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
                       int group);                                                     /* adds polyhedra: dem_add_convex, for feeds */
     void (*leave_edges)(dem_world *w, const struct dem__chunk *in, ptrdiff_t marked); /* excludes polyhedra from edge steps */
-} dem__convex_room;
+} dem__convex_calls;
 
-/* Polyhedra. Written by convex_pairs.h and load.h. Without any all of it is zero. */
+/* Polyhedra. convex_add.h adds shapes, convex_pairs.h lists pairs and finds their points. Without any shape all of it is zero. */
 typedef struct dem__convex_state {
-    const dem__convex_room *room; /* NULL without shapes */
+    const dem__convex_calls *calls; /* NULL without shapes */
     dem_convex *shape;
     int shapes;
     int32_t *shape_of;      /* of a particle: its shape's number + 1, or 0 for a sphere; NULL without shapes */

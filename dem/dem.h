@@ -117,6 +117,7 @@
 #include "filling.h"
 #include "emptying.h"
 #include "measure.h"
+#include "mixing.h"
 #include "records.h"
 #include "convex_save.h"
 #include "saved.h"

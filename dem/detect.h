@@ -112,42 +112,50 @@ DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     return 1;
 }
 
+/* Returns whether the contact in slot c is one of a polyhedron. The functions after it read and write what a contact keeps of the place
+   where it touches: see DEM__PLACE_NORMAL in engine.h. first: the first of three numbers. */
+DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
+DEM_INLINE dem_vec dem__place_vec(const dem_world *w, int first, ptrdiff_t c) {
+    double *const *place = &w->engine->contacts.touch[first];
+    return dem_vec3(place[0][c], place[1][c], place[2][c]);
+}
+DEM_INLINE void dem__set_place_vec(dem_world *w, int first, ptrdiff_t c, dem_vec v) {
+    double *const *place = &w->engine->contacts.touch[first];
+    place[0][c] = v.x, place[1][c] = v.y, place[2][c] = v.z;
+}
+DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_NORMAL, c); }
+DEM_INLINE dem_vec dem__place_before(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_BEFORE, c); }
+DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_ARM, c); }
+DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
+    double *const *place = w->engine->contacts.touch;
+    dem__footing f;
+    f.at = dem__place_vec(w, DEM__PLACE_FOOTING, c);
+    f.slack = place[DEM__PLACE_SLACK][c], f.face = (int32_t)place[DEM__PLACE_FACE][c];
+    return f;
+}
+DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *f) {
+    double *const *place = w->engine->contacts.touch;
+    dem__set_place_vec(w, DEM__PLACE_FOOTING, c, f->at);
+    place[DEM__PLACE_SLACK][c] = f->slack, place[DEM__PLACE_FACE][c] = (double)f->face;
+}
+/* Moves the contact in slot c to a place of its mesh. */
+DEM_INLINE void dem__set_touch(dem_world *w, ptrdiff_t c, const dem__touch *touch) {
+    dem__set_place_vec(w, DEM__PLACE_NORMAL, c, touch->normal);
+    w->engine->contacts.touch[DEM__PLACE_GAP][c] = touch->gap;
+}
+
 /* Begins a contact with a wall. A cone is touched from both sides and at its rims: a contact keeps the curvature with which it began.
    Returns 0 when out of memory. */
 static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!dem__new_contact(w, i, -1 - wall, element, -1)) return 0;
     const ptrdiff_t c = dem__next_slot(w) - 1;
-    if (w->wall[wall].kind == DEM_CONE) contacts->touch[0][c] = touch->curvature;
+    if (w->wall[wall].kind == DEM_CONE) contacts->touch[DEM__CONE_CURVATURE][c] = touch->curvature;
     if (w->wall[wall].kind != DEM_MESH) return 1;
-    contacts->touch[0][c] = touch->normal.x, contacts->touch[1][c] = touch->normal.y, contacts->touch[2][c] = touch->normal.z;
-    contacts->touch[3][c] = touch->gap;
-    contacts->touch[7][c] = 0.0; /* no footing yet */
-    contacts->touch[9][c] = touch->normal.x, contacts->touch[10][c] = touch->normal.y, contacts->touch[11][c] = touch->normal.z;
+    dem__set_touch(w, c, touch);
+    contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing yet */
+    dem__set_place_vec(w, DEM__PLACE_BEFORE, c, touch->normal);
     return 1;
-}
-
-/* Returns whether the contact in slot c is one of a polyhedron. The next two functions return its normal, and the vector from the centre of
-   i to that of the sphere that touches for it. */
-DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
-DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    return dem_vec3(place[0][c], place[1][c], place[2][c]);
-}
-DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    return dem_vec3(place[4][c], place[5][c], place[6][c]);
-}
-
-DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    dem__footing f;
-    f.at = dem_vec3(place[4][c], place[5][c], place[6][c]), f.slack = place[7][c], f.face = (int32_t)place[8][c];
-    return f;
-}
-DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *f) {
-    double *const *place = w->engine->contacts.touch;
-    place[4][c] = f->at.x, place[5][c] = f->at.y, place[6][c] = f->at.z, place[7][c] = f->slack, place[8][c] = (double)f->face;
 }
 
 /* Lists the contacts of particle i with wall k in the order of elements. Returns their number, at most DEM__NUMBERS. */
@@ -163,90 +171,111 @@ DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t 
     return n;
 }
 
-/* Moves the contacts of particle i with mesh k to a step to which the wall has been moved. Each continues at the deepest place whose normal
-   is near its own, or ends. bear: whether contacts begin at the remaining places. Returns whether places are left. */
-static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step, int bear) {
+/* Where particle i touches mesh k. */
+typedef struct dem__mesh_places {
+    dem__touch touch[DEM__TOUCHES];
+    int n, taken, used; /* number of places; bits: places that have a contact, elements of the contacts */
+} dem__mesh_places;
+
+/* Moves the contacts of particle i with mesh k, in the listed slots, to a step to which the wall has been moved. Each continues at the
+   deepest place whose normal is near its own, or ends. Returns the places; none if the only contact rests on its footing. */
+static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step, dem__mesh_places *at) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem_wall *wall = &w->wall[k];
     const double tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
     const dem_vec x = dem__at(w, i, tau), d = dem__sub(x, wall->position);
     const double speed = dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
-    double **place = contacts->touch, least;
-    dem__touch touch[DEM__TOUCHES];
-    int n, taken = 0, used = 0, left = 0;
     const double radius = w->particle[i].radius, near = w->engine->links.near,
                  leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact opens in a step */
         deep = leaves > near ? leaves : near;
     dem__footing footing = dem__footing_of(w, slot[0]);
-    for (int m = 0; m < slots && !bear; m++) { /* with `bear` this has been done in this step */
-        for (int a = 0; a < 3; a++) place[9 + a][slot[m]] = place[a][slot[m]];
+    double least;
+    at->n = at->taken = at->used = 0;
+    if (slots == 1 && dem__keeps_footing(wall, &footing, d, radius, deep, at->touch)) {
+        dem__set_touch(w, slot[0], at->touch);
+        return;
     }
-    if (slots == 1 && dem__keeps_footing(wall, &footing, d, radius, deep, touch)) {
-        const int32_t c = slot[0];
-        place[0][c] = touch->normal.x, place[1][c] = touch->normal.y, place[2][c] = touch->normal.z, place[3][c] = touch->gap;
-        return 0;
-    }
-    n = dem__touch_mesh(wall, d, radius, deep, radius, touch, &least);
+    at->n = dem__touch_mesh(wall, d, radius, deep, radius, at->touch, &least);
     for (int m = 0; m < slots; m++) {
         const int32_t c = slot[m];
         int q = 0;
-        used |= 1 << contacts->element[c];
-        while (q < n &&
-               ((taken >> q & 1) ||
-                !(touch[q].normal.x * place[0][c] + touch[q].normal.y * place[1][c] + touch[q].normal.z * place[2][c] > DEM__SMOOTH)))
-            q++;
-        if (q == n) { /* merged with another: it ends without a force, whatever its depth */
-            place[3][c] = w->particle[i].radius;
+        at->used |= 1 << contacts->element[c];
+        while (q < at->n && ((at->taken >> q & 1) || !(dem__dot(at->touch[q].normal, dem__place_normal(w, c)) > DEM__SMOOTH))) q++;
+        if (q == at->n) { /* merged with another: it ends without a force, whatever its depth */
+            contacts->touch[DEM__PLACE_GAP][c] = w->particle[i].radius;
             contacts->force[c] = 0.0;
             continue;
         }
-        taken |= 1 << q;
-        place[0][c] = touch[q].normal.x, place[1][c] = touch[q].normal.y, place[2][c] = touch[q].normal.z;
-        place[3][c] = touch[q].gap;
+        at->taken |= 1 << q;
+        dem__set_touch(w, c, &at->touch[q]);
     }
     footing.slack = 0.0;
-    if (slots == 1 && n == 1 && taken) footing = dem__find_footing(wall, d, radius, touch);
+    if (slots == 1 && at->n == 1 && at->taken) footing = dem__find_footing(wall, d, radius, at->touch);
     for (int m = 0; m < slots; m++) dem__set_footing(w, slot[m], &footing);
-    for (int q = 0; q < n; q++) {
-        int32_t free_number = 0;
-        if ((taken >> q & 1) || !(touch[q].gap < 0.0)) continue;
-        left = 1;
-        while (used >> free_number & 1) free_number++;
-        if (free_number == DEM__NUMBERS) break;
-        used |= 1 << free_number;
-        if (bear && !dem__new_wall_contact(w, i, k, &touch[q], free_number)) break;
+}
+
+/* Returns whether place q touches and has no contact. */
+DEM_INLINE int dem__is_place_left(const dem__mesh_places *at, int q) { return !(at->taken >> q & 1) && at->touch[q].gap < 0.0; }
+static inline int dem__are_places_left(const dem__mesh_places *at) {
+    for (int q = 0; q < at->n; q++) {
+        if (dem__is_place_left(at, q)) return 1;
     }
-    return left;
+    return 0;
 }
 
-/* Moves a particle's contacts with a mesh if slot c holds the first of them; otherwise does nothing. Returns whether places for new
-   contacts are left. */
-static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int bear) {
-    const ptrdiff_t i = w->engine->contacts.i[c];
+/* Begins contacts of particle i with mesh k at the places that are left, as long as there are free elements. */
+static inline void dem__begin_at_places(dem_world *w, ptrdiff_t i, int k, dem__mesh_places *at) {
+    for (int q = 0; q < at->n; q++) {
+        int32_t element = 0;
+        if (!dem__is_place_left(at, q)) continue;
+        while (at->used >> element & 1) element++;
+        if (element == DEM__NUMBERS) return;
+        at->used |= 1 << element;
+        if (!dem__new_wall_contact(w, i, k, &at->touch[q], element)) return;
+    }
+}
+
+/* Lists the contacts of a particle with a mesh if slot c holds the first of them. Returns their number, otherwise 0. */
+static inline int dem__contacts_at_mesh(const dem_world *w, ptrdiff_t c, int32_t *slot) {
     const int k = -1 - (int)w->engine->contacts.j[c];
-    int32_t slot[DEM__NUMBERS];
-    if (k < 0 || w->wall[k].kind != DEM_MESH || w->engine->contacts.near[c] < -1) return 0; /* those of a polyhedron follow its points */
-    const int slots = dem__contacts_at(w, i, k, slot);
-    return slot[0] == c ? dem__follow_mesh(w, i, k, slot, slots, step, bear) : 0;
+    if (k < 0 || w->wall[k].kind != DEM_MESH || dem__is_convex_contact(w, c)) return 0; /* those of a polyhedron follow its points */
+    const int slots = dem__contacts_at(w, w->engine->contacts.i[c], k, slot);
+    return slot[0] == c ? slots : 0;
 }
 
+/* Moves the contacts of chunks first .. end-1. Notes in contacts.edge, which is free before the kernel, where places are left: contacts
+   begin on one thread. */
 static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
     dem__contacts *contacts = &w->engine->contacts;
     (void)part;
     for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
         for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
-            contacts->edge[c] = (uint8_t)dem__follow_slot(w, c, *(const int64_t *)step, 0);
+            int32_t slot[DEM__NUMBERS];
+            dem__mesh_places at;
+            const int slots = dem__contacts_at_mesh(w, c, slot);
+            contacts->edge[c] = 0;
+            if (slots == 0) continue;
+            for (int m = 0; m < slots; m++) dem__set_place_vec(w, DEM__PLACE_BEFORE, slot[m], dem__place_normal(w, slot[m]));
+            dem__match_places(w, contacts->i[c], -1 - (int)contacts->j[c], slot, slots, *(const int64_t *)step, &at);
+            contacts->edge[c] = (uint8_t)dem__are_places_left(&at);
         }
     }
 }
 
-/* Moves contacts with meshes to a step to which the walls have been moved. */
+/* Moves contacts with meshes to a step to which the walls have been moved, and begins those at other places of meshes that particles touch
+   already. */
 static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t end = dem__next_slot(w);
     dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count, dem__find_followers, &step);
     DEM__EACH_CONTACT(w, c) {
-        if (c < end && contacts->edge[c] && w->status == DEM_OK) dem__follow_slot(w, c, step, 1);
+        int32_t slot[DEM__NUMBERS];
+        dem__mesh_places at;
+        if (c >= end || !contacts->edge[c] || w->status != DEM_OK) continue;
+        const ptrdiff_t i = contacts->i[c];
+        const int k = -1 - (int)contacts->j[c], slots = dem__contacts_at_mesh(w, c, slot);
+        dem__match_places(w, i, k, slot, slots, step, &at);
+        dem__begin_at_places(w, i, k, &at);
     }
 }
 
@@ -268,30 +297,6 @@ static inline double dem__other_bars(const dem_world *w, const dem_wall *wall, d
     return third < w->engine->pairs.wall_reach ? third : w->engine->pairs.wall_reach;
 }
 
-/* Returns a time [s] before which particle i cannot touch a wall, from its velocity and the tolerance of its bound; 0 if none is known.
-   Near a wall it is longer than the time from speeds alone, but it holds for this bound only. A plane, a bar and a cylinder from outside
-   are convex, so that a gap cannot shrink faster than along its normal. */
-static inline double dem__time_to_wall(const dem_world *w, ptrdiff_t i, const dem_wall *wall, dem_vec v, int k, const dem__touch *touch,
-                                       int found, double others) {
-    const double stray = 2.0 * w->engine->bodies.bound[i].tolerance, near = w->engine->links.near + w->engine->pairs.position_tolerance,
-                 radius = w->particle[i].radius;
-    const dem_vec u = dem__sub(v, wall->velocity), g = dem__free_fall(w);
-    double a = w->engine->pairs.gravity_size + wall->acceleration_bound, least = HUGE_VAL;
-    if (found == 0 || wall->asked.drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
-    if (wall->kind == DEM_SCREEN) least = dem__time_to_close(others - near, dem__length(u) + stray, a);
-    if (wall->kind == DEM_CYLINDER) {
-        const double along = dem__dot(g, wall->axis[2]), from_axis = wall->radius - radius - touch->gap;
-        a = sqrt(fabs(dem__dot(g, g) - along * along)) + wall->side_bound;
-        if (wall->inside) a += dem__bend(wall, u, from_axis);
-    }
-    for (int q = 0; q < found; q++) {
-        if (wall->kind != DEM_EXIT && dem__touches_element(w, i, k, touch[q].element)) continue;
-        const double t = dem__time_to_close(touch[q].gap - near, stray - dem__dot(u, touch[q].normal), a);
-        least = t < least ? t : least;
-    }
-    return least;
-}
-
 /* Returns how far x is from a face of the periodic box beyond which the wall does not continue [m]: walls are not repeated. */
 static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wall, dem_vec x) {
     double least = HUGE_VAL;
@@ -307,60 +312,113 @@ static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wal
     return least;
 }
 
-/* Tests the particle and the wall of timer e, at a step to which the wall has been moved: begins contacts, or sets the timer. */
-static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
-    const dem__run *run = &w->engine->run;
-    dem__bodies *bodies = &w->engine->bodies;
-    const dem__pairs *pairs = &w->engine->pairs;
-    const dem__links *links = &w->engine->links;
-    const ptrdiff_t i = e / w->walls;
-    const int k = (int)(e % w->walls);
-    int found, touches = 0;
-    dem_wall *wall = &w->wall[k];
-    w->looks++;
-    if (!w->alive[i] || !dem__is_at_wall(w, i, k)) return;
-    double tau = (double)(step - w->particle[i].origin) * run->dt, least, others = pairs->wall_reach;
-    dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
-    if (run->has_periodic) x = dem__in_box(w, x); /* where the step will put it: bars are told apart by their place */
+/* A test of particle i with wall k. */
+typedef struct dem__wall_test {
+    ptrdiff_t i;
+    int k;
+    dem_wall *wall;
+    dem_vec x, v;  /* of the particle at the step of the test */
+    double clear;  /* lower limit of the gaps where there is no contact [m] */
+    double others; /* the same of what is not among the places found */
+    int found;
     dem__touch touch[DEM__TOUCHES];
-    found = dem__touch_wall(wall, x, w->particle[i].radius, w->def.skip & DEM_SKIP_SPACE ? pairs->wall_reach : links->near, touch, &least);
-    if (wall->kind == DEM_EXIT) {
-        const dem__rigid *r = dem__rigid_of(w, i);
-        if (least < 0.0) {
-            if (!r || dem__has_passed(wall, dem__in_box(w, dem__posture_at(w, r, tau).x))) dem__pass_exit(w, i, k);
-            else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
-            return;
-        }
-    } else if (found > 0) {
-        if (wall->kind == DEM_SCREEN) others = dem__other_bars(w, wall, w->particle[i].radius, touch, found);
-        least = others;
-        for (int q = 0; q < found; q++) {
-            if (dem__touches_element(w, i, k, touch[q].element)) continue;
-            const int linked = touch[q].gap < links->near && dem__link_of(w, i, -1 - k, touch[q].element) >= 0;
-            if (touch[q].gap < (linked ? links->near : 0.0)) {
-                if (!dem__new_wall_contact(w, i, k, &touch[q], touch[q].element)) return;
-                touches = 1;
-            } else least = touch[q].gap - links->near < least ? touch[q].gap - links->near : least;
-        }
-        if (touches && wall->kind != DEM_SCREEN) return;
+} dem__wall_test;
+
+/* Returns a time [s] before which the particle cannot touch the wall, from its velocity and the tolerance of its bound; 0 if none is known.
+   Near a wall it is longer than the time from speeds alone, but it holds for this bound only. A plane, a bar and a cylinder from outside
+   are convex, so that a gap cannot shrink faster than along its normal. */
+static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test *t) {
+    const dem_wall *wall = t->wall;
+    const double stray = 2.0 * w->engine->bodies.bound[t->i].tolerance, near = w->engine->links.near + w->engine->pairs.position_tolerance,
+                 radius = w->particle[t->i].radius;
+    const dem_vec u = dem__sub(t->v, wall->velocity), g = dem__free_fall(w);
+    double a = w->engine->pairs.gravity_size + wall->acceleration_bound, least = HUGE_VAL;
+    if (t->found == 0 || wall->asked.drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
+    if (wall->kind == DEM_SCREEN) least = dem__time_to_close(t->others - near, dem__length(u) + stray, a);
+    if (wall->kind == DEM_CYLINDER) {
+        const double along = dem__dot(g, wall->axis[2]), from_axis = wall->radius - radius - t->touch->gap;
+        a = sqrt(fabs(dem__dot(g, g) - along * along)) + wall->side_bound;
+        if (wall->inside) a += dem__bend(wall, u, from_axis);
     }
-    if (!(w->def.skip & DEM_SKIP_SPACE)) return;
-    const double crossing = run->has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
-    least = crossing < least ? crossing : least;
-    double speed = dem__length(v) + 2.0 * bodies->bound[i].tolerance;
-    if (speed < 0.5 * bodies->wall_speed[i]) bodies->wall_speed[i] = 1.25 * speed;
-    speed = (speed > bodies->wall_speed[i] ? speed : bodies->wall_speed[i]) + wall->speed_bound;
-    int most = DEM__STEPS_MAX;
-    if (wall->spin_bound > 0.0) { /* the surface is faster further out, where the particle may be at the next test */
-        const double turn = DEM__RETEST_STEPS * run->dt, out = turn * (speed + turn * pairs->gravity_size);
-        speed += wall->spin_bound * (dem__arm(wall, x) + out);
-        most = DEM__RETEST_STEPS;
+    for (int q = 0; q < t->found; q++) {
+        if (wall->kind != DEM_EXIT && dem__touches_element(w, t->i, t->k, t->touch[q].element)) continue;
+        const double time = dem__time_to_close(t->touch[q].gap - near, stray - dem__dot(u, t->touch[q].normal), a);
+        least = time < least ? time : least;
     }
-    const int sure = dem__steps_until(w, dem__time_to_cover(least - pairs->position_tolerance, speed, pairs->gravity_size)),
+    return least;
+}
+
+/* Lets a particle beyond an exit leave. A rigid body whose centre is not beyond it is tested again in the next step. */
+static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t e, int64_t step) {
+    const dem__rigid *r = dem__rigid_of(w, t->i);
+    const double tau = (double)(step - w->particle[t->i].origin) * w->engine->run.dt;
+    if (!r || dem__has_passed(t->wall, dem__in_box(w, dem__posture_at(w, r, tau).x))) dem__pass_exit(w, t->i, t->k);
+    else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
+}
+
+/* Begins contacts at the places found, and sets what is clear of them. Returns 0 if the wall needs no other test: it is touched at its only
+   place, or memory ran out. */
+static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
+    const double near = w->engine->links.near;
+    int touches = 0;
+    if (t->wall->kind == DEM_SCREEN) t->others = dem__other_bars(w, t->wall, w->particle[t->i].radius, t->touch, t->found);
+    t->clear = t->others;
+    for (int q = 0; q < t->found; q++) {
+        const dem__touch *place = &t->touch[q];
+        if (dem__touches_element(w, t->i, t->k, place->element)) continue;
+        const int linked = place->gap < near && dem__link_of(w, t->i, -1 - t->k, place->element) >= 0;
+        if (place->gap < (linked ? near : 0.0)) {
+            if (!dem__new_wall_contact(w, t->i, t->k, place, place->element)) return 0;
+            touches = 1;
+        } else t->clear = place->gap - near < t->clear ? place->gap - near : t->clear;
+    }
+    return !touches || t->wall->kind == DEM_SCREEN;
+}
+
+/* Returns a limit of the speed at which particle and wall approach each other now [m/s]. most: number of steps for which it holds if
+   gravity is added. */
+static inline double dem__speed_to_wall(dem_world *w, const dem__wall_test *t, int *most) {
+    double *relied = &w->engine->bodies.wall_speed[t->i], speed = dem__length(t->v) + 2.0 * w->engine->bodies.bound[t->i].tolerance;
+    if (speed < 0.5 * *relied) *relied = 1.25 * speed;
+    speed = (speed > *relied ? speed : *relied) + t->wall->speed_bound;
+    *most = DEM__STEPS_MAX;
+    if (!(t->wall->spin_bound > 0.0)) return speed;
+    /* the surface is faster further out, where the particle may be at the next test */
+    const double turn = DEM__RETEST_STEPS * w->engine->run.dt, out = turn * (speed + turn * w->engine->pairs.gravity_size);
+    *most = DEM__RETEST_STEPS;
+    return speed + t->wall->spin_bound * (dem__arm(t->wall, t->x) + out);
+}
+
+/* Sets timer e to the next step in which the particle may touch the wall at another place. */
+static inline void dem__wait_for_wall(dem_world *w, const dem__wall_test *t, int32_t e, int64_t step) {
+    const dem__pairs *pairs = &w->engine->pairs;
+    const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, t->wall, t->x) : HUGE_VAL,
+                 way = crossing < t->clear ? crossing : t->clear;
+    int most, better = 0;
+    const double speed = dem__speed_to_wall(w, t, &most);
+    const int sure = dem__steps_until(w, dem__time_to_cover(way - pairs->position_tolerance, speed, pairs->gravity_size)),
               steps = sure < most ? sure : most;
-    int better = 0;
-    if (steps < DEM__RETEST_STEPS / 4 && crossing == HUGE_VAL)
-        better = dem__steps_until(w, dem__time_to_wall(w, i, wall, v, k, touch, found, others));
+    if (steps < DEM__RETEST_STEPS / 4 && crossing == HUGE_VAL) better = dem__steps_until(w, dem__time_to_wall(w, t));
     w->engine->walls.sure[e] = (uint32_t)(uint64_t)(step + steps);
     dem__set_timer(&w->engine->walls.timers, e, step + (better > steps ? better : steps));
+}
+
+/* Tests the particle and the wall of timer e, at a step to which the wall has been moved: begins contacts, or sets the timer. */
+static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
+    const int skips = w->def.skip & DEM_SKIP_SPACE;
+    dem__wall_test t;
+    t.i = e / w->walls, t.k = (int)(e % w->walls), t.wall = &w->wall[t.k];
+    w->looks++;
+    if (!w->alive[t.i] || !dem__is_at_wall(w, t.i, t.k)) return;
+    const double tau = (double)(step - w->particle[t.i].origin) * w->engine->run.dt, radius = w->particle[t.i].radius;
+    t.x = dem__at(w, t.i, tau), t.v = dem__velocity_at(w, t.i, tau);
+    if (w->engine->run.has_periodic) t.x = dem__in_box(w, t.x); /* where the step will put it: bars are told apart by their place */
+    t.others = w->engine->pairs.wall_reach;
+    t.found = dem__touch_wall(t.wall, t.x, radius, skips ? t.others : w->engine->links.near, t.touch, &t.clear);
+    if (t.wall->kind == DEM_EXIT && t.clear < 0.0) {
+        dem__test_exit(w, &t, e, step);
+        return;
+    }
+    if (t.wall->kind != DEM_EXIT && t.found > 0 && !dem__begin_at_wall(w, &t)) return;
+    if (skips) dem__wait_for_wall(w, &t, e, step);
 }

@@ -1,7 +1,7 @@
 /* -------------------------------------------------------------------------------------------- >>engine */
-/* The private state behind a world, in owners; each names the files that write it.
+/* The private state behind a world, in structs. Their comments say where most of it happens, not who writes each field: ask grep.
    Relies on types.h.
-   May be changed here alone: a field that only its owner's files name; saved fields are rows of saved.h, arrays rows of store.h. */
+   May be changed here alone: comments; saved fields are rows of saved.h, arrays rows of store.h. */
 
 /* Bound on a particle's motion, in the frame in free fall since the list was built. At t [s] after that, its surface lies within reach + t
    tolerance of the point x + t u. The bound holds while its velocity differs from u by less than the tolerance; then it gets a new one. One
@@ -11,7 +11,8 @@ typedef struct dem__bound {
     double ux, uy, uz, tolerance; /* [m/s] */
 } dem__bound;
 
-typedef double dem__wrench[6]; /* force [N] and torque [N m], or position [m] and spin [rad/s] */
+typedef double dem__two_vec[6];   /* two vectors, which dem__first and dem__second return */
+typedef dem__two_vec dem__wrench; /* force [N] and torque [N m] */
 
 /* Sums of forces and torques on a particle, and what turns them into accelerations. One cache line. */
 typedef struct dem__sum {
@@ -54,7 +55,21 @@ typedef struct dem__wall_force {
     dem_vec force, torque;
 } dem__wall_force;
 
-enum { DEM__PLACES = 12 }; /* numbers kept of the place where a contact touches a mesh */
+/* The numbers kept of the place where a contact touches: the arrays of contacts.touch. A sphere at a mesh, a sphere at a cone and a
+   polyhedron use them each in its own way; other contacts have none. */
+enum {
+    DEM__PLACE_NORMAL = 0,    /* mesh, polyhedron: normal of the place that it follows (3 numbers) */
+    DEM__PLACE_GAP = 3,       /* mesh, polyhedron: gap there [m] */
+    DEM__PLACE_BEFORE = 9,    /* mesh, polyhedron: the normal one step before (3) */
+    DEM__PLACE_FOOTING = 4,   /* mesh: dem__footing.at (3) */
+    DEM__PLACE_SLACK = 7,     /* mesh: dem__footing.slack [m]; 0: no footing */
+    DEM__PLACE_FACE = 8,      /* mesh: dem__footing.face */
+    DEM__PLACE_ARM = 4,       /* polyhedron: from the centre of i to that of the sphere that touches for it [m] (3) */
+    DEM__PLACE_WEIGHT = 7,    /* polyhedron: factor of the force [-] */
+    DEM__PLACE_CURVATURE = 8, /* polyhedron: curvature of the wall as the contact began [1/m] */
+    DEM__CONE_CURVATURE = 0,  /* cone: the same */
+    DEM__PLACES = 12
+};
 
 /* Two particles that may touch before the list is built anew. */
 typedef struct dem__near {
@@ -84,7 +99,7 @@ typedef struct dem__posture {
 
 /* The functions that the engine calls for rigid bodies, in the order of a step; they are in rigid.h. The first body of a world sets the
    table (dem__reserve_bodies), so that a program that adds no body and loads no world compiles none of them. */
-typedef struct dem__body_room {
+typedef struct dem__body_calls {
     dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau);         /* returns the state at tau [s] after the origin
                                                                                              step */
     void (*set_origin)(dem_world *w, dem__rigid *r);                                      /* makes the present step the origin */
@@ -105,7 +120,7 @@ typedef struct dem__body_room {
     double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);           /* estimated change of i's velocity by links
                                                                                              [m/s] */
     void (*note_strides)(dem_world *w);                                                   /* stores how far flights are integrated */
-} dem__body_room;
+} dem__body_calls;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */
 typedef struct dem__timers {
@@ -123,7 +138,7 @@ enum { DEM__NEVER = INT32_MAX - 1, DEM__STOPPED = INT32_MAX };
 /* Activity of a particle: in free flight; taking steps; taking steps, with its bound to be checked at the end of this one. */
 enum { DEM__FLYING, DEM__STEPPING, DEM__TO_CHECK };
 
-/* The run: time, the law, and work that is pending. Written by step.h; needs_* by whatever changes a world. */
+/* The run: time, the law, and work that is pending. step.h sets it for a run; whatever changes a world sets needs_*. */
 typedef struct dem__run {
     double dt, kernel_dt; /* [s]; kernel_dt is 0 where forces are found but no time passes */
     double start_time;    /* time of start_step [s] */
@@ -151,7 +166,8 @@ typedef struct dem__fixed {
     int64_t on;      /* 0: not fixed */
 } dem__fixed;
 
-/* Particles, beside the public arrays of the world. Written by body.h, bounds.h, step.h. */
+/* Particles, beside the public arrays of the world. body.h adds them, advance.h, rigid.h and flights.h move them, bounds.h
+   bounds their motion, compact.h closes gaps. */
 typedef struct dem__bodies {
     ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
@@ -171,15 +187,16 @@ typedef struct dem__bodies {
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     ptrdiff_t active_count, to_check_count;
     ptrdiff_t passed_capacity;
-    dem__rigid *rigid;          /* bodies with an orientation; NULL without any */
-    const dem__body_room *room; /* set with them */
+    dem__rigid *rigid;            /* bodies with an orientation; NULL without any */
+    const dem__body_calls *calls; /* set with them */
     ptrdiff_t rigid_count, rigid_capacity;
     int32_t *rigid_of;     /* of a particle: its body's number + 1; 0: a sphere of its own; NULL without any body */
     dem__fixed *fixed;     /* NULL unless has_fixed */
     dem_vec *offset, *arm; /* from the body's centre to the particle's [m]: along the principal axes; in the world's axes, at the origin */
 } dem__bodies;
 
-/* Walls, beside the public array. Written by walls.h, motion.h, detect.h. */
+/* Walls, beside the public array. walls.h and mesh.h add them, motion.h moves them, detect.h and bounds.h set their
+   timers. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
     int meshes, touch_keepers, controls; /* number of meshes; of walls whose contacts keep a touch (meshes, cones); whether forces drive any
@@ -190,7 +207,7 @@ typedef struct dem__wall_state {
     int32_t *first_contact; /* of a particle: its first contact with a wall; contacts.wall_next leads on */
 } dem__wall_state;
 
-/* Near pairs and the list's life. Written by pairs.h, bounds.h. */
+/* Near pairs and the list's life. margin.h chooses how long the list may last, pairs.h builds it, due.h tests the pairs. */
 typedef struct dem__pairs {
     ptrdiff_t count, due_count; /* due_count: tested in the last step */
     dem__near *near;
@@ -212,7 +229,8 @@ typedef struct dem__pairs {
 
 /* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by partners; gaps are
    filled from its end; now and then all are ordered by i, the last first. The order of slots depends only on the history of the scene,
-   never on threads. It fixes the order of every sum, and so the bits. Written by contacts.h, kernel.h, edges.h. */
+   never on threads. It fixes the order of every sum, and so the bits. detect.h and convex_pairs.h begin them, kernel.h and
+   edges.h evaluate them, contacts.h orders and ends them. */
 typedef struct dem__contacts {
     ptrdiff_t count, capacity, begun; /* begun: in this step, at the end of the last chunk */
     int chunk_count;
@@ -223,29 +241,32 @@ typedef struct dem__contacts {
     int has_history;             /* whether states can be other than zero */
     void *block;
     size_t bytes;
-    int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the pair, or -1 */
+    int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the near pair; -1: none; below -1: a contact of a polyhedron
+                                                    (dem__is_convex_contact) */
     int32_t *type;                               /* index in types; -1: constants of its own */
     int32_t *slots;                              /* a list of slots, or one in each chunk */
-    uint8_t *edge, *ended;                       /* begins or ends in this step; has ended */
+    uint8_t *edge;                               /* its edge step is to be corrected: written by the kernel for the contacts that it lists;
+                                                    free before it, when dem__follow_meshes notes meshes with places left */
+    uint8_t *ended;                              /* has ended */
     double *gap, *force;
     double *state[DEM_STATE_MAX];
-    double *touch[DEM__PLACES]; /* mesh: normal and gap of the place that it follows; footing: place, slack, face; the normal one step
-                                   before. Cone: its curvature. Polyhedron: normal, gap, place, weight; curvature of the wall */
-    double *wrench[9];          /* force on i, torques on i and j, of a run's last step */
-    dem__correction *correction;
+    double *touch[DEM__PLACES];           /* of the place where it touches: see DEM__PLACE_NORMAL; only with walls.touch_keepers */
+    double *wrench[9];                    /* force on i, torques on i and j, of a run's last step */
+    dem__correction *correction;          /* from the kernel to the end of the step; scratch memory of dem__arrange before it */
     double *elastic, *power[3], *loss[4]; /* with a ledger: power by normal, rolling, wall; loss by normal, sliding, rolling, wall */
     dem__contact_type types[DEM__TYPES_MAX];
     int type_count;
     double *mass, *predict, *sum, *part, *constant[DEM_CONSTANTS_MAX]; /* of contacts with constants of their own */
 } dem__contacts;
 
-/* Links, in the order in which they were made; each is in the lists of its two bodies. Written by contacts.h, kernel.h, step.h. */
+/* Links, in the order in which they were made; each is in the lists of its two bodies. links.h adds and steps them, kernel.h
+   evaluates them, removal.h cuts them. */
 typedef struct dem__links {
     const dem_law *law;
     dem_loop_fn loop;
     void (*step)(dem_world *w); /* takes their step; set with their law */
     double interval, near;
-    int on, stride, states;
+    int on, every, states; /* every: steps between two evaluations */
     ptrdiff_t count, capacity;
     void *block;
     size_t bytes;
@@ -253,11 +274,11 @@ typedef struct dem__links {
     double *state[DEM_STATE_MAX], *wrench[9], *gap;
     uint8_t *ended;
     int32_t *first_link, *is_loaded; /* of a particle: the first link of its list; whether its load contains forces of links */
-    dem__wrench *evaluated_at;       /* of a particle: position and spin at the last evaluation of links */
+    dem__two_vec *evaluated_at;      /* of a particle: position [m] and spin [rad/s] at the last evaluation of links */
     int64_t evaluated_step;          /* step of that evaluation */
 } dem__links;
 
-/* A force field, and the flights in it. Written by field.h. */
+/* A force field, and the flights in it. flights.h begins and ends flights, field.h computes them. */
 typedef struct dem__field {
     int on; /* a field is set; after loading its law may be missing */
     dem_force_field def;
@@ -273,7 +294,7 @@ typedef struct dem__field {
 } dem__field;
 #define DEM__NO_FLIGHT INT64_MAX
 
-/* The energy ledger. Written by ledger.h. */
+/* The energy ledger. step.h begins, pauses and resumes it; ledger.h books. */
 typedef struct dem__ledger {
     int on, started;     /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
     int counts;          /* whether the last run had DEM_ENERGY */
@@ -288,10 +309,10 @@ typedef struct dem__scratch {
     int works;
     void *work_block;
     size_t work_bytes;
-    int32_t *index; /* one for each particle */
+    int32_t *index; /* one for each particle; no value outlives the function that fills it and those that it calls */
 } dem__scratch;
 
-/* Whether OpenMP's threads save time. Written by parallel.h; no result depends on it. */
+/* Whether OpenMP's threads save time. parallel.h alone writes it; no result depends on it. */
 typedef struct dem__pace {
     double loss;              /* time lost by waiting that has not been saved since [s] */
     double alone_until, rest; /* time until which loops run alone; how long they did so last [s] */

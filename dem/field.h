@@ -61,9 +61,9 @@ static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem
     dem__rigid *r = dem__rigid_of(w, i);
     dem_particle *p = &w->particle[i];
     if (r) {
-        w->engine->bodies.room->set_origin(w, r);
+        w->engine->bodies.calls->set_origin(w, r);
         r->x = x, r->v = v, r->a = a;
-        w->engine->bodies.room->place(w, r);
+        w->engine->bodies.calls->place(w, r);
         return;
     }
     p->spin = dem__spin_at(w, i, dem__now(w, i));

@@ -374,7 +374,7 @@ static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptr
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     dem_status status;
     if (feed->polyhedron)
-        status = w->engine->convex.room->add(w, feed->polyhedron - 1, n, b->centre, b->orientation, feed->material, feed->group);
+        status = w->engine->convex.calls->add(w, feed->polyhedron - 1, n, b->centre, b->orientation, feed->material, feed->group);
     else if (feed->clump)
         status = feed->clump->add__(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group);
     else status = dem_add_spheres(w, n, b->centre, b->diameter, feed->material, feed->group);

@@ -47,7 +47,7 @@ DEM_INLINE dem__pieces dem__pieces_of(const dem_world *w, ptrdiff_t i) {
 DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) { return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass; }
 
 DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
-    return w->engine->bodies.room->posture(w, r, tau);
+    return w->engine->bodies.calls->posture(w, r, tau);
 }
 
 /* Return the position and the velocity of a particle of a rigid body at tau after its origin step [s]. */

@@ -62,7 +62,7 @@ DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff
     const double here = dem__length(now), there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
                  end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
     const double most = here > there ? here : there;
-    const double swing = r ? w->engine->bodies.room->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
+    const double swing = r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
     return (most > end ? most : end) + swing;
 }
 
@@ -96,7 +96,7 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
         dem__rigid *r = dem__rigid_of(w, i);
         const double tau = dem__now(w, i);
         if (w->engine->run.has_periodic && w->particle[i].origin == w->step) {
-            if (r) bodies->room->wrap(w, r);
+            if (r) bodies->calls->wrap(w, r);
             else dem__wrap(w, i);
         }
         dem__set_timer(&field->timers, i, field->until[i]);

@@ -126,14 +126,14 @@ DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum 
 
 /* Call the functions for polyhedra on a block. They are functions of their own because a call through a pointer would slow the kernel. */
 static DEM__NOINLINE void dem__fill_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, double half) {
-    w->engine->convex.room->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
+    w->engine->convex.calls->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }
 static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, const dem__columns *at,
                                                  double half, int features) {
-    w->engine->convex.room->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
+    w->engine->convex.calls->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
 }
 static DEM__NOINLINE void dem__leave_other_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
-    w->engine->convex.room->leave_edges(w, in, marked);
+    w->engine->convex.calls->leave_edges(w, in, marked);
 }
 
 /* Gathers the block of n contacts from slot base on, and prefetches the next one, of this chunk or of the one after it. */
@@ -159,7 +159,7 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     x->walls = walls;
     dem__load_types(w, base, n, law->constants, &x->types);
     dem__complete_rows(w, &x->rows, &x->types, n, half, half, x->wall, walls, has_friction);
-    if (w->engine->convex.room) dem__fill_other_rows(w, x, base, n, half);
+    if (w->engine->convex.calls) dem__fill_other_rows(w, x, base, n, half);
 }
 
 /* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the sizes only. Conditions
@@ -266,7 +266,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__columns_of(w, base, law, features, &old);
         dem__new_columns(w, base, law, features, DEM__COPY_ROWS || only_ledger, &x->block, &at);
         dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate, features);
-        if (w->engine->convex.room) {
+        if (w->engine->convex.calls) {
             const dem__columns same = at; /* the address of `at` itself would keep clang from vectorising the law */
             dem__finish_other_rows(w, x, base, n, &same, 0.5 * h, features);
         }
@@ -276,7 +276,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
             continue;
         }
         const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
-        if (w->engine->convex.room) dem__leave_other_edges(w, in, marked);
+        if (w->engine->convex.calls) dem__leave_other_edges(w, in, marked);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, chunk, base, n, at.out, has_friction);

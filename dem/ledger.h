@@ -1,5 +1,6 @@
 /* ------------------------------------------------------------------------------------------- >>ledger */
-/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums.
+/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums, but step.h
+   sets where they start.
    May be changed here alone: what is booked where. */
 
 /* Returns whether a wall is enabled and acts on particle i. */
@@ -7,9 +8,9 @@ DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
     return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
 }
 
-/* Returns the force of a wrench. */
+/* Returns the first of two vectors: the force of a wrench. */
 DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
-/* Returns the torque of a wrench. */
+/* Returns the second one: the torque of a wrench. */
 DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
 
 /* Books the potential energy that a particle gains where it is put back into the periodic box [J]. */
@@ -19,6 +20,9 @@ DEM_INLINE void dem__book_wrap(dem_world *w, double raised) {
 
 /* Books the potential energy of a particle that is added at rest [J]. */
 DEM_INLINE void dem__book_added(dem_world *w, double potential) { dem__book_wrap(w, potential); }
+
+/* Books the potential energy that a particle gains where the caller changes gravity [J]. */
+DEM_INLINE void dem__book_gravity(dem_world *w, double raised) { dem__book_wrap(w, raised); }
 
 /* Books a change of a particle's kinetic energy by the caller [J]. */
 DEM_INLINE void dem__book_motion(dem_world *w, double change) {

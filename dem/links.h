@@ -30,7 +30,7 @@ static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
     dem__rigid *r = dem__rigid_of(w, i);
     const dem_particle *p = &w->particle[i];
     dem__set_origin(w, i);
-    if (r) bodies->room->wrap(w, r), bodies->room->place(w, r);
+    if (r) bodies->calls->wrap(w, r), bodies->calls->place(w, r);
     else dem__wrap(w, i);
     if (w->engine->ledger.on && r) dem__book_link_work(w, dem__link_work(w, i));
     else if (w->engine->ledger.on && !dem__is_fixed(w, i)) {
@@ -54,7 +54,7 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
             if (dem__is_linked(w, k)) return;
         }
         dem__book_link_work(w, -dem__motion_energy(w, r->first));
-        w->engine->bodies.room->kick_links(w, r, half);
+        w->engine->bodies.calls->kick_links(w, r, half);
         dem__book_link_work(w, dem__motion_energy(w, r->first));
         return;
     }
@@ -84,7 +84,7 @@ static inline void dem__step_links(dem_world *w) {
     dem__links *links = &w->engine->links;
     int32_t *linked = w->engine->scratch.index;
     ptrdiff_t n = 0;
-    const double h = (double)links->stride * run->dt;
+    const double h = (double)links->every * run->dt;
     for (int32_t i = 0; i < (int32_t)w->count; i++) {
         linked[n] = i;
         n += dem__is_linked(w, i);
@@ -136,7 +136,7 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
         links->states = law->states;
     }
     dem__stop_link_work(w, others);
-    dem__set_stride(w);
+    dem__set_link_steps(w);
     dem__resume_link_work(w, others);
     return DEM_OK;
 }

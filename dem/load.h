@@ -180,7 +180,7 @@ static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, d
     convex->shape = (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
     if (!convex->shape) return DEM_OUT_OF_MEMORY;
     memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
-    convex->shapes = (int)n, convex->room = &dem__polyhedra;
+    convex->shapes = (int)n, convex->calls = &dem__polyhedra;
     w->engine->walls.touch_keepers++;
     g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
     if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
@@ -303,7 +303,7 @@ static inline void dem__derive_loaded(dem_world *w) {
     int32_t *first = w->engine->walls.first_contact;
     w->engine->run.needs_lists = w->engine->run.keeps_wrenches = 1;
     w->engine->bodies.loads_on |= w->engine->bodies.has_fixed;
-    dem__set_stride(w);
+    dem__set_link_steps(w);
     dem__find_links(w);
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
@@ -311,7 +311,8 @@ static inline void dem__derive_loaded(dem_world *w) {
         dem__activate(w, i);
         if (j >= 0) dem__activate(w, j);
         else contacts->wall_next[c] = first[i], first[i] = (int32_t)c;
-        if (j < 0 && w->engine->convex.shapes > 0 && !dem__shape_of(w, i)) contacts->touch[7][c] = 0.0; /* no footing is trusted */
+        if (j < 0 && w->engine->convex.shapes > 0 && !dem__shape_of(w, i))
+            contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing is trusted */
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__set_inverse_mass(w, i);

@@ -1,5 +1,5 @@
 /* ----------------------------------------------------------------------------------------------- >>measure */
-/* Measuring: volumes, regions, stress, fields, histograms, mixing. Reads a const world; writes the caller's arrays. Relies on read.h.
+/* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. Relies on read.h.
    May be changed here alone: all but what a number means. */
 
 /* Returns the volume of the unit ball where z > c. */
@@ -234,60 +234,99 @@ DEM_INLINE void dem__add_stress(double (*stress)[3], double weight, dem_vec f, d
     }
 }
 
-DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *region, dem_measure *measure) {
-    const dem_world *w = world;
-    dem_measure m;
-    dem_vec low = dem_vec3(0.0, 0.0, 0.0), high = low, shift[27];
-    dem_wall inside;
-    if (!w || !w->def.allocator.fn || !measure || !dem__is_region(region)) return DEM_BAD_ARGUMENT;
-    memset(&inside, 0, sizeof inside);
-    const dem_status status = dem__make_inside(&inside, w, region);
-    if (status != DEM_OK) return status;
-    const int images = dem__images(w, shift);
-    memset(&m, 0, sizeof m);
-    const double volume = dem_region_volume(region), share = volume > 0.0 ? 1.0 / volume : (double)NAN;
-    dem__tree_bounds(region, &low, &high);
-    for (int pass = 0; pass < 2; pass++) {
-        for (ptrdiff_t i = 0; i < w->count; i++) {
-            const dem_vec at = dem_position(w, i);
-            const double r = w->particle[i].radius;
-            dem_vec centre = at, v = dem_vec3(0.0, 0.0, 0.0);
-            if (!w->alive[i]) continue;
-            const double filled = pass == 0 ? dem__filled(w, i) * share : 0.0;
-            const int counts = dem__counts(w, i, &centre, &v);
-            for (int image = 0; image < images; image++) {
-                const dem_vec x = dem__add(at, shift[image]), c = dem__add(centre, shift[image]);
-                if (pass == 0 && x.x + r >= low.x && x.x - r <= high.x && x.y + r >= low.y && x.y - r <= high.y && x.z + r >= low.z &&
-                    x.z - r <= high.z)
-                    m.solid_fraction += dem__ball_in(region, &inside, x, r) * filled;
-                if (!counts || !(c.x >= low.x && c.x <= high.x && c.y >= low.y && c.y <= high.y && c.z >= low.z && c.z <= high.z)) continue;
-                if (!dem__holds(region, &inside, c)) continue;
-                if (pass == 0) {
-                    m.count++;
-                    m.mass += w->particle[i].mass;
-                    m.coordination += w->touching[i];
-                    m.velocity = dem__add(m.velocity, dem__scale(w->particle[i].mass, v));
-                } else {
-                    const dem_vec u = dem__sub(v, m.velocity);
-                    m.granular_temperature += w->particle[i].mass * dem__dot(u, u);
-                    dem__add_stress(m.kinetic_stress, w->particle[i].mass * share, u, u);
-                }
-            }
-        }
-        const double inverse = m.count > 0 ? 1.0 / m.mass : 0.0;
-        if (pass == 0) m.velocity = dem__scale(inverse, m.velocity);
-        if (pass == 1) m.granular_temperature *= inverse / 3.0;
+/* A region that is measured. */
+typedef struct dem__measured {
+    const dem_region *region;
+    dem_wall inside;   /* the tree of a mesh region */
+    dem_vec low, high; /* the box around the region */
+    dem_vec shift[27]; /* from a particle to its images in the periodic box, the first 0 */
+    int images;
+    double share; /* 1 / volume [1/m3] */
+} dem__measured;
+
+/* Adds the share of a region that particle i and its images fill. */
+static inline void dem__add_solid(const dem_world *w, const dem__measured *q, ptrdiff_t i, dem_measure *m) {
+    const dem_vec at = dem_position(w, i), low = q->low, high = q->high;
+    const double r = w->particle[i].radius, filled = dem__filled(w, i) * q->share;
+    for (int image = 0; image < q->images; image++) {
+        const dem_vec x = dem__add(at, q->shift[image]);
+        if (x.x + r >= low.x && x.x - r <= high.x && x.y + r >= low.y && x.y - r <= high.y && x.z + r >= low.z && x.z - r <= high.z)
+            m->solid_fraction += dem__ball_in(q->region, &q->inside, x, r) * filled;
     }
-    if (m.count > 0) m.coordination /= (double)m.count;
+}
+
+/* Returns how many images of a point are in a region. */
+static inline int dem__images_in(const dem__measured *q, dem_vec point) {
+    const dem_vec low = q->low, high = q->high;
+    int n = 0;
+    for (int image = 0; image < q->images; image++) {
+        const dem_vec c = dem__add(point, q->shift[image]);
+        if (!(c.x >= low.x && c.x <= high.x && c.y >= low.y && c.y <= high.y && c.z >= low.z && c.z <= high.z)) continue;
+        n += dem__holds(q->region, &q->inside, c);
+    }
+    return n;
+}
+
+/* Measures number, mass, mean velocity and coordination number, and the solid fraction. */
+static inline void dem__measure_bodies(const dem_world *w, const dem__measured *q, dem_measure *m) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        dem_vec centre, v;
+        if (!w->alive[i]) continue;
+        dem__add_solid(w, q, i, m);
+        for (int n = dem__counts(w, i, &centre, &v) ? dem__images_in(q, centre) : 0; n > 0; n--) {
+            m->count++;
+            m->mass += w->particle[i].mass;
+            m->coordination += w->touching[i];
+            m->velocity = dem__add(m->velocity, dem__scale(w->particle[i].mass, v));
+        }
+    }
+    m->velocity = dem__scale(m->count > 0 ? 1.0 / m->mass : 0.0, m->velocity);
+    if (m->count > 0) m->coordination /= (double)m->count;
+}
+
+/* Measures granular temperature and kinetic stress, which are relative to the mean velocity. */
+static inline void dem__measure_fluctuations(const dem_world *w, const dem__measured *q, dem_measure *m) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        dem_vec centre, v;
+        if (!w->alive[i] || !dem__counts(w, i, &centre, &v)) continue;
+        const dem_vec u = dem__sub(v, m->velocity);
+        for (int n = dem__images_in(q, centre); n > 0; n--) {
+            m->granular_temperature += w->particle[i].mass * dem__dot(u, u);
+            dem__add_stress(m->kinetic_stress, w->particle[i].mass * q->share, u, u);
+        }
+    }
+    m->granular_temperature *= (m->count > 0 ? 1.0 / m->mass : 0.0) / 3.0;
+}
+
+/* Measures the stress by forces of contacts and links. */
+static inline void dem__measure_contacts(const dem_world *w, const dem__measured *q, dem_measure *m) {
     for (ptrdiff_t k = 0; k < w->engine->contacts.count + w->engine->links.count; k++) {
         dem_vec from, to, force;
         if (!dem__branch(w, k, &from, &to, &force)) continue;
-        for (int image = 0; image < images; image++) {
-            const double part = dem__share_in(region, &inside, dem__add(from, shift[image]), dem__add(to, shift[image]));
-            if (part > 0.0) dem__add_stress(m.contact_stress, part * share, force, dem__sub(to, from));
+        for (int image = 0; image < q->images; image++) {
+            const double part = dem__share_in(q->region, &q->inside, dem__add(from, q->shift[image]), dem__add(to, q->shift[image]));
+            if (part > 0.0) dem__add_stress(m->contact_stress, part * q->share, force, dem__sub(to, from));
         }
     }
-    if (inside.tree) w->def.allocator.fn(w->def.allocator.user, inside.tree, inside.tree->bytes, 0);
+}
+
+DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *region, dem_measure *measure) {
+    const dem_world *w = world;
+    dem_measure m;
+    dem__measured q;
+    if (!w || !w->def.allocator.fn || !measure || !dem__is_region(region)) return DEM_BAD_ARGUMENT;
+    memset(&q, 0, sizeof q);
+    const dem_status status = dem__make_inside(&q.inside, w, region);
+    if (status != DEM_OK) return status;
+    const double volume = dem_region_volume(region);
+    q.region = region, q.share = volume > 0.0 ? 1.0 / volume : (double)NAN;
+    q.images = dem__images(w, q.shift);
+    dem__tree_bounds(region, &q.low, &q.high);
+    memset(&m, 0, sizeof m);
+    dem__measure_bodies(w, &q, &m);
+    dem__measure_fluctuations(w, &q, &m);
+    dem__measure_contacts(w, &q, &m);
+    if (q.inside.tree) w->def.allocator.fn(w->def.allocator.user, q.inside.tree, q.inside.tree->bytes, 0);
     *measure = m;
     return DEM_OK;
 }
@@ -431,63 +470,4 @@ DEM_API dem_status dem_residence(const dem_world *world, const dem_region *regio
         if (was != inside) entered[id] = inside ? w->time : (double)NAN;
     }
     return DEM_OK;
-}
-
-DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *cells, int group, double *of_group, double *of_all) {
-    const dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !dem__are_cells(cells) || !of_group || !of_all) return DEM_BAD_ARGUMENT;
-    dem_cells sharp = *cells;
-    const ptrdiff_t number = (ptrdiff_t)sharp.n[0] * sharp.n[1] * sharp.n[2];
-    sharp.width[0] = sharp.width[1] = sharp.width[2] = 0.0;
-    for (ptrdiff_t k = 0; k < number; k++) of_group[k] = of_all[k] = 0.0;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        dem_vec x, v;
-        int at[3], last;
-        if (!w->alive[i] || !dem__counts(w, i, &x, &v) || !dem__cells_of(&sharp, 0, x.x, &at[0], &last) ||
-            !dem__cells_of(&sharp, 1, x.y, &at[1], &last) || !dem__cells_of(&sharp, 2, x.z, &at[2], &last))
-            continue;
-        const ptrdiff_t k = ((ptrdiff_t)at[2] * sharp.n[1] + at[1]) * sharp.n[0] + at[0];
-        of_all[k] += 1.0;
-        of_group[k] += w->group[i] == group ? 1.0 : 0.0;
-    }
-    return DEM_OK;
-}
-
-/* Computes indices of mixing. The variance of a random mixture is that of sampling without replacement: p q (N - n)/(n (N - 1)) for a
-   sample of n out of N. */
-DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, const double *of_all) {
-    const double none = (double)NAN;
-    dem_mixing m = {none, none, none, none, none, none};
-    double group = 0.0, all = 0.0, used = 0.0, square = 0.0;
-    if (samples < 1 || !of_group || !of_all) return m;
-    for (ptrdiff_t k = 0; k < samples; k++) {
-        if (!(of_group[k] >= 0.0 && of_all[k] >= of_group[k]) || !dem__finite(of_all[k])) return m;
-        group += of_group[k], all += of_all[k], used += of_all[k] > 0.0 ? 1.0 : 0.0;
-    }
-    const double p = group / all;
-    if (!(p > 0.0 && p < 1.0)) return m;
-    for (ptrdiff_t k = 0; k < samples; k++) {
-        const double d = of_all[k] > 0.0 ? of_group[k] / of_all[k] - p : 0.0;
-        square += of_all[k] * d * d;
-    }
-    m.share = p;
-    m.separated = p * (1.0 - p);
-    m.random = m.separated * (used - 1.0) / (all - 1.0);
-    m.variance = square / all;
-    m.lacey = (m.separated - m.variance) / (m.separated - m.random);
-    m.segregation = m.variance / m.separated;
-    return m;
-}
-
-DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
-    double unlike = 0.0, all = 0.0, ends = 0.0;
-    if (!world || !world->engine) return (double)NAN;
-    DEM__EACH_CONTACT(world, k) {
-        const int32_t i = world->engine->contacts.i[k], j = world->engine->contacts.j[k];
-        if (j < 0 || !(world->engine->contacts.gap[k] < 0.0)) continue;
-        const int a = world->group[i] == group, b = world->group[j] == group;
-        unlike += a != b, ends += a + b, all += 1.0;
-    }
-    const double p = ends / (2.0 * all);
-    return unlike / (all * 2.0 * p * (1.0 - p));
 }

@@ -70,7 +70,7 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     dem__book_motion(w, -dem__rotational(w, r->first));
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     r->turn = dem__turns(q, r->frame);
-    w->engine->bodies.room->set_motion(w, r, r->v, spin);
+    w->engine->bodies.calls->set_motion(w, r, r->v, spin);
     dem__book_motion(w, dem__rotational(w, r->first));
     if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
     dem__resume_link_work(w, dem__pieces_of(w, i));

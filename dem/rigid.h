@@ -1,5 +1,5 @@
 /* --------------------------------------------------------------------------------------------- >>rigid */
-/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_room in engine.h). Reads the
+/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in engine.h). Reads the
    sums of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one
    thread, so that bits do not depend on threads.
    May be changed here alone: how a body is integrated.
@@ -336,25 +336,25 @@ static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *
     const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
     dem_vec force, torque;
     dem__sum_on_body(w, r, 0, 1, &force, &torque);
-    return (double)w->engine->links.stride * w->engine->run.dt *
+    return (double)w->engine->links.every * w->engine->run.dt *
            (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
 }
 
-static const dem__body_room dem__rigid_bodies = {dem__find_posture,
-                                                 dem__set_body_origin,
-                                                 dem__set_body_motion,
-                                                 dem__wrap_body,
-                                                 dem__place_pieces,
-                                                 dem__free_body,
-                                                 dem__test_due_with_bodies,
-                                                 dem__advance_with_bodies,
-                                                 dem__kick_bodies_range,
-                                                 dem__push_bodies,
-                                                 dem__shift_bodies,
-                                                 dem__kick_linked_body,
-                                                 dem__swing,
-                                                 dem__body_link_drift,
-                                                 dem__note_strides};
+static const dem__body_calls dem__rigid_bodies = {dem__find_posture,
+                                                  dem__set_body_origin,
+                                                  dem__set_body_motion,
+                                                  dem__wrap_body,
+                                                  dem__place_pieces,
+                                                  dem__free_body,
+                                                  dem__test_due_with_bodies,
+                                                  dem__advance_with_bodies,
+                                                  dem__kick_bodies_range,
+                                                  dem__push_bodies,
+                                                  dem__shift_bodies,
+                                                  dem__kick_linked_body,
+                                                  dem__swing,
+                                                  dem__body_link_drift,
+                                                  dem__note_strides};
 
 /* Definition of a rigid body: see rigid.h. */
 typedef struct dem__body_def {
@@ -380,7 +380,7 @@ static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t piece
     const ptrdiff_t larger = wanted + wanted / 2 + 16;
     dem__rigid *fresh = (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
     if (!fresh) return 0;
-    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->room = &dem__rigid_bodies;
+    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = &dem__rigid_bodies;
     if (old > 0) return dem__reserve_particles(w, pieces);
     if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + pieces + 1))
         return 1;

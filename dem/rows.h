@@ -182,10 +182,9 @@ DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old,
 /* Finds the place where a wall is touched by the contact in a slot, or by a link (slot -1). */
 DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius, int32_t element,
                                  dem__touch *touch) {
-    const dem__contacts *contacts = &w->engine->contacts;
     if (slot >= 0 && wall->kind == DEM_MESH) {
-        touch->normal = dem_vec3(contacts->touch[0][slot], contacts->touch[1][slot], contacts->touch[2][slot]);
-        touch->gap = contacts->touch[3][slot];
+        touch->normal = dem__place_normal(w, slot);
+        touch->gap = w->engine->contacts.touch[DEM__PLACE_GAP][slot];
     } else if (wall->kind == DEM_PLANE) dem__touch_plane(wall, x, radius, touch);
     else dem__touch_element(wall, x, radius, element, touch);
 }
@@ -209,7 +208,7 @@ static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrd
     const dem_wall *wall = &w->wall[number];
     const dem_particle *s = &w->particle[i];
     at->particle = s, at->wall = wall, at->row = k, at->velocity = wall->velocity, at->slot = slot, at->element = element;
-    if (slot >= 0 && w->engine->contacts.near[slot] < -1) { /* of a polyhedron: dem__fill_convex_rows replaces this */
+    if (slot >= 0 && dem__is_convex_contact(w, slot)) { /* dem__fill_convex_rows replaces this */
         at->outside = 0.0, at->from = dem_vec3(1.0, 0.0, 0.0), at->touch.normal = wall->axis[2], at->touch.gap = 0.0;
     } else if ((at->outside = dem__reach_round(wall, s->x, element, &at->from, &at->inner)) == 0.0) {
         dem__touch_place(w, slot, wall, s->x, s->radius, element, &at->touch);
@@ -281,9 +280,7 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
     const dem_vec n = dem_vec3(b->nx[k], b->ny[k], b->nz[k]);
     dem_vec t;
     if (wall->kind == DEM_MESH && at->slot >= 0) { /* between edges and faces: only the contact knows both normals */
-        double *const *touch = w->engine->contacts.touch;
-        const dem_vec before = dem_vec3(touch[9][at->slot], touch[10][at->slot], touch[11][at->slot]);
-        t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
+        t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, dem__place_before(w, at->slot)));
     } else {
         dem_vec u = dem_vec3(b->vx[k], b->vy[k], b->vz[k]);
         if (wall->slides) { /* u is relative to its surface, not to its frame */

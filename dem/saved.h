@@ -260,7 +260,8 @@ static inline void dem__contact_fields(dem_world *w, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 5);
     dem__add_fields(g, "contact.state", contacts->state, contacts->states);
     g->needed = g->fields;
-    if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, w->engine->convex.shapes > 0 ? 9 : 4);
+    const int places = w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_FOOTING; /* a footing is found anew */
+    if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, places);
     dem__add_fields(g, "contact.wrench", contacts->wrench, 9);
     if (w->engine->ledger.on) {
         dem__add_fields(g, "contact.elastic", &contacts->elastic, 1);

@@ -2,12 +2,13 @@
 /* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved
    and freed.
    May be changed here alone: the order of a step (hashes follow). */
-/* Tests all pairs and walls once, whatever is skipped. The timers stay. */
+/* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip, and set none if it
+   is 0. */
 static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
     w->def.skip = 0;
     dem__test_all_pairs(w, w->step);
-    if (w->engine->convex.room) w->engine->convex.room->follow(w, w->step);
+    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, w->step);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls; k++) {
             if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k)) dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
@@ -204,7 +205,7 @@ DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, in
     if (leaving) dem__free_untouched(w);
     dem__check_bounds(w);
     if (in_field && w->status == DEM_OK && !dem__begin_flights(w)) return 0;
-    if (w->engine->links.stride > 0 && w->step % w->engine->links.stride == 0) w->engine->links.step(w);
+    if (w->engine->links.every > 0 && w->step % w->engine->links.every == 0) w->engine->links.step(w);
     return w->status == DEM_OK;
 }
 

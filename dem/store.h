@@ -52,7 +52,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     dem__links *links = &w->engine->links;
     int n = 0;
     double **doubles[] = {&bodies->wall_speed, &bodies->shifted, &bodies->mass_share};
-    dem__wrench **sixes[] = {&bodies->load, &bodies->external, &links->evaluated_at};
+    dem__two_vec **sixes[] = {&bodies->load, &bodies->external, &links->evaluated_at};
     int32_t **integers[] = {&w->material,
                             &w->group,
                             &w->alive,
@@ -71,7 +71,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
     }
     for (size_t k = 0; k < sizeof sixes / sizeof *sixes; k++, n++) {
-        list[n].address = sixes[k], list[n].size = sizeof(dem__wrench);
+        list[n].address = sixes[k], list[n].size = sizeof(dem__two_vec);
     }
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);

@@ -1,6 +1,6 @@
-/* ------------------------------------------------------------------------------------------------- >>lists */
+/* ------------------------------------------------------------------------------------------ >>timers */
 /* Timers of near pairs and of particles with walls, and batches of them.
-   Relies on bodies, bounds and walls.
+   Relies on flight.h for where particles are; reads the bounds that bounds.h sets.
    May be changed here alone: how times are stored; a timer is never late. */
 
 /* A timer holds the step of the next test of a near pair, or of a particle and a wall. A test finds a contact, or the next step in which

@@ -344,9 +344,9 @@ typedef struct dem_law {
     void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
     /* Both may be NULL; they get world->user. born: for the contacts that begin in a step, before their first force, sorted by partners.
        ended: for a contact that has ended: by itself, or because a particle was removed (its world->alive is not DEM_PRESENT) or a wall no
-       longer acts (dem_wall_acts). dem_get_contact() (for a link dem_get_link()) and dem_set_contact_state() read and write them. */
-    void (*born)(struct dem_world *world, const int32_t *slots, ptrdiff_t n, void *user);
-    void (*ended)(struct dem_world *world, int32_t slot, void *user);
+       longer acts (dem_wall_acts). dem_get_contact() (for a link dem_get_link()) and dem_set_contact_state() take their numbers. */
+    void (*born)(struct dem_world *world, const int32_t *numbers, ptrdiff_t n, void *user);
+    void (*ended)(struct dem_world *world, int32_t number, void *user);
 } dem_law;
 
 /* To build upon: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling (states, history, vectors: 0,

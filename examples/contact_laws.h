@@ -399,14 +399,14 @@ static inline double contact_prepare_bonds(const dem_birth *b, double *constants
     dem_prepare_linear(b, constants);
     return 0.0;
 }
-static inline void contact_bonds_born(dem_world *world, const int32_t *slots, ptrdiff_t n, void *user) {
+static inline void contact_bonds_born(dem_world *world, const int32_t *numbers, ptrdiff_t n, void *user) {
     const contact_laws *laws = (const contact_laws *)user;
     for (ptrdiff_t k = 0; laws && laws->bonding && k < n; k++) {
-        dem_contact_info c = dem_get_contact(world, slots[k]);
+        dem_contact_info c = dem_get_contact(world, numbers[k]);
         const int i = world->material[c.i], j = c.j >= 0 ? world->material[c.j] : world->wall[-1 - c.j].material;
         if (!(laws->pair[i < j ? i : j][i < j ? j : i].bond_modulus > 0.0)) continue;
         c.state[CONTACT_WHOLE] = 2.0;
-        dem_set_contact_state(world, slots[k], c.state);
+        dem_set_contact_state(world, numbers[k], c.state);
     }
 }
 /* Is contact k (0 .. dem_contact_count-1) a whole bond? */

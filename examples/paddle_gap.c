@@ -143,11 +143,11 @@ static void strikes(const dem_world *w, const gap *g, history *h, ptrdiff_t i, i
 }
 
 /* A point of contact begins. A contact lasts from its first point to its last; it counts if the first one begins fast. */
-static void begins(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user) {
+static void begins(dem_world *w, const int32_t *numbers, ptrdiff_t n, void *user) {
     record *r = user;
     const double least = r->g->least * omega(r->g) * r->g->machine.wheel.outer_radius;
     for (ptrdiff_t k = 0; k < n; k++) {
-        const dem_contact_info c = dem_get_contact(w, slots[k]);
+        const dem_contact_info c = dem_get_contact(w, numbers[k]);
         const ptrdiff_t with = c.j < 0 ? c.j : history_of(w, r->g, c.j);
         history *a = &r->of[history_of(w, r->g, c.i)];
         const int alone = touches(a) == 0;
@@ -165,9 +165,9 @@ static void begins(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user) 
     }
 }
 
-static void ends(dem_world *w, int32_t slot, void *user) {
+static void ends(dem_world *w, int32_t number, void *user) {
     record *r = user;
-    const dem_contact_info c = dem_get_contact(w, slot);
+    const dem_contact_info c = dem_get_contact(w, number);
     meeting *met = meeting_with(&r->of[history_of(w, r->g, c.i)], c.j < 0 ? c.j : history_of(w, r->g, c.j));
     if (met && met->points > 0) met->points--;
 }

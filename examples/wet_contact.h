@@ -129,16 +129,16 @@ static const bridge_pair *wet_kind(const wet_scene *s, const dem_world *w, const
     return &s->kind[a < b ? a : b][a < b ? b : a];
 }
 
-/* What the contact in a slot needs to know of its bridge. */
-static void wet_tell_contact(dem_world *w, int32_t slot, const bridge *b) {
-    dem_contact_info c = dem_get_contact(w, slot);
+/* Tells the contact of that number what it needs to know of its bridge. */
+static void wet_tell_contact(dem_world *w, int32_t number, const bridge *b) {
+    dem_contact_info c = dem_get_contact(w, number);
     c.state[WET_WIDTH] = b->width;
     c.state[WET_RADIUS] = b->radius;
-    dem_set_contact_state(w, slot, c.state);
+    dem_set_contact_state(w, number, c.state);
 }
 
-static bridge_status wet_link(wet_scene *s, dem_world *w, int32_t slot, const bridge_contact *q) {
-    const dem_contact_info c = dem_get_contact(w, slot);
+static bridge_status wet_link(wet_scene *s, dem_world *w, int32_t number, const bridge_contact *q) {
+    const dem_contact_info c = dem_get_contact(w, number);
     double state[WET_LINK_STATES];
     bridge b;
     int swapped;
@@ -152,29 +152,29 @@ static bridge_status wet_link(wet_scene *s, dem_world *w, int32_t slot, const br
     state[WET_ANGLE_J] = s->angle[c.j >= 0 ? 0 : wet_is_deck(s, c.j) ? 1 : 2];
     state[WET_IS_WALL] = c.j < 0;
     if (dem_add_link(w, c.i, c.j, c.element, state) != DEM_OK) return BRIDGE_INVALID;
-    wet_tell_contact(w, slot, &b);
+    wet_tell_contact(w, number, &b);
     return BRIDGE_OK;
 }
 
 /* New contacts: between bodies that a bridge joins already, or asking for one. */
-static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user) {
+static void wet_born(dem_world *w, const int32_t *numbers, ptrdiff_t n, void *user) {
     wet_scene *s = user;
     bridge_contact *wanted = malloc((size_t)n * sizeof *wanted);
     int32_t *asking = malloc((size_t)n * sizeof *asking);
     size_t count = 0;
     if (!wanted || !asking) s->status = BRIDGE_INVALID;
     for (ptrdiff_t k = 0; k < n && s->status == BRIDGE_OK; k++) {
-        const dem_contact_info c = dem_get_contact(w, slots[k]);
+        const dem_contact_info c = dem_get_contact(w, numbers[k]);
         const ptrdiff_t link = dem_find_link(w, c.i, c.j, c.element);
         int swapped;
         if (link >= 0) {
             bridge b;
             memcpy(&b, dem_get_link(w, link).state, sizeof b);
-            wet_tell_contact(w, slots[k], &b);
+            wet_tell_contact(w, numbers[k], &b);
             continue;
         }
         bridge_contact *q = &wanted[count];
-        asking[count++] = slots[k];
+        asking[count++] = numbers[k];
         memset(q, 0, sizeof *q);
         q->i = (size_t)w->id[c.i];
         q->j = c.j >= 0 ? (size_t)w->id[c.j] : wet_patch(s, w, &c);
@@ -192,9 +192,9 @@ static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user
     free(asking);
 }
 
-static void wet_ended(dem_world *w, int32_t slot, void *user) {
+static void wet_ended(dem_world *w, int32_t number, void *user) {
     wet_scene *s = user;
-    const dem_contact_info c = dem_get_link(w, slot);
+    const dem_contact_info c = dem_get_link(w, number);
     bridge b;
     memcpy(&b, c.state, sizeof b);
     const size_t j = c.j >= 0 ? (size_t)w->id[c.j] : wet_patch(s, w, &c);
