@@ -150,7 +150,7 @@ typedef struct blocking_count {
 } blocking_count;
 
 /* Computes the free fraction. free_holes[n], holes[n]: counted at n >= 1 spots of the sieve. z: half-width of the interval in standard
-   deviations > 0, 1.96 for 95 %. BAD_COUNT, TOO_FEW (n 0), BAD_ARGUMENT. */
+   deviations, above 0 .. 1e6, 1.96 for 95 %. BAD_COUNT, TOO_FEW (n 0), BAD_ARGUMENT. */
 BLOCKING_API blocking_status blocking_count_holes(const size_t *free_holes, const size_t *holes, size_t n, double z, blocking_count *out);
 
 /* ================================================= blocking in time (laws) ================================================== */
@@ -1070,7 +1070,7 @@ BLOCKING_API blocking_status blocking_hard_from_curve(const double *size, const 
 BLOCKING_API blocking_status blocking_count_holes(const size_t *free_holes, const size_t *holes, size_t n, double z, blocking_count *out) {
     if (!out) return BLOCKING_BAD_ARGUMENT;
     out->free_fraction = out->blocked = out->standard_error = out->spot_error = out->low = out->high = (double)NAN;
-    if ((n > 0 && (!free_holes || !holes)) || !(z > 0.0 && blocking__finite(z))) return BLOCKING_BAD_ARGUMENT;
+    if ((n > 0 && (!free_holes || !holes)) || !(z > 0.0 && z <= 1e6)) return BLOCKING_BAD_ARGUMENT;
     if (n == 0) return BLOCKING_TOO_FEW;
     double counted = 0.0, all = 0.0, spots = 0.0, scatter = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -1086,8 +1086,8 @@ BLOCKING_API blocking_status blocking_count_holes(const size_t *free_holes, cons
     out->blocked = (all - counted) / all;
     out->standard_error = sqrt(f * (1.0 - f) / all);
     if (n > 1) out->spot_error = sqrt(scatter / ((double)n - 1.0) / (double)n);
-    out->low = counted > 0.0 ? centre - half : 0.0;
-    out->high = counted < all ? centre + half : 1.0;
+    out->low = counted > 0.0 ? blocking__clip(centre - half, 0.0, 1.0) : 0.0; /* rounding */
+    out->high = counted < all ? blocking__clip(centre + half, 0.0, 1.0) : 1.0;
     return BLOCKING_OK;
 }
 

@@ -163,6 +163,13 @@ static void counted_holes(void **state) {
     assert_int_equal(blocking_count_holes(NULL, spot, 1, 1.96, &c), BLOCKING_BAD_ARGUMENT);
     assert_int_equal(blocking_count_holes(all, spot, 1, nan_, &c), BLOCKING_BAD_ARGUMENT);
     assert_int_equal(blocking_count_holes(all, spot, 1, 1.96, NULL), BLOCKING_BAD_ARGUMENT);
+    const double beyond[] = {1.01e6, 1e160, 1e300, HUGE_VAL, 0.0, -1.0}; /* the square of z overflows: no interval */
+    for (size_t i = 0; i < LENGTH(beyond); i++) {
+        assert_int_equal(blocking_count_holes(some, spot, 1, beyond[i], &c), BLOCKING_BAD_ARGUMENT);
+        assert_true(isnan(c.low) && isnan(c.high));
+    }
+    assert_int_equal(blocking_count_holes(some, spot, 1, 1e6, &c), BLOCKING_OK);
+    assert_true(c.low >= 0.0 && c.low < 1e-6 && c.high > 1.0 - 1e-6 && c.high <= 1.0);
 
     assert_false(blocking_bed_too_thick(0.0, 0.2) || blocking_bed_too_thick(0.0199, 0.2));
     assert_true(blocking_bed_too_thick(0.02, 0.2) && blocking_bed_too_thick(0.03, 0.3) && blocking_bed_too_thick(1.0, 0.2));
