@@ -2560,8 +2560,9 @@ BLOCKING_API blocking_status blocking_polynomial_fit(const double *x, const doub
     for (size_t i = 0; i < n_points; i++) {
         for (size_t j = 0; j < n_terms; j++) q[j * n_points + i] = blocking__monomial(powers + j * n_vars, x + i * n_vars, n_vars);
         b[i] = y[i];
-        y_mean += y[i] / (double)n_points;
+        y_mean += (y[i] - y[0]) / (double)n_points; /* about y[0]: the mean of equal values is that value */
     }
+    y_mean += y[0];
     for (size_t i = 0; i < n_points; i++) sst += blocking__square(y[i] - y_mean);
     if (!blocking__finite(sst)) return BLOCKING_NOT_FINITE;
     for (size_t j = 0; j < n_terms; j++) {

@@ -1377,6 +1377,14 @@ static void polynomials(void **state) {
     near(error[1], sqrt(0.02 / 5.0), 1e-14);
     near(error[0], sqrt(0.02 * 14.0 / 20.0), 1e-14);
     near(report.r2, 1.0 - 0.04 / 20.04, 1e-14);
+    const double constants[] = {0.1, 0.7, 3.3, 1e5 / 3.0}; /* equal values have no spread, though their sum rounds */
+    for (size_t i = 0; i < LENGTH(constants); i++) {
+        double at[7], same[7];
+        for (int j = 0; j < 7; j++) at[j] = 0.37 * j, same[j] = constants[i];
+        assert_int_equal(blocking_polynomial_fit(at, same, 7, line, 2, 1, a, error, work, &report), BLOCKING_OK);
+        assert_true(isnan(report.r2));
+        close_to(a[0], constants[i], 1e-14);
+    }
 
     /* what the points cannot tell apart is named: one K only, so K^2 is a multiple of 1 */
     for (int i = 0; i < 55; i++) x[i][0] = 1.5;
