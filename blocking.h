@@ -1114,7 +1114,8 @@ BLOCKING_API blocking_ode_def blocking_default_ode_def(void) {
 
 BLOCKING_API blocking_status blocking_check_ode_def(const blocking_ode_def *def, const char **field) {
     const char *bad = NULL;
-    if (!def || def->cookie != BLOCKING__COOKIE_ODE) bad = "cookie";
+    if (!def) bad = "def";
+    else if (def->cookie != BLOCKING__COOKIE_ODE) bad = "cookie";
     else if (!blocking__within(def->f0, 0.0, 1.0)) bad = "f0";
     else if (!blocking__finite(def->start)) bad = "start";
     else if (!def->rates) bad = "rates";
@@ -1455,7 +1456,8 @@ BLOCKING_API blocking_fit_def blocking_default_fit_def(void) {
 
 BLOCKING_API blocking_status blocking_check_fit_def(const blocking_fit_def *def, const char **field) {
     const char *bad = NULL;
-    if (!def || def->cookie != BLOCKING__COOKIE_FIT) bad = "cookie";
+    if (!def) bad = "def";
+    else if (def->cookie != BLOCKING__COOKIE_FIT) bad = "cookie";
     else if (!(def->k_low > 0.0)) bad = "k_low";
     else if (!(def->k_high > def->k_low && blocking__finite(def->k_high))) bad = "k_high";
     else if (!(def->z > 0.0 && blocking__finite(def->z))) bad = "z";
@@ -2637,7 +2639,8 @@ static inline int blocking__is_range(double low, double high) {
 
 BLOCKING_API blocking_status blocking_check_duty(const blocking_duty *duty, const char **field) {
     const char *bad = NULL;
-    if (!duty || duty->cookie != BLOCKING__COOKIE_DUTY) bad = "cookie";
+    if (!duty) bad = "duty";
+    else if (duty->cookie != BLOCKING__COOKIE_DUTY) bad = "cookie";
     else if (!(duty->passing > 0.0 && blocking__finite(duty->passing))) bad = "passing";
     else if (!(duty->capacity > 0.0 && duty->passing / duty->capacity > 0.0 && blocking__finite(duty->passing / duty->capacity)))
         bad = "capacity";

@@ -33,7 +33,8 @@ static inline int filtration__is_positive(double x) { return x > 0.0 && filtrati
 
 FILTRATION_API filtration_status filtration_curve_check_def(const filtration_curve_def *d, const char **field) {
     const char *bad = NULL;
-    if (!d || d->cookie != FILTRATION__CURVE_COOKIE) bad = "cookie";
+    if (!d) bad = "def";
+    else if (d->cookie != FILTRATION__CURVE_COOKIE) bad = "cookie";
     else if (!filtration__is_positive(d->pressure)) bad = "pressure";
     else if (!filtration__is_positive(d->viscosity)) bad = "viscosity";
     else if (!filtration__is_positive(d->area)) bad = "area";

@@ -159,7 +159,7 @@ typedef struct filtration_curve {
 } filtration_curve;
 
 FILTRATION_API filtration_curve_def filtration_curve_default_def(void);
-/* Returns BAD_DEF and the name of the first bad field (field may be NULL). */
+/* Returns BAD_DEF and the name of the first bad field (field may be NULL), or OK and NULL. */
 FILTRATION_API filtration_status filtration_curve_check_def(const filtration_curve_def *def, const char **field);
 /* Fits (3) to n readings of time [s] and filtrate volume [m3] (arrays of the caller, in the order of time). Readings at or before the start
    are left out. BAD_DEF; BAD_ARGUMENT: a reading is negative, infinite or not a number, or time runs backwards; FEW_DATA: fewer than

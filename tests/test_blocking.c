@@ -550,6 +550,8 @@ static void bad_integrations(void **state) {
     BAD(def.max_step = nan_, "max_step");
     BAD(def.max_steps = 0, "max_steps");
     assert_int_equal(blocking_check_ode_def(NULL, NULL), BLOCKING_BAD_DEF);
+    assert_int_equal(blocking_check_ode_def(NULL, &field), BLOCKING_BAD_DEF);
+    assert_string_equal(field, "def");
 
     const double times[] = {1.0, 2.0, 3.0}, same[] = {1.0, 1.0}, unknown[] = {1.0, nan_}, before[] = {-1.0, 1.0};
     double f[3];
@@ -820,6 +822,8 @@ static void fit_statuses(void **state) {
     BAD_FIT(def.z = -1.0, "z");
     BAD_FIT(def.turn_back = 0.0, "turn_back");
     BAD_FIT(def.tolerance = nan_, "tolerance");
+    assert_int_equal(blocking_check_fit_def(NULL, &field), BLOCKING_BAD_DEF);
+    assert_string_equal(field, "def");
     assert_int_equal(blocking_check_fit_def(&good, &field), BLOCKING_OK);
     assert_null(field);
     assert_int_equal(blocking_fit(NULL, t, f, NULL, 5, &fit), BLOCKING_BAD_DEF);
@@ -1464,6 +1468,8 @@ static void deck_area(void **state) {
     BAD_DUTY(duty.f_inf = nan_, "f_inf");
     BAD_DUTY(duty.k = -1.0, "k");
     BAD_DUTY(duty.run_time = nan_, "run_time");
+    assert_int_equal(blocking_check_duty(NULL, &field), BLOCKING_BAD_DEF);
+    assert_string_equal(field, "duty");
     assert_int_equal(blocking_check_duty(&good, &field), BLOCKING_OK);
     assert_null(field);
     assert_int_equal(blocking_design(NULL, &deck), BLOCKING_BAD_DEF);

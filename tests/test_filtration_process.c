@@ -628,6 +628,10 @@ static void test_bad_curves(void **state) {
     filtration_curve c;
     filtration_estimate e;
     const char *field = NULL;
+    assert_int_equal(filtration_curve_check_def(NULL, &field), FILTRATION_BAD_DEF);
+    assert_string_equal(field, "def");
+    assert_int_equal(filtration_curve_check_def(&d, &field), FILTRATION_OK);
+    assert_null(field);
     assert_int_equal(filtration_evaluate(NULL, 8, t, V, &c), FILTRATION_BAD_DEF);
     assert_int_equal(filtration_evaluate(&d, 8, t, V, NULL), FILTRATION_BAD_ARGUMENT);
     assert_int_equal(filtration_evaluate(&d, 8, NULL, V, &c), FILTRATION_BAD_ARGUMENT);
