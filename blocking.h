@@ -150,7 +150,7 @@ typedef struct blocking_count {
 } blocking_count;
 
 /* Computes the free fraction. free_holes[n], holes[n]: counted at n >= 1 spots of the sieve. z: half-width of the interval in standard
-   deviations > 0, 1.96 for 95 %. BAD_COUNT, TOO_FEW (n 0), BAD_ARGUMENT. */
+   deviations, above 0 .. 1e6, 1.96 for 95 %. BAD_COUNT, TOO_FEW (n 0), BAD_ARGUMENT. */
 BLOCKING_API blocking_status blocking_count_holes(const size_t *free_holes, const size_t *holes, size_t n, double z, blocking_count *out);
 
 /* ================================================= blocking in time (laws) ================================================== */
@@ -308,7 +308,7 @@ typedef struct blocking_fit_result {
     double student;                        /* half-width of the ranges in standard errors: blocking_student(z, dof); infinite for dof 0 */
     double error_f0, error_f_inf, error_k; /* standard errors, linearised; NaN if dof is 0, and for a value on its bound: use its range */
     /* Ranges that hold the truth in 95 of 100 cases (def.z): all values with which some curve has a sum of squares within student^2 s^2 of
-       the least. They tell more than the errors, which are symmetric. NaN for dof 0. */
+       the least. They tell more than the errors, which are symmetric. NaN for dof 0, and for readings that do not change without sigma. */
     double k_lowest, k_highest;         /* [1/s]; 0 or infinite: open on that side */
     double f0_lowest, f0_highest;       /* [-], cut at 0 and 1 */
     double f_inf_lowest, f_inf_highest; /* [-], cut at 0 and 1 */
@@ -322,14 +322,18 @@ BLOCKING_API blocking_status blocking_check_fit_def(const blocking_fit_def *def,
 
 /* Fits eq 13 by least squares over k > 0, f0 and f_inf in 0..1 (for a given k the rest is linear: variable projection; all minima of a grid
    in ln k are refined to round-off). t[n] rising >= 0, f[n] 0..1, n >= 3. sigma[n] > 0: standard errors of the readings, or NULL: equal and
-   unknown. NO_CHANGE, NON_MONOTONE, NOT_SATURATING, NOT_RESOLVED come with the best curve filled in (k NaN for NO_CHANGE); TOO_FEW,
-   NOT_FINITE, NOT_RISING, IN_PERCENT, NEGATIVE, BAD_DEF, BAD_ARGUMENT with NaN. */
+   unknown. f0 is that of t = 0: let the clock start with the test, or a bound of f0 keeps the curve from the readings. NO_CHANGE,
+   NON_MONOTONE, NOT_SATURATING, NOT_RESOLVED come with the best curve filled in (k NaN for NO_CHANGE); TOO_FEW, NOT_FINITE, NOT_RISING,
+   IN_PERCENT, NEGATIVE, BAD_DEF, BAD_ARGUMENT with NaN. */
 BLOCKING_API blocking_status blocking_fit(const blocking_fit_def *def, const double *t, const double *f, const double *sigma, size_t n,
                                           blocking_fit_result *out);
 
 /* Computes the ranges, with the confidence of the result's, of f at a time T [s] >= 0 (infinite: f_inf) and of its mean over 0..T, which
-   determines the deck's area; both are cut at 0 and 1. Any of the four may be NULL. Statuses as blocking_fit; OK also where blocking_fit
-   would name something that is left open: then the range is wide. TOO_FEW also for three readings without sigma. */
+   determines the deck's area; both are cut at 0 and 1, and are 0..1 where all curves leave these bounds before the first reading. Any of
+   the four may be NULL. The best curve is held within 0..1 from the first reading on, not from t = 0: the range of f does not depend on
+   where the clock starts. Statuses as blocking_fit; OK also where blocking_fit would name something that is left open: then the range is
+   wide. NO_CHANGE, with NaN, only without sigma: equal readings do not tell how well they are known. TOO_FEW also for three readings
+   without sigma. */
 BLOCKING_API blocking_status blocking_fit_range(const blocking_fit_def *def, const double *t, const double *f, const double *sigma,
                                                 size_t n, double T, double *f_lowest, double *f_highest, double *mean_lowest,
                                                 double *mean_highest);
@@ -1070,7 +1074,7 @@ BLOCKING_API blocking_status blocking_hard_from_curve(const double *size, const 
 BLOCKING_API blocking_status blocking_count_holes(const size_t *free_holes, const size_t *holes, size_t n, double z, blocking_count *out) {
     if (!out) return BLOCKING_BAD_ARGUMENT;
     out->free_fraction = out->blocked = out->standard_error = out->spot_error = out->low = out->high = (double)NAN;
-    if ((n > 0 && (!free_holes || !holes)) || !(z > 0.0 && blocking__finite(z))) return BLOCKING_BAD_ARGUMENT;
+    if ((n > 0 && (!free_holes || !holes)) || !(z > 0.0 && z <= 1e6)) return BLOCKING_BAD_ARGUMENT;
     if (n == 0) return BLOCKING_TOO_FEW;
     double counted = 0.0, all = 0.0, spots = 0.0, scatter = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -1086,8 +1090,8 @@ BLOCKING_API blocking_status blocking_count_holes(const size_t *free_holes, cons
     out->blocked = (all - counted) / all;
     out->standard_error = sqrt(f * (1.0 - f) / all);
     if (n > 1) out->spot_error = sqrt(scatter / ((double)n - 1.0) / (double)n);
-    out->low = counted > 0.0 ? centre - half : 0.0;
-    out->high = counted < all ? centre + half : 1.0;
+    out->low = counted > 0.0 ? blocking__clip(centre - half, 0.0, 1.0) : 0.0; /* rounding */
+    out->high = counted < all ? blocking__clip(centre + half, 0.0, 1.0) : 1.0;
     return BLOCKING_OK;
 }
 
@@ -1114,7 +1118,8 @@ BLOCKING_API blocking_ode_def blocking_default_ode_def(void) {
 
 BLOCKING_API blocking_status blocking_check_ode_def(const blocking_ode_def *def, const char **field) {
     const char *bad = NULL;
-    if (!def || def->cookie != BLOCKING__COOKIE_ODE) bad = "cookie";
+    if (!def) bad = "def";
+    else if (def->cookie != BLOCKING__COOKIE_ODE) bad = "cookie";
     else if (!blocking__within(def->f0, 0.0, 1.0)) bad = "f0";
     else if (!blocking__finite(def->start)) bad = "start";
     else if (!def->rates) bad = "rates";
@@ -1455,7 +1460,8 @@ BLOCKING_API blocking_fit_def blocking_default_fit_def(void) {
 
 BLOCKING_API blocking_status blocking_check_fit_def(const blocking_fit_def *def, const char **field) {
     const char *bad = NULL;
-    if (!def || def->cookie != BLOCKING__COOKIE_FIT) bad = "cookie";
+    if (!def) bad = "def";
+    else if (def->cookie != BLOCKING__COOKIE_FIT) bad = "cookie";
     else if (!(def->k_low > 0.0)) bad = "k_low";
     else if (!(def->k_high > def->k_low && blocking__finite(def->k_high))) bad = "k_high";
     else if (!(def->z > 0.0 && blocking__finite(def->z))) bad = "z";
@@ -1468,7 +1474,7 @@ BLOCKING_API blocking_status blocking_check_fit_def(const blocking_fit_def *def,
 typedef struct blocking__data {
     const double *t, *f, *sigma;
     size_t n;
-    double f_mean;
+    double f_mean, origin; /* origin: the time of f0 [s] */
 } blocking__data;
 
 /* The best curve for one k. */
@@ -1488,7 +1494,7 @@ static inline double blocking__gone(double x, double *e) {
 static inline void blocking__residuals(const blocking__data *d, blocking__trial *trial) {
     trial->sse = trial->slope = 0.0;
     for (size_t i = 0; i < d->n; i++) {
-        double x = trial->k * d->t[i], e, u = blocking__gone(x, &e), w = blocking__weight(d, i);
+        double x = trial->k * (d->t[i] - d->origin), e, u = blocking__gone(x, &e), w = blocking__weight(d, i);
         double change = trial->f_inf - trial->f0, miss = d->f[i] - trial->f0 - change * u;
         trial->sse += w * miss * miss;
         trial->slope -= w * miss * change * (x < 800.0 ? x * e : 0.0);
@@ -1500,10 +1506,10 @@ static inline void blocking__residuals(const blocking__data *d, blocking__trial 
 static inline blocking__trial blocking__try(const blocking__data *d, double log_k) {
     blocking__trial best;
     best.k = riddle_exp(log_k);
-    const double centre = -riddle_expm1(-best.k * d->t[d->n / 2]);
+    const double centre = -riddle_expm1(-best.k * (d->t[d->n / 2] - d->origin));
     double sw = 0.0, su = 0.0, suu = 0.0, suf = 0.0, uu = 0.0, uf = 0.0, ee = 0.0, ef = 0.0, eu = 0.0;
     for (size_t i = 0; i < d->n; i++) {
-        double e, u = blocking__gone(best.k * d->t[i], &e), w = blocking__weight(d, i), f = d->f[i] - d->f_mean;
+        double e, u = blocking__gone(best.k * (d->t[i] - d->origin), &e), w = blocking__weight(d, i), f = d->f[i] - d->f_mean;
         sw += w;
         su += w * (u - centre);
         suu += w * (u - centre) * (u - centre);
@@ -1659,6 +1665,7 @@ typedef struct blocking__region {
     double end;    /* places from -end to end are searched */
     double least;  /* smallest sum of squares */
     double target; /* largest sum of squares that is accepted */
+    double place;  /* where the least is, unless the fit's own is less */
     double student, variance;
     double from, to; /* places of the range of k */
 } blocking__region;
@@ -1687,7 +1694,7 @@ static inline blocking__region blocking__region_of(const blocking__data *d, cons
     const double span = d->t[d->n - 1] - d->t[0], most = 2.0 * k_high * span;
     r.end = riddle_log(most < 1e150 ? most : 1e150);
     r.least = best;
-    r.from = r.to = 0.0;
+    r.from = r.to = r.place = 0.0;
     const double step = 2.0 * r.end / (double)BLOCKING__SCAN;
     double before = HUGE_VAL, here = HUGE_VAL;
     for (int i = 0; i <= BLOCKING__SCAN + 1; i++) { /* every minimum of the scan is refined */
@@ -1695,8 +1702,8 @@ static inline blocking__region blocking__region_of(const blocking__data *d, cons
         if (here <= before && here <= after && here < HUGE_VAL) {
             double place = blocking__least_place(d, (i - 2) * step - r.end, i * step - r.end);
             double refined = blocking__regress(d, blocking__kappa(place)).sse;
-            if (here < r.least) r.least = here;
-            if (refined < r.least) r.least = refined;
+            if (here < r.least) r.least = here, r.place = (i - 1) * step - r.end;
+            if (refined < r.least) r.least = refined, r.place = place;
         }
         before = here;
         here = after;
@@ -1722,14 +1729,19 @@ static inline double blocking__meet(const blocking__data *d, double target, doub
 static inline void blocking__range_k(const blocking__data *d, blocking__region *r, double k, double *low, double *high) {
     const double span = d->t[d->n - 1] - d->t[0], step = r->end / (double)BLOCKING__SCAN, x = k * span;
     const double at = riddle_log(x + sqrt(x * x + 1.0));
-    double first = at, last = at; /* outermost places found within the target */
+    double first = at, last = at; /* outermost places found within the target, and the places of the scan beyond them */
+    double ahead = step * floor(at / step), beyond = ahead + step;
+    if (r->place > 0.0 && blocking__regress(d, blocking__kappa(r->place)).sse <= r->target) { /* the fit's k may be far from it */
+        if (r->place < first) first = r->place, ahead = step * floor(r->place / step);
+        if (r->place > last) last = r->place, beyond = step * (floor(r->place / step) + 1.0);
+    }
     for (int i = 0; i <= BLOCKING__SCAN; i++) {
         if (!(blocking__regress(d, blocking__kappa(i * step)).sse <= r->target)) continue;
-        if (i * step < first) first = i * step;
-        if (i * step > last) last = i * step;
+        if (i * step < first) first = i * step, ahead = (i - 1) * step;
+        if (i * step > last) last = i * step, beyond = (i + 1) * step;
     }
-    r->from = first > 0.0 ? blocking__meet(d, r->target, first, step * (first < at ? first / step - 1.0 : floor(at / step))) : 0.0;
-    r->to = last < r->end ? blocking__meet(d, r->target, last, step * (last > at ? last / step + 1.0 : floor(at / step) + 1.0)) : r->end;
+    r->from = first > 0.0 ? blocking__meet(d, r->target, first, ahead) : 0.0;
+    r->to = last < r->end ? blocking__meet(d, r->target, last, beyond) : r->end;
     *low = r->from > 0.0 ? blocking__kappa(r->from) / span : 0.0;
     *high = r->to < r->end ? blocking__kappa(r->to) / span : HUGE_VAL;
     if (*low > k) *low = k; /* rounding */
@@ -1742,6 +1754,21 @@ typedef struct blocking__wish {
     int mean; /* of f over 0..T */
 } blocking__wish;
 
+/* Returns e^x times a share, at most 1e130: no range of f reaches as far. The share may be too small for the product of the two. */
+static inline double blocking__grown(double x, double share) {
+    if (x < 300.0) return riddle_exp(x) * share;
+    const double power = x + riddle_log(share);
+    return riddle_exp(power < 300.0 ? power : 300.0);
+}
+
+/* Returns the share of the change from `first` on that a wish sees: f = f(first) + (f_inf - f(first)) share. It is negative before. */
+static inline double blocking__seen(blocking__wish wish, double k, double first) {
+    if (!(wish.T < HUGE_VAL)) return 1.0;
+    if (!wish.mean) return -riddle_expm1(k * (first - wish.T) < 300.0 ? k * (first - wish.T) : 300.0);
+    const double x = k * wish.T;
+    return 1.0 - blocking__grown(k * first, x < 0.5 ? 1.0 - blocking__mean_share(x) : -riddle_expm1(-x) / x);
+}
+
 /* Extends *low and *high by the values within the target at one place. */
 static inline void blocking__join(const blocking__data *d, const blocking__region *r, blocking__wish wish, double place, double *low,
                                   double *high) {
@@ -1749,25 +1776,25 @@ static inline void blocking__join(const blocking__data *d, const blocking__regio
     blocking__line line = blocking__regress(d, kappa);
     if (!(kappa > 0.0 && line.sse <= r->target)) return;
     /* f = alpha + beta (1 - e^(-k (t - first)))/(1 - e^(-kappa)) */
-    const double all = -riddle_expm1(-kappa), before = riddle_exp(k * first < 700.0 ? k * first : 700.0);
-    double e = wish.T < HUGE_VAL ? riddle_exp(-k * wish.T) : 0.0;
-    if (wish.mean && wish.T < HUGE_VAL) e = 1.0 - blocking__mean_share(k * wish.T);
-    const double b = (1.0 - before * e) / all, value = line.alpha + b * line.beta;
+    const double b = blocking__seen(wish, k, first) / -riddle_expm1(-kappa), value = line.alpha + b * line.beta;
     const double v = line.v_alpha + 2.0 * b * line.v_cross + b * b * line.v_beta;
-    const double reach = r->target > line.sse && v > 0.0 ? sqrt(v * (r->target - line.sse)) : 0.0;
-    if (!(fabs(value) < HUGE_VAL && reach < HUGE_VAL)) return;
+    const double reach = !(v < HUGE_VAL) ? HUGE_VAL : r->target > line.sse && v > 0.0 ? sqrt(v * (r->target - line.sse)) : 0.0;
+    if (!(fabs(value) < HUGE_VAL)) return;
     if (value - reach < *low) *low = value - reach;
     if (value + reach > *high) *high = value + reach;
 }
 
-/* Finds the hull of the values over all places, cut at 0 and 1. best: the fitted value, which always belongs to it. */
+/* Finds the hull of the values over all places, cut at 0 and 1. best: the fitted value, which always belongs to it. Values that all lie
+   beyond, as those long before the first reading may, say nothing. Close to straight lines f_inf runs off: the first place is near one. */
 static inline void blocking__range(const blocking__data *d, const blocking__region *r, blocking__wish wish, double best, double *low,
                                    double *high) {
+    const double near = wish.T < HUGE_VAL || r->from > 0.0 ? 0.01 : 1e-9;
     *low = *high = best;
     for (int i = 0; i <= BLOCKING__SCAN; i++)
-        blocking__join(d, r, wish, r->from + (r->to - r->from) * (i > 0 ? i : 0.01) / (double)BLOCKING__SCAN, low, high);
-    *low = blocking__clip(*low, 0.0, 1.0);
-    *high = blocking__clip(*high, 0.0, 1.0);
+        blocking__join(d, r, wish, r->from + (r->to - r->from) * (i > 0 ? i : near) / (double)BLOCKING__SCAN, low, high);
+    const int none = *low > 1.0 || *high < 0.0;
+    *low = none ? 0.0 : blocking__clip(*low, 0.0, 1.0);
+    *high = none ? 1.0 : blocking__clip(*high, 0.0, 1.0);
 }
 
 static inline void blocking__clear_fit(blocking_fit_result *out) {
@@ -1792,9 +1819,9 @@ typedef struct blocking__search {
     double range, sst, low, high; /* of the readings; bounds of ln k */
 } blocking__search;
 
-/* Checks the readings and bounds the search. NO_CHANGE: everything is set but the bounds. */
+/* Checks the readings and bounds the search; with NO_CHANGE everything is set as well. f0 is that of t = 0, or of the first reading. */
 static inline blocking_status blocking__pose(const blocking_fit_def *def, const double *t, const double *f, const double *sigma, size_t n,
-                                             blocking__search *s) {
+                                             int from_first, blocking__search *s) {
     s->d.f_mean = s->sst = s->range = 0.0;
     if (blocking_check_fit_def(def, NULL) != BLOCKING_OK) return BLOCKING_BAD_DEF;
     if (n > 0 && (!t || !f)) return BLOCKING_BAD_ARGUMENT;
@@ -1806,6 +1833,7 @@ static inline blocking_status blocking__pose(const blocking_fit_def *def, const 
     s->d.f = f;
     s->d.sigma = sigma;
     s->d.n = n;
+    s->d.origin = from_first ? t[0] : 0.0;
     double lowest = f[0], highest = f[0], gap = t[1] - t[0], weight = 0.0;
     for (size_t i = 0; i < n; i++) {
         double w = blocking__weight(&s->d, i);
@@ -1818,13 +1846,12 @@ static inline blocking_status blocking__pose(const blocking_fit_def *def, const 
     s->d.f_mean = f[0] + s->d.f_mean / weight;
     s->range = highest - lowest;
     for (size_t i = 0; i < n; i++) s->sst += blocking__weight(&s->d, i) * blocking__square(f[i] - s->d.f_mean);
-    if (!(s->range > def->tolerance)) return BLOCKING_NO_CHANGE;
-    const double k_low = def->k_low > 1e-4 / t[n - 1] ? def->k_low : 1e-4 / t[n - 1];
+    const double slowest = 1e-4 / (t[n - 1] - s->d.origin), k_low = def->k_low > slowest ? def->k_low : slowest;
     const double k_high = def->k_high < 40.0 / gap ? def->k_high : 40.0 / gap;
     if (!(k_low > 0.0 && k_low < k_high && blocking__finite(k_high) && blocking__finite(weight))) return BLOCKING_BAD_DEF;
     s->low = riddle_log(k_low);
     s->high = riddle_log(k_high);
-    return BLOCKING_OK;
+    return s->range > def->tolerance ? BLOCKING_OK : BLOCKING_NO_CHANGE;
 }
 
 /* Returns the best of all minima on a grid in ln k. *end: -1 or 1 if it lies at an end of the search, otherwise 0. */
@@ -1860,7 +1887,7 @@ static inline void blocking__fill_ranges(const blocking__search *s, const blocki
     out->student = r.student;
     if (!(r.target < HUGE_VAL)) return; /* as many readings as unknowns: nothing is known of the spread */
     blocking__fit_errors(&s->d, out, r.variance);
-    blocking__range_k(&s->d, &r, out->k, &out->k_lowest, &out->k_highest);
+    blocking__range_k(&s->d, &r, out->k > 0.0 ? out->k : 0.0, &out->k_lowest, &out->k_highest); /* no k: NO_CHANGE */
     blocking__range(&s->d, &r, at_start, out->f0, &out->f0_lowest, &out->f0_highest);
     blocking__range(&s->d, &r, at_end, out->f_inf, &out->f_inf_lowest, &out->f_inf_highest);
     out->k_determined = out->k_lowest > 0.0 && out->k_highest < HUGE_VAL;
@@ -1872,11 +1899,12 @@ BLOCKING_API blocking_status blocking_fit(const blocking_fit_def *def, const dou
     if (!out) return BLOCKING_BAD_ARGUMENT;
     blocking__search s;
     blocking__clear_fit(out);
-    blocking_status status = blocking__pose(def, t, f, sigma, n, &s);
+    blocking_status status = blocking__pose(def, t, f, sigma, n, 0, &s);
     if (status == BLOCKING_NO_CHANGE) {
         out->f0 = out->f_inf = s.d.f_mean;
         out->sse = s.sst;
         if (s.sst > 0.0) out->r2 = 0.0;
+        if (sigma) blocking__fill_ranges(&s, def, out); /* without, equal readings do not tell their spread */
     }
     if (status != BLOCKING_OK) return status;
     int end;
@@ -1902,34 +1930,31 @@ BLOCKING_API blocking_status blocking_fit_range(const blocking_fit_def *def, con
                                                 double *mean_highest) {
     double low[2] = {(double)NAN, (double)NAN}, high[2] = {(double)NAN, (double)NAN};
     blocking__search s;
-    blocking_status status = T >= 0.0 ? blocking__pose(def, t, f, sigma, n, &s) : BLOCKING_BAD_ARGUMENT;
+    blocking_status status = T >= 0.0 ? blocking__pose(def, t, f, sigma, n, 1, &s) : BLOCKING_BAD_ARGUMENT;
     if (f_lowest) *f_lowest = low[0];
     if (f_highest) *f_highest = high[0];
     if (mean_lowest) *mean_lowest = low[1];
     if (mean_highest) *mean_highest = high[1];
-    if (status == BLOCKING_NO_CHANGE) status = BLOCKING_OK;
-    if (status == BLOCKING_OK && !(s.range > def->tolerance)) {
-        low[0] = low[1] = high[0] = high[1] = s.d.f_mean;
-    } else if (status == BLOCKING_OK) {
-        int end;
-        const blocking__trial best = blocking__search_k(&s, &end);
-        blocking__region r = blocking__region_of(&s.d, def, riddle_exp(s.high), best.sse);
-        double k_low, k_high;
-        if (!(r.target < HUGE_VAL)) return BLOCKING_TOO_FEW;
-        blocking__range_k(&s.d, &r, best.k, &k_low, &k_high);
-        for (int mean = 0; mean < 2; mean++) {
-            blocking__wish wish;
-            wish.T = T;
-            wish.mean = mean;
-            double value = mean ? blocking_time_mean(best.f0, best.f_inf, best.k, T) : blocking_curve(best.f0, best.f_inf, best.k, T);
-            blocking__range(&s.d, &r, wish, value, &low[mean], &high[mean]);
-        }
+    if (status == BLOCKING_NO_CHANGE && sigma) status = BLOCKING_OK; /* sigma tells how well equal readings are known */
+    if (status != BLOCKING_OK) return status;
+    int end;
+    const blocking__trial best = blocking__search_k(&s, &end);
+    blocking__region r = blocking__region_of(&s.d, def, riddle_exp(s.high), best.sse);
+    double k_low, k_high;
+    if (!(r.target < HUGE_VAL)) return BLOCKING_TOO_FEW;
+    blocking__range_k(&s.d, &r, best.k, &k_low, &k_high);
+    for (int mean = 0; mean < 2; mean++) {
+        blocking__wish wish;
+        wish.T = T;
+        wish.mean = mean;
+        double value = best.f0 + (best.f_inf - best.f0) * blocking__seen(wish, best.k, s.d.origin);
+        blocking__range(&s.d, &r, wish, value, &low[mean], &high[mean]);
     }
     if (f_lowest) *f_lowest = low[0];
     if (f_highest) *f_highest = high[0];
     if (mean_lowest) *mean_lowest = low[1];
     if (mean_highest) *mean_highest = high[1];
-    return status;
+    return BLOCKING_OK;
 }
 
 /* ========================================================== >>law =========================================================== */
@@ -2560,8 +2585,9 @@ BLOCKING_API blocking_status blocking_polynomial_fit(const double *x, const doub
     for (size_t i = 0; i < n_points; i++) {
         for (size_t j = 0; j < n_terms; j++) q[j * n_points + i] = blocking__monomial(powers + j * n_vars, x + i * n_vars, n_vars);
         b[i] = y[i];
-        y_mean += y[i] / (double)n_points;
+        y_mean += (y[i] - y[0]) / (double)n_points; /* about y[0]: the mean of equal values is that value */
     }
+    y_mean += y[0];
     for (size_t i = 0; i < n_points; i++) sst += blocking__square(y[i] - y_mean);
     if (!blocking__finite(sst)) return BLOCKING_NOT_FINITE;
     for (size_t j = 0; j < n_terms; j++) {
@@ -2636,7 +2662,8 @@ static inline int blocking__is_range(double low, double high) {
 
 BLOCKING_API blocking_status blocking_check_duty(const blocking_duty *duty, const char **field) {
     const char *bad = NULL;
-    if (!duty || duty->cookie != BLOCKING__COOKIE_DUTY) bad = "cookie";
+    if (!duty) bad = "duty";
+    else if (duty->cookie != BLOCKING__COOKIE_DUTY) bad = "cookie";
     else if (!(duty->passing > 0.0 && blocking__finite(duty->passing))) bad = "passing";
     else if (!(duty->capacity > 0.0 && duty->passing / duty->capacity > 0.0 && blocking__finite(duty->passing / duty->capacity)))
         bad = "capacity";

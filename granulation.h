@@ -279,7 +279,8 @@ typedef struct granulation_collision {
 } granulation_collision;
 
 GRANULATION_API granulation_laws granulation_default_laws(void);
-/* Returns GRANULATION_BAD_DEF and the name of the first bad field (field may be NULL), otherwise ok. */
+/* Returns GRANULATION_BAD_DEF and the name of the first bad field (field may be NULL), otherwise ok and NULL; BAD_ARGUMENT and "laws" for
+   NULL. The other check functions do the same ("def"). */
 GRANULATION_API granulation_status granulation_check_laws(const granulation_laws *laws, const char **field);
 /* Computes the properties of a granule; every derived one is NaN if the volumes are outside their ranges. */
 static inline granulation_body granulation_body_of(const granulation_laws *laws, const granulation_granule *g);
@@ -1388,6 +1389,7 @@ GRANULATION_API granulation_laws granulation_default_laws(void) {
 }
 
 GRANULATION_API granulation_status granulation_check_laws(const granulation_laws *w, const char **field) {
+    if (field) *field = w ? NULL : "laws";
     if (!w) return GRANULATION_BAD_ARGUMENT;
     GRANULATION__NEED(w->convention == GRANULATION_CONSISTENT || w->convention == GRANULATION_PRINTED, "convention");
     GRANULATION__NEED(w->viscosity > 0.0 && granulation__finite(w->viscosity), "viscosity");
@@ -1456,6 +1458,7 @@ GRANULATION_API granulation_def granulation_paper_def(void) {
 }
 
 GRANULATION_API granulation_status granulation_check_def(const granulation_def *d, const char **field) {
+    if (field) *field = d ? NULL : "def";
     if (!d) return GRANULATION_BAD_ARGUMENT;
     GRANULATION__NEED(d->cookie == GRANULATION__COOKIE, "cookie");
     granulation_status status = granulation_check_laws(&d->laws, field);
@@ -2707,6 +2710,7 @@ GRANULATION_API granulation_balance_def granulation_balance_default_def(void) {
 }
 
 GRANULATION_API granulation_status granulation_balance_check_def(const granulation_balance_def *d, const char **field) {
+    if (field) *field = d ? NULL : "def";
     if (!d) return GRANULATION_BAD_ARGUMENT;
     GRANULATION__NEED(d->cookie == GRANULATION__BALANCE_COOKIE, "cookie");
     GRANULATION__NEED(d->scheme == GRANULATION_CELL_AVERAGE || d->scheme == GRANULATION_FIXED_PIVOT, "scheme");

@@ -285,7 +285,7 @@ static inline double bridge_printed_drag_spin(double viscous_gap, double reduced
 
 /* Returns valid defaults: two 5 mm glass spheres, water. */
 BRIDGE_API bridge_pair_def bridge_pair_default_def(void);
-/* Returns BRIDGE_OK, or BRIDGE_INVALID with *field (may be NULL) the name of the first bad field. */
+/* Returns BRIDGE_OK, or BRIDGE_INVALID with *field (may be NULL) the name of the first bad field, NULL when all is well. */
 BRIDGE_API bridge_status bridge_pair_check_def(const bridge_pair_def *def, const char **field);
 /* Solves and tabulates one kind of pair (10 to 20 milliseconds; with a jump of the neck, or nearly equal spheres over 30 degrees, 150).
    BRIDGE_INVALID, or BRIDGE_NO_SOLUTION if some volume of the range has no bridge in contact; *pair is then unusable. */
@@ -1293,6 +1293,7 @@ BRIDGE_API bridge_pair_def bridge_pair_default_def(void) {
 }
 
 BRIDGE_API bridge_status bridge_pair_check_def(const bridge_pair_def *def, const char **field) {
+    if (field) *field = def ? NULL : "def";
     if (!def) return BRIDGE_INVALID;
     const bridge_liquid *liquid = &def->liquid;
     const char *bad = NULL;

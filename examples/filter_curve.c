@@ -316,6 +316,8 @@ static filtration_curve evaluate(const program *self, const settings *s, const r
     filtration_status status = filtration_evaluate(&s->def, r->n, r->time, r->volume, &c);
     if (status == FILTRATION_OK && s->clean_volume > 0.0)
         status = filtration_evaluate_clean(&s->def, r->n, r->time, r->volume, s->clean_volume, clean);
+    if (status == FILTRATION_BAD_ARGUMENT && s->data) /* all else was checked row by row */
+        refuse_file(self, s->data, "the filtrate falls by more than scatter: one filtration, without emptying the vessel, is one file");
     if (status != FILTRATION_OK && s->data) refuse_file(self, s->data, filtration_status_text(status));
     if (status != FILTRATION_OK) program_refuse(self, "from-ml", NULL, "a stretch with at least 6 readings, and 6 up to --clean-ml");
     filtration_estimate *of_medium[] = {&c.medium, clean}; /* what the empty set-up resists is not the medium's */

@@ -10,6 +10,7 @@ FILTRATION_API const char *filtration_remark_text(unsigned remark) {
 }
 
 enum { FILTRATION__CURVE_COOKIE = 0x46435631 };
+#define FILTRATION__ROUNDING 1e-12 /* share of t / V below which bend and scatter are of the numbers, not of the filter */
 
 FILTRATION_API filtration_curve_def filtration_curve_default_def(void) {
     filtration_curve_def d;
@@ -33,7 +34,8 @@ static inline int filtration__is_positive(double x) { return x > 0.0 && filtrati
 
 FILTRATION_API filtration_status filtration_curve_check_def(const filtration_curve_def *d, const char **field) {
     const char *bad = NULL;
-    if (!d || d->cookie != FILTRATION__CURVE_COOKIE) bad = "cookie";
+    if (!d) bad = "def";
+    else if (d->cookie != FILTRATION__CURVE_COOKIE) bad = "cookie";
     else if (!filtration__is_positive(d->pressure)) bad = "pressure";
     else if (!filtration__is_positive(d->viscosity)) bad = "viscosity";
     else if (!filtration__is_positive(d->area)) bad = "area";
@@ -143,7 +145,7 @@ static inline double filtration__bend(const filtration__line *line) {
    or no more than the tolerance. A parabola alone would miss an S-shaped curve (flat, steep, less steep). */
 static inline int filtration__is_straight(const filtration__readings *r, const filtration__line *line) {
     if (!(line->sxx > 0.0)) return 0;
-    if (filtration__bend(line) <= r->def->tolerance) return 1;
+    if (filtration__bend(line) <= r->def->tolerance + FILTRATION__ROUNDING) return 1;
     const double freedom = (double)line->n - 4.0, rest = line->squares - line->explained;
     if (!(rest > 0.0 && freedom > 0.0)) return 0;
     return riddle_exp(-0.5 * freedom * riddle_log1p(line->explained / rest)) >= r->def->bend_level;
@@ -192,6 +194,27 @@ static inline filtration_estimate filtration__times(filtration_estimate e, doubl
     return filtration__estimate(value, error, filtration_student(confidence, freedom * ratio * ratio * ratio * ratio));
 }
 
+static inline void filtration__clear_curve(filtration_curve *c) {
+    memset(c, 0, sizeof *c);
+    c->slope = c->intercept = c->product = c->cake = c->medium = filtration__estimate((double)NAN, (double)NAN, (double)NAN);
+    c->covariance = c->freedom = c->student = c->scatter = c->r2 = c->bend = c->correlation = (double)NAN;
+    c->pressure = c->viscosity = c->area = c->confidence = c->smallest = c->largest = (double)NAN;
+}
+
+/* Returns whether the volume runs backwards after the start, by more than readings scatter. */
+static inline int filtration__falls(const filtration__readings *r, size_t n) {
+    double largest = 0.0, highest = 0.0;
+    for (size_t i = 0; i < n; i++)
+        if (r->time[i] > r->def->start_time && r->volume[i] > largest) largest = r->volume[i];
+    const double scatter = 0.02 * largest + 6.0 * r->def->volume_error;
+    for (size_t i = 0; i < n; i++) {
+        if (!(r->time[i] > r->def->start_time)) continue;
+        if (r->volume[i] > highest) highest = r->volume[i];
+        if (highest - r->volume[i] > scatter) return 1;
+    }
+    return 0;
+}
+
 /* Checks the readings; first and last: the outermost ones that count. */
 static inline filtration_status filtration__take(filtration__readings *r, size_t n, size_t *first, size_t *last, size_t *count) {
     double x, y, weight;
@@ -208,6 +231,7 @@ static inline filtration_status filtration__take(filtration__readings *r, size_t
         if (x > largest_x) largest_x = x;
         if (y > largest_y) largest_y = y;
     }
+    if (filtration__falls(r, n)) return FILTRATION_BAD_ARGUMENT;
     if (*count < r->def->least_readings) return FILTRATION_FEW_DATA;
     r->x_scale = largest_x, r->y_scale = largest_y;
     return filtration__is_positive(largest_x) && filtration__is_positive(largest_y) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
@@ -225,7 +249,7 @@ static inline void filtration__intervals(const filtration__readings *r, const fi
     c->scatter = sqrt(variance / (line->weights / m)) / line->mean_y;
     c->r2 = line->syy > 0.0 ? 1.0 - line->squares / line->syy : 0.0;
     c->bend = filtration__bend(line);
-    if (c->correlation > 1.645 / sqrt(m)) {
+    if (c->correlation > 1.645 / sqrt(m) && c->scatter > FILTRATION__ROUNDING) {
         const double inflation = (1.0 + c->correlation) / (1.0 - c->correlation);
         variance *= inflation;
         c->freedom = m / inflation - 2.0 > 1.0 ? m / inflation - 2.0 : 1.0;
@@ -255,8 +279,9 @@ FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def 
                                                      filtration_curve *result) {
     size_t first = 0, last = 0, count = 0;
     filtration__line line;
-    if (!result || filtration_curve_check_def(def, NULL) != FILTRATION_OK) return result ? FILTRATION_BAD_DEF : FILTRATION_BAD_ARGUMENT;
-    memset(result, 0, sizeof *result);
+    if (!result) return FILTRATION_BAD_ARGUMENT;
+    filtration__clear_curve(result);
+    if (filtration_curve_check_def(def, NULL) != FILTRATION_OK) return FILTRATION_BAD_DEF;
     if (n > 0 && (!time || !volume)) return FILTRATION_BAD_ARGUMENT;
     filtration__readings r;
     r.def = def, r.time = time, r.volume = volume;
@@ -273,14 +298,18 @@ FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def 
     if (!(result->slope.low > 0.0)) result->remarks |= FILTRATION_REMARK_SLOPE;
     if (result->intercept.value < 0.0) result->remarks |= FILTRATION_REMARK_MEDIUM;
     const double all = result->product.error + result->medium.error;
-    return filtration__is_finite(all) && filtration__is_finite(result->product.value) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
+    if (filtration__is_finite(all) && filtration__is_finite(result->product.value)) return FILTRATION_OK;
+    filtration__clear_curve(result);
+    return FILTRATION_NO_SOLUTION;
 }
 
 FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curve_def *def, size_t n, const double *time,
                                                            const double *volume, double last_volume, filtration_estimate *medium) {
     size_t first = 0, last = 0, count = 0;
     filtration__line line;
-    if (!medium || !(last_volume > 0.0)) return FILTRATION_BAD_ARGUMENT;
+    if (!medium) return FILTRATION_BAD_ARGUMENT;
+    *medium = filtration__estimate((double)NAN, (double)NAN, (double)NAN);
+    if (!(last_volume > 0.0)) return FILTRATION_BAD_ARGUMENT;
     if (filtration_curve_check_def(def, NULL) != FILTRATION_OK) return FILTRATION_BAD_DEF;
     if (n > 0 && (!time || !volume)) return FILTRATION_BAD_ARGUMENT;
     filtration_curve_def clean = *def;
@@ -294,14 +323,18 @@ FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curv
     const double error = sqrt(line.syy / freedom / line.weights);
     if (!(filtration__is_finite(error) && line.mean_y > 0.0)) return FILTRATION_NO_SOLUTION;
     const filtration_estimate mean = filtration__estimate(line.mean_y * r.y_scale, error * r.y_scale, 1.0);
-    *medium = filtration__times(mean, filtration_medium_of_intercept(1.0, def->pressure, def->viscosity, def->area),
-                                sqrt(p * p + v * v + a * a), def->confidence, freedom);
-    return filtration__is_finite(medium->value) && filtration__is_finite(medium->error) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
+    const filtration_estimate found = filtration__times(mean, filtration_medium_of_intercept(1.0, def->pressure, def->viscosity, def->area),
+                                                        sqrt(p * p + v * v + a * a), def->confidence, freedom);
+    if (!(filtration__is_finite(found.value) && filtration__is_finite(found.error))) return FILTRATION_NO_SOLUTION;
+    *medium = found;
+    return FILTRATION_OK;
 }
 
 FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area, double compressibility,
                                                     double V, filtration_estimate *time) {
-    if (!curve || !time || !filtration__is_positive(pressure) || !filtration__is_positive(area) || !filtration__is_error(V) ||
+    if (!time) return FILTRATION_BAD_ARGUMENT;
+    *time = filtration__estimate((double)NAN, (double)NAN, (double)NAN);
+    if (!curve || !filtration__is_positive(pressure) || !filtration__is_positive(area) || !filtration__is_error(V) ||
         !(compressibility >= 0.0 && compressibility < 1.0) || !filtration__is_positive(curve->pressure))
         return FILTRATION_BAD_ARGUMENT;
     const double p = curve->pressure / pressure, a = curve->area / area;

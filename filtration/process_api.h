@@ -159,19 +159,21 @@ typedef struct filtration_curve {
 } filtration_curve;
 
 FILTRATION_API filtration_curve_def filtration_curve_default_def(void);
-/* Returns BAD_DEF and the name of the first bad field (field may be NULL). */
+/* Returns BAD_DEF and the name of the first bad field (field may be NULL), or OK and NULL. */
 FILTRATION_API filtration_status filtration_curve_check_def(const filtration_curve_def *def, const char **field);
 /* Fits (3) to n readings of time [s] and filtrate volume [m3] (arrays of the caller, in the order of time). Readings at or before the start
-   are left out. BAD_DEF; BAD_ARGUMENT: a reading is negative, infinite or not a number, or time runs backwards; FEW_DATA: fewer than
-   least_readings; NO_SOLUTION: all at one volume, or out of the range of doubles. */
+   are left out. BAD_DEF; BAD_ARGUMENT: a reading is negative, infinite or not a number, time runs backwards, or the volume does: after the
+   start it falls below an earlier one by more than 2 % of the largest and six volume_error (the vessel was emptied, or this is more than
+   one filtration). Less is scatter, and counts as it was read. FEW_DATA: fewer than least_readings; NO_SOLUTION: all at one volume, or out
+   of the range of doubles. After any of them the numbers are NaN, used and remarks 0. */
 FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def *def, size_t n, const double *time, const double *volume,
                                                      filtration_curve *result);
 /* Determines the resistance of the clean medium [1/m]: the mean of dp t A / (mu V) over the readings from the start to last_volume [m3] >
-   0, before there is a cake. Errors as above. The caller leaves out readings where t / V still rises. */
+   0, before there is a cake. Errors, and NaN, as above. The caller leaves out readings where t / V still rises. */
 FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curve_def *def, size_t n, const double *time,
                                                            const double *volume, double last_volume, filtration_estimate *medium);
 /* Predicts the time [s] to a filtrate volume V >= 0 [m3] on another filter: pressure [Pa], area [m2] > 0, compressibility n of the cake as
-   above (0 for the measured pressure), with the interval that follows from slope and intercept. */
+   above (0 for the measured pressure), with the interval that follows from slope and intercept. NaN with BAD_ARGUMENT. */
 FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area, double compressibility,
                                                     double V, filtration_estimate *time);
 /* What of a prediction lies outside the readings. */

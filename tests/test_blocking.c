@@ -163,6 +163,13 @@ static void counted_holes(void **state) {
     assert_int_equal(blocking_count_holes(NULL, spot, 1, 1.96, &c), BLOCKING_BAD_ARGUMENT);
     assert_int_equal(blocking_count_holes(all, spot, 1, nan_, &c), BLOCKING_BAD_ARGUMENT);
     assert_int_equal(blocking_count_holes(all, spot, 1, 1.96, NULL), BLOCKING_BAD_ARGUMENT);
+    const double beyond[] = {1.01e6, 1e160, 1e300, HUGE_VAL, 0.0, -1.0}; /* the square of z overflows: no interval */
+    for (size_t i = 0; i < LENGTH(beyond); i++) {
+        assert_int_equal(blocking_count_holes(some, spot, 1, beyond[i], &c), BLOCKING_BAD_ARGUMENT);
+        assert_true(isnan(c.low) && isnan(c.high));
+    }
+    assert_int_equal(blocking_count_holes(some, spot, 1, 1e6, &c), BLOCKING_OK);
+    assert_true(c.low >= 0.0 && c.low < 1e-6 && c.high > 1.0 - 1e-6 && c.high <= 1.0);
 
     assert_false(blocking_bed_too_thick(0.0, 0.2) || blocking_bed_too_thick(0.0199, 0.2));
     assert_true(blocking_bed_too_thick(0.02, 0.2) && blocking_bed_too_thick(0.03, 0.3) && blocking_bed_too_thick(1.0, 0.2));
@@ -543,6 +550,8 @@ static void bad_integrations(void **state) {
     BAD(def.max_step = nan_, "max_step");
     BAD(def.max_steps = 0, "max_steps");
     assert_int_equal(blocking_check_ode_def(NULL, NULL), BLOCKING_BAD_DEF);
+    assert_int_equal(blocking_check_ode_def(NULL, &field), BLOCKING_BAD_DEF);
+    assert_string_equal(field, "def");
 
     const double times[] = {1.0, 2.0, 3.0}, same[] = {1.0, 1.0}, unknown[] = {1.0, nan_}, before[] = {-1.0, 1.0};
     double f[3];
@@ -813,6 +822,8 @@ static void fit_statuses(void **state) {
     BAD_FIT(def.z = -1.0, "z");
     BAD_FIT(def.turn_back = 0.0, "turn_back");
     BAD_FIT(def.tolerance = nan_, "tolerance");
+    assert_int_equal(blocking_check_fit_def(NULL, &field), BLOCKING_BAD_DEF);
+    assert_string_equal(field, "def");
     assert_int_equal(blocking_check_fit_def(&good, &field), BLOCKING_OK);
     assert_null(field);
     assert_int_equal(blocking_fit(NULL, t, f, NULL, 5, &fit), BLOCKING_BAD_DEF);
@@ -946,9 +957,6 @@ static void what_four_readings_say(void **state) {
     assert_int_equal(blocking_fit_range(&def, t, f, NULL, 3, 1.0, &low[0], NULL, NULL, NULL), BLOCKING_TOO_FEW);
     assert_true(isnan(low[0]));
     assert_int_equal(blocking_fit_range(&def, t, f, NULL, 4, nan_, &low[0], NULL, NULL, NULL), BLOCKING_BAD_ARGUMENT);
-    const double same[] = {.5, .5, .5, .5};
-    assert_int_equal(blocking_fit_range(&def, t, same, NULL, 4, 1.0, &low[0], &high[0], NULL, NULL), BLOCKING_OK);
-    assert_true(low[0] == .5 && high[0] == .5);
     /* through to the deck */
     blocking_duty duty = blocking_default_duty();
     blocking_deck deck;
@@ -962,6 +970,120 @@ static void what_four_readings_say(void **state) {
     close_to(deck.area_mean_high95, deck.area_clean / duty.mean_lowest, 1e-15);
     duty.mean_lowest = 2.0;
     assert_int_equal(blocking_design(&duty, &deck), BLOCKING_BAD_DEF);
+}
+
+/* Equal readings are as certain as their sigma, no more: as those that differ by next to nothing. */
+static void equal_readings_with_sigma(void **state) {
+    (void)state;
+    const double t[] = {0, 10, 20, 40, 80};
+    blocking_fit_def def = blocking_default_fit_def();
+    blocking_fit_result fit;
+    double low[2], high[2], mean_low[2], mean_high[2];
+    for (double s = 1e-2; s > 1e-9; s *= 1e-2) {
+        const double sigma[] = {s, s, s, s, s}, when[] = {0, 25, 80, HUGE_VAL};
+        for (size_t i = 0; i < LENGTH(when); i++) {
+            for (int differ = 0; differ < 2; differ++) {
+                const double f[] = {.96, .96, .96 + (differ ? 1e-6 * s : 0.0), .96, .96};
+                if (differ) def.tolerance = 0.0;
+                assert_int_equal(
+                    blocking_fit_range(&def, t, f, sigma, 5, when[i], &low[differ], &high[differ], &mean_low[differ], &mean_high[differ]),
+                    BLOCKING_OK);
+            }
+            def = blocking_default_fit_def();
+            near(low[0], low[1], 1e-5 * s);
+            near(high[0], high[1], 1e-5 * s);
+            near(mean_low[0], mean_low[1], 1e-5 * s);
+            near(mean_high[0], mean_high[1], 1e-5 * s);
+            const double half = fmin(.96 - low[0], high[0] - .96);
+            if (isinf(when[i])) assert_true(low[0] == 0.0 && high[0] == 1.0); /* slow enough, it ends anywhere */
+            else assert_true(half > 1.96 * s / sqrt(5.0) - 1e-12 && half < 3.0 * s);
+        }
+        const double same[] = {.96, .96, .96, .96, .96};
+        assert_int_equal(blocking_fit(&def, t, same, sigma, 5, &fit), BLOCKING_NO_CHANGE);
+        blocking_fit_range(&def, t, same, sigma, 5, 0.0, &low[0], &high[0], NULL, NULL);
+        assert_true(fit.f_inf == .96 && isnan(fit.k) && isnan(fit.error_f_inf) && isinf(fit.dof) && fit.student == 1.96);
+        assert_true(fit.f0_lowest == low[0] && fit.f0_highest == high[0] && fit.f_inf_lowest == 0.0 && fit.f_inf_highest == 1.0);
+        assert_true(fit.k_lowest == 0.0 && isinf(fit.k_highest) && !fit.k_determined && !fit.f_inf_determined);
+        /* without sigma nothing tells the spread */
+        assert_int_equal(blocking_fit_range(&def, t, same, NULL, 5, 1.0, low, high, mean_low, mean_high), BLOCKING_NO_CHANGE);
+        assert_true(isnan(low[0]) && isnan(high[0]) && isnan(mean_low[0]) && isnan(mean_high[0]));
+        assert_int_equal(blocking_fit(&def, t, same, NULL, 5, &fit), BLOCKING_NO_CHANGE);
+        assert_true(isnan(fit.f0_lowest) && isnan(fit.f_inf_highest) && isnan(fit.student));
+    }
+    /* a change that the tolerance calls none, but sigma sees */
+    const double f[] = {.64, .624, .615, .605, .6007}, sigma[] = {1e-3, 1e-3, 1e-3, 1e-3, 1e-3};
+    def.tolerance = 0.05;
+    assert_int_equal(blocking_fit_range(&def, t, f, sigma, 5, 80.0, low, high, NULL, NULL), BLOCKING_OK);
+    assert_true(low[0] > .59 && high[0] < .61);
+    /* a sieve that hardly blocks: in a third of the trials all five counts of 100 holes are equal */
+    uint64_t seed = 7;
+    int holds = 0, equal = 0;
+    enum { TRIALS = 300 };
+    def = blocking_default_fit_def();
+    for (int i = 0; i < TRIALS; i++) {
+        double counted[5], error[5];
+        for (int j = 0; j < 5; j++) {
+            int free_holes = 0;
+            for (int hole = 0; hole < 100; hole++) free_holes += next_random(&seed) < .998;
+            const double share = (free_holes + 1.0) / 102.0; /* as examples/blocking_tests.h */
+            counted[j] = free_holes / 100.0;
+            error[j] = sqrt(share * (1.0 - share) / 100.0);
+        }
+        equal += counted[0] == counted[1] && counted[1] == counted[2] && counted[2] == counted[3] && counted[3] == counted[4];
+        assert_int_equal(blocking_fit_range(&def, t, counted, error, 5, 80.0, low, high, NULL, NULL), BLOCKING_OK);
+        holds += low[0] <= .998 && .998 <= high[0];
+    }
+    assert_true(equal > TRIALS / 5 && holds >= 0.93 * TRIALS);
+}
+
+/* The clock may start at any time: the range of f at a reading is the same. */
+static void ranges_at_a_late_clock(void **state) {
+    (void)state;
+    blocking_fit_def def = blocking_default_fit_def();
+    const double starts[] = {0, 100, 5000, 20000, 40000, 1048576, 1073741824}, after[] = {0, 4, 25, 50, 400, HUGE_VAL};
+    for (int known = 0; known < 2; known++)
+        for (size_t i = 0; i < LENGTH(after); i++) {
+            double low_at_0 = nan_, high_at_0 = nan_;
+            for (size_t s = 0; s < LENGTH(starts); s++) {
+                double t[6], f[6], low, high, sigma[6];
+                for (int j = 0; j < 6; j++) {
+                    t[j] = starts[s] + 10 * j;
+                    f[j] = blocking_curve(.9, .6, .05, 10.0 * j) + (j % 2 ? .002 : -.002);
+                    sigma[j] = .002;
+                }
+                assert_int_equal(blocking_fit_range(&def, t, f, known ? sigma : NULL, 6, starts[s] + after[i], &low, &high, NULL, NULL),
+                                 BLOCKING_OK);
+                if (s == 0) low_at_0 = low, high_at_0 = high;
+                assert_true(low == low_at_0 && high == high_at_0);
+                const double truth = blocking_curve(.9, .6, .05, after[i]);
+                assert_true(low < truth && truth < high && high - low < .05);
+            }
+        }
+    /* blocking_fit bounds f0 at t = 0, from where no curve leads to these: its ranges are of the readings all the same */
+    double t[6], f[6], sigma[6], low, high, mean_low, mean_high;
+    blocking_fit_result fit;
+    for (int j = 0; j < 6; j++) t[j] = 20000 + 10 * j, f[j] = blocking_curve(.9, .6, .05, 10.0 * j), sigma[j] = 1e-7;
+    assert_int_equal(blocking_fit(&def, t, f, sigma, 6, &fit), BLOCKING_NOT_SATURATING);
+    assert_true(fit.f0 == 1.0 && fit.f_inf_highest > .6 && fit.f_inf_highest < .6 + 1e-6 && fit.k_highest > .05 && fit.k_highest < .0501);
+    /* between the clock's start and the first reading, and the mean from the clock's start on: readings of a curve known exactly */
+    const double late = 100.0, k = .005;
+    for (int j = 0; j < 6; j++) t[j] = late + 20 * j, f[j] = blocking_curve(.9, .6, k, 20.0 * j), sigma[j] = 1e-8;
+    for (double T = 1.0; T < 1e6; T *= 3.0) {
+        assert_int_equal(blocking_fit_range(&def, t, f, sigma, 6, T, &low, &high, &mean_low, &mean_high), BLOCKING_OK);
+        const double value = .6 + .3 * exp(k * (late - T)), mean = .6 + .3 * exp(k * late) * -expm1(-k * T) / (k * T);
+        near(low, value > 1.0 ? 0.0 : value, 1e-6); /* above 1 the curve cannot hold */
+        near(high, value > 1.0 ? 1.0 : value, 1e-6);
+        near(mean_low, mean > 1.0 ? 0.0 : mean, 1e-6);
+        near(mean_high, mean > 1.0 ? 1.0 : mean, 1e-6);
+    }
+    /* so late that all curves come from beyond 1: nothing is known of the time before */
+    for (int j = 0; j < 6; j++) t[j] += 1e6;
+    assert_int_equal(blocking_fit_range(&def, t, f, sigma, 6, t[1], &low, &high, &mean_low, &mean_high), BLOCKING_OK);
+    near(low, f[1], 1e-6);
+    near(high, f[1], 1e-6);
+    assert_true(mean_low == 0.0 && mean_high == 1.0);
+    assert_int_equal(blocking_fit_range(&def, t, f, sigma, 6, 0.0, &low, &high, NULL, NULL), BLOCKING_OK);
+    assert_true(low == 0.0 && high == 1.0);
 }
 
 /* No noisy set with more readings than unknowns is refused, and none is worse than the best curve on a border. */
@@ -1370,6 +1492,14 @@ static void polynomials(void **state) {
     near(error[1], sqrt(0.02 / 5.0), 1e-14);
     near(error[0], sqrt(0.02 * 14.0 / 20.0), 1e-14);
     near(report.r2, 1.0 - 0.04 / 20.04, 1e-14);
+    const double constants[] = {0.1, 0.7, 3.3, 1e5 / 3.0}; /* equal values have no spread, though their sum rounds */
+    for (size_t i = 0; i < LENGTH(constants); i++) {
+        double at[7], same[7];
+        for (int j = 0; j < 7; j++) at[j] = 0.37 * j, same[j] = constants[i];
+        assert_int_equal(blocking_polynomial_fit(at, same, 7, line, 2, 1, a, error, work, &report), BLOCKING_OK);
+        assert_true(isnan(report.r2));
+        close_to(a[0], constants[i], 1e-14);
+    }
 
     /* what the points cannot tell apart is named: one K only, so K^2 is a multiple of 1 */
     for (int i = 0; i < 55; i++) x[i][0] = 1.5;
@@ -1449,6 +1579,8 @@ static void deck_area(void **state) {
     BAD_DUTY(duty.f_inf = nan_, "f_inf");
     BAD_DUTY(duty.k = -1.0, "k");
     BAD_DUTY(duty.run_time = nan_, "run_time");
+    assert_int_equal(blocking_check_duty(NULL, &field), BLOCKING_BAD_DEF);
+    assert_string_equal(field, "duty");
     assert_int_equal(blocking_check_duty(&good, &field), BLOCKING_OK);
     assert_null(field);
     assert_int_equal(blocking_design(NULL, &deck), BLOCKING_BAD_DEF);
@@ -1600,6 +1732,8 @@ int main(void) {
         cmocka_unit_test(student),
         cmocka_unit_test(ranges_cover),
         cmocka_unit_test(what_four_readings_say),
+        cmocka_unit_test(equal_readings_with_sigma),
+        cmocka_unit_test(ranges_at_a_late_clock),
         cmocka_unit_test(noisy_sets),
         cmocka_unit_test(pulses_are_seen),
         cmocka_unit_test(laws_across_tests),

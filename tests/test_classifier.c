@@ -1087,6 +1087,7 @@ static void bad_definitions(void **state) {
     assert_int_equal(classifier_check_def(&good, &field), CLASSIFIER_OK);
     assert_null(field);
     assert_int_equal(classifier_check_def(NULL, &field), CLASSIFIER_BAD_ARGUMENT);
+    assert_string_equal(field, "def");
 #define BAD(name, status, change)                                                                                                          \
     do {                                                                                                                                   \
         d = good;                                                                                                                          \

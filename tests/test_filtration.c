@@ -613,6 +613,7 @@ static void test_bad_input(void **state) {
     const char *field = NULL;
     filtration_fluid fluid;
     assert_int_equal(filtration_fluid_check_def(NULL, &field), FILTRATION_BAD_DEF);
+    assert_string_equal(field, "def");
 #define REFUSED(what, name)                                                                                                                \
     bad = def;                                                                                                                             \
     what;                                                                                                                                  \

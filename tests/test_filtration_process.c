@@ -435,7 +435,11 @@ static void test_exact_line(void **state) {
     assert_close(c.medium.value, medium, 1e-11);
     assert_true(c.used == READINGS - 1 && c.first == 1 && c.last == READINGS - 1);
     assert_true(c.r2 > 1 - 1e-12 && c.scatter < 1e-12);
-    assert_true((c.remarks & ~(unsigned)FILTRATION_REMARK_CORRELATED) == 0);
+    assert_int_equal(c.remarks, FILTRATION_NO_REMARK); /* rounding is neither a bend nor like its neighbour */
+    d.tolerance = 0.0;
+    assert_int_equal(filtration_evaluate(&d, READINGS, t, V, &c), FILTRATION_OK);
+    assert_true(c.used == READINGS - 1 && c.remarks == FILTRATION_NO_REMARK);
+    d.tolerance = 0.005;
     d.cake_ratio = NAN;
     assert_int_equal(filtration_evaluate(&d, READINGS, t, V, &c), FILTRATION_OK);
     assert_true(isnan(c.cake.value) && c.product.value > 0.0);
@@ -575,6 +579,56 @@ static void test_weights(void **state) {
     assert_true(hits > 930 && hits < 970);
 }
 
+/* Nothing that was not found is a number. */
+static void nothing_found(const filtration_curve *c) {
+    const filtration_estimate *const all[] = {&c->slope, &c->intercept, &c->product, &c->cake, &c->medium};
+    for (int i = 0; i < 5; i++) assert_true(isnan(all[i]->value) && isnan(all[i]->error) && isnan(all[i]->low) && isnan(all[i]->high));
+    assert_true(isnan(c->covariance) && isnan(c->freedom) && isnan(c->student) && isnan(c->scatter) && isnan(c->r2) && isnan(c->bend));
+    assert_true(isnan(c->correlation) && isnan(c->smallest) && isnan(c->largest) && isnan(c->pressure) && isnan(c->area));
+    assert_true(c->used == 0 && c->first == 0 && c->last == 0 && c->remarks == 0);
+}
+
+static void test_volume_runs_backwards(void **state) {
+    (void)state;
+    double t[40], V[40];
+    filtration_curve_def d = a_def();
+    filtration_curve c;
+    filtration_estimate e = {1.0, 1.0, 1.0, 1.0};
+    for (int i = 0; i < 40; i++) t[i] = 10.0 * (i + 1), V[i] = 1e-4 * (i < 20 ? i + 1 : 40 - i); /* rises, and falls back */
+    for (int automatic = 0; automatic < 2; automatic++) {
+        d.automatic = automatic;
+        memset(&c, 0, sizeof c);
+        assert_int_equal(filtration_evaluate(&d, 40, t, V, &c), FILTRATION_BAD_ARGUMENT);
+        nothing_found(&c);
+    }
+    assert_int_equal(filtration_evaluate_clean(&d, 40, t, V, 1e-3, &e), FILTRATION_BAD_ARGUMENT);
+    assert_true(isnan(e.value) && isnan(e.error) && isnan(e.low) && isnan(e.high));
+    assert_int_equal(filtration_evaluate(&d, 20, t, V, &c), FILTRATION_OK);
+    /* slowly, or once and then on: a vessel that was emptied */
+    for (int i = 0; i < 40; i++) V[i] = i < 20 ? 1e-4 * (i + 1) : 20e-4 - 2.5e-6 * (i - 19);
+    assert_int_equal(filtration_evaluate(&d, 40, t, V, &c), FILTRATION_BAD_ARGUMENT);
+    for (int i = 0; i < 40; i++) V[i] = 1e-4 * (i % 20 + 1);
+    assert_int_equal(filtration_evaluate(&d, 40, t, V, &c), FILTRATION_BAD_ARGUMENT);
+    d.start_time = t[19]; /* the second vessel alone */
+    assert_int_equal(filtration_evaluate(&d, 40, t, V, &c), FILTRATION_OK);
+    assert_int_equal(c.first, 20);
+    /* a scale that scatters, readings that stay: both count */
+    d = a_def();
+    stream = 11;
+    const double slope = filtration_slope(product, dp, mu, A), intercept = filtration_intercept(medium, dp, mu, A);
+    for (int i = 0; i < 40; i++) {
+        V[i] = (i + 1) * 0.1e-6;
+        t[i] = filtration_time_of_volume(slope, intercept, V[i]);
+        V[i] += 0.04e-6 * (2.0 * uniform() - 1.0);
+        if (i % 4) V[i] = V[i - 1] - (i % 4 == 2 ? 0.05e-6 : 0.0); /* 1.25 % of the largest */
+    }
+    assert_int_equal(filtration_evaluate(&d, 40, t, V, &c), FILTRATION_OK);
+    V[30] -= 0.6e-6;
+    assert_int_equal(filtration_evaluate(&d, 40, t, V, &c), FILTRATION_BAD_ARGUMENT);
+    d.volume_error = 0.15e-6; /* known to scatter as much */
+    assert_int_equal(filtration_evaluate(&d, 40, t, V, &c), FILTRATION_OK);
+}
+
 /* Errors of pressure, area and K_S enter the resistances, with their own degrees of freedom. */
 static void test_errors_of_the_duty(void **state) {
     (void)state;
@@ -628,13 +682,25 @@ static void test_bad_curves(void **state) {
     filtration_curve c;
     filtration_estimate e;
     const char *field = NULL;
+    assert_int_equal(filtration_curve_check_def(NULL, &field), FILTRATION_BAD_DEF);
+    assert_string_equal(field, "def");
+    assert_int_equal(filtration_curve_check_def(&d, &field), FILTRATION_OK);
+    assert_null(field);
     assert_int_equal(filtration_evaluate(NULL, 8, t, V, &c), FILTRATION_BAD_DEF);
+    nothing_found(&c);
     assert_int_equal(filtration_evaluate(&d, 8, t, V, NULL), FILTRATION_BAD_ARGUMENT);
     assert_int_equal(filtration_evaluate(&d, 8, NULL, V, &c), FILTRATION_BAD_ARGUMENT);
     assert_int_equal(filtration_evaluate(&d, 0, NULL, NULL, &c), FILTRATION_FEW_DATA);
     assert_int_equal(filtration_evaluate(&d, 5, t, V, &c), FILTRATION_FEW_DATA);
+    nothing_found(&c);
+    e.value = e.error = 1.0;
+    assert_int_equal(filtration_predict(&c, dp, A, 0.0, 1e-5, &e), FILTRATION_BAD_ARGUMENT);
+    assert_true(isnan(e.value) && isnan(e.error));
+    assert_int_equal(filtration_outside(&c, dp, A, 1e-5), 7);
+    e.value = e.error = 1.0;
     assert_int_equal(filtration_evaluate_clean(&d, 8, t, V, NAN, &e), FILTRATION_BAD_ARGUMENT);
     assert_int_equal(filtration_evaluate_clean(&d, 8, t, V, 1.5, &e), FILTRATION_FEW_DATA);
+    assert_true(isnan(e.value) && isnan(e.error) && isnan(e.low) && isnan(e.high));
     assert_int_equal(filtration_evaluate_clean(NULL, 8, t, V, 1.5, &e), FILTRATION_BAD_DEF);
     const double bad[] = {NAN, HUGE_VAL, -HUGE_VAL, -1.0};
     for (int i = 0; i < 4; i++) {
@@ -657,6 +723,7 @@ static void test_bad_curves(void **state) {
         for (int i = 0; i < 8; i++) small_V[i] = V[i] * pow(10.0, power), small_t[i] = (t[i] * V[i] + 3 * t[i]) * pow(10.0, power);
         const filtration_status s = filtration_evaluate(&d, 8, small_t, small_V, &c);
         assert_true(s == FILTRATION_OK || (abs(power) == 300 && s == FILTRATION_NO_SOLUTION));
+        if (s != FILTRATION_OK) nothing_found(&c);
     }
     struct {
         size_t offset;
@@ -717,6 +784,7 @@ int main(void) {
         cmocka_unit_test(test_stretch_of_a_simulated_curve),
         cmocka_unit_test(test_coverage),
         cmocka_unit_test(test_weights),
+        cmocka_unit_test(test_volume_runs_backwards),
         cmocka_unit_test(test_errors_of_the_duty),
         cmocka_unit_test(test_remarks),
         cmocka_unit_test(test_bad_curves),

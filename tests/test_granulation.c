@@ -964,9 +964,22 @@ static void test_definitions(void **state) {
     (void)state;
     const char *field = NULL;
     granulation_def good = granulation_default_def(), paper = granulation_paper_def();
-    assert_int_equal(granulation_check_def(&good, &field), GRANULATION_OK);
     assert_int_equal(granulation_check_def(&paper, NULL), GRANULATION_OK);
-    assert_int_equal(granulation_check_def(NULL, &field), GRANULATION_BAD_ARGUMENT);
+    granulation_balance_def balance = granulation_balance_default_def();
+    for (int given = 0; given < 2; given++) { /* *field is set whatever the answer */
+        field = "untouched";
+        assert_int_equal(granulation_check_def(given ? &good : NULL, &field), given ? GRANULATION_OK : GRANULATION_BAD_ARGUMENT);
+        if (given) assert_null(field);
+        else assert_string_equal(field, "def");
+        field = "untouched";
+        assert_int_equal(granulation_check_laws(given ? &good.laws : NULL, &field), given ? GRANULATION_OK : GRANULATION_BAD_ARGUMENT);
+        if (given) assert_null(field);
+        else assert_string_equal(field, "laws");
+        field = "untouched";
+        assert_int_equal(granulation_balance_check_def(given ? &balance : NULL, &field), given ? GRANULATION_OK : GRANULATION_BAD_ARGUMENT);
+        if (given) assert_null(field);
+        else assert_string_equal(field, "def");
+    }
 #define REFUSE(member, value, name)                                                                                                        \
     do {                                                                                                                                   \
         granulation_def d = granulation_default_def();                                                                                     \

@@ -1092,7 +1092,12 @@ static void test_null_pointers_and_broken_books(void **state) {
     (void)state;
     assert_int_equal(bridge_pair_prepare(&pair, &def), BRIDGE_OK);
     assert_int_equal(bridge_form(&pair, 2.5e-3, 2.5e-3, 1e-11, 1e-11, 0, &b), BRIDGE_OK);
+    const char *field = "untouched";
     assert_int_equal(bridge_pair_check_def(NULL, NULL), BRIDGE_INVALID);
+    assert_int_equal(bridge_pair_check_def(NULL, &field), BRIDGE_INVALID);
+    assert_string_equal(field, "def");
+    assert_int_equal(bridge_pair_check_def(&def, &field), BRIDGE_OK);
+    assert_null(field);
     assert_int_equal(bridge_pair_prepare(NULL, &def), BRIDGE_INVALID);
     assert_int_equal(bridge_pair_prepare(&pair, NULL), BRIDGE_INVALID);
     assert_int_equal(bridge_pair_prepare(&pair, &def), BRIDGE_OK);
