@@ -880,6 +880,8 @@ static inline void riddle_io__frame_name(const riddle_io_series *series, int i, 
 
 static inline riddle_io_status riddle_io__write_index(const riddle_io_series *series) {
     char name[400];
+    const char *slash = riddle_io__last_slash(series->stem);
+    const size_t folder = slash ? (size_t)(slash - series->stem) + 1 : 0; /* readers look for a frame beside the index */
     snprintf(name, sizeof name, "%s.pvd", series->stem);
     riddle_io_file *file = riddle_io_open(series->folder, name);
     if (!file) return RIDDLE_IO_NOT_WRITTEN;
@@ -888,7 +890,7 @@ static inline riddle_io_status riddle_io__write_index(const riddle_io_series *se
     for (int i = 0; i < series->n; i++) {
         riddle_io__frame_name(series, i, name, sizeof name);
         riddle_io_print(file, "<DataSet timestep=\"%.9g\" part=\"0\" file=\"", series->times[i]);
-        riddle_io__write_escaped(file, name);
+        riddle_io__write_escaped(file, name + folder);
         riddle_io_print(file, "\"/>\n");
     }
     riddle_io_print(file, "</Collection>\n</VTKFile>\n");
@@ -896,7 +898,6 @@ static inline riddle_io_status riddle_io__write_index(const riddle_io_series *se
 }
 
 RIDDLE_IO_API riddle_io_series *riddle_io_series_open(const char *folder, const char *name) {
-    if (!folder) folder = ".";
     if (!name) {
         riddle_io__fail(RIDDLE_IO_BAD_ARGUMENT, folder, "a series without a name");
         return NULL;
@@ -905,10 +906,10 @@ RIDDLE_IO_API riddle_io_series *riddle_io_series_open(const char *folder, const 
     if (length > 4 && strcmp(name + length - 4, ".pvd") == 0) length -= 4;
     riddle_io_series *series = (riddle_io_series *)riddle_io__zeroed(sizeof *series);
     if (series) {
-        series->folder = riddle_io__copy(folder, strlen(folder));
+        series->folder = folder ? riddle_io__copy(folder, strlen(folder)) : NULL;
         series->stem = riddle_io__copy(name, length);
     }
-    if (!series || !series->folder || !series->stem) {
+    if (!series || (folder && !series->folder) || !series->stem) {
         riddle_io__no_memory(name);
         if (series) {
             riddle_io__release(series->folder);

@@ -244,6 +244,44 @@ static void test_every_block_may_be_missing(void **state) {
     assert_int_equal(files_below(folder, false), 7); /* three frames and their index, polygons, cells, figure; no temporary ones */
 }
 
+static riddle_io_status write_point(const char *where, const char *name) {
+    const double xyz[] = {1.0, 2.0, 3.0};
+    return riddle_io_points(where, name, 1, riddle_io_vector("position", xyz), NULL, 0);
+}
+
+/* The frames of the index at `path`, with a blank after each: "s_0000.vtp s_0001.vtp ". */
+static const char *listed(const char *path) {
+    static char text[6000], names[3000];
+    FILE *f = fopen(path, "rb");
+    assert_non_null(f);
+    text[fread(text, 1, sizeof text - 1, f)] = '\0';
+    fclose(f);
+    names[0] = '\0';
+    for (char *at = text; (at = strstr(at, " file=\"")) != NULL;) {
+        at += strlen(" file=\"");
+        strncat(names, at, strcspn(at, "\""));
+        strcat(names, " ");
+    }
+    return names;
+}
+
+/* Readers look for a frame beside the index, also where the name of the series has a folder, or is a whole path. */
+static void test_a_series_name_with_a_folder(void **state) {
+    (void)state;
+    char path[400], whole[300];
+    riddle_io_path(whole, sizeof whole, folder, "run2/grains.pvd");
+    for (int kind = 0; kind < 2; kind++) {
+        const char *where = kind ? NULL : folder;
+        riddle_io_series *series = riddle_io_series_open(where, kind ? whole : "run1/grains");
+        assert_non_null(series);
+        for (int k = 0; k < 2; k++) assert_int_equal(write_point(where, riddle_io_series_name(series, k)), RIDDLE_IO_OK);
+        assert_int_equal(riddle_io_series_close(series), RIDDLE_IO_OK);
+        riddle_io_path(path, sizeof path, folder, kind ? "run2/grains.pvd" : "run1/grains.pvd");
+        assert_string_equal(listed(path), "grains_0000.vtp grains_0001.vtp ");
+        assert_int_equal(files_below(folder, false), 3 * (kind + 1));
+    }
+}
+
 /* Prints by riddle_io__print, and says what vsnprintf makes of it. */
 static void print_both(FILE *stream, char *expected, size_t size, const char *format, ...) {
     va_list arguments, again;
@@ -342,6 +380,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_the_reason_is_that_of_the_folder, begin, end),
         cmocka_unit_test_setup_teardown(test_a_full_disk_is_told, begin, end),
         cmocka_unit_test_setup_teardown(test_every_block_may_be_missing, begin, end),
+        cmocka_unit_test_setup_teardown(test_a_series_name_with_a_folder, begin, end),
         cmocka_unit_test_setup_teardown(test_conversions, begin, end),
         cmocka_unit_test_setup_teardown(test_a_decimal_comma, begin, end),
         cmocka_unit_test(test_progress),
