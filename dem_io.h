@@ -82,7 +82,7 @@ DEM_IO_API riddle_io_status dem_io_walls(const dem_world *world, const char *fol
 DEM_IO_API riddle_io_status dem_io_polyhedra(const dem_world *world, const char *folder, const char *name);
 
 /* A series of all in time: NAME.pvd, NAME_walls.pvd and, from the first frame of a world that has shapes on, NAME_polyhedra.pvd. The caller
-   owns it; folder and name must live as long. */
+   owns it; folder and name must live as long. A name of more than 990 bytes is refused: particles is then NULL. */
 typedef struct dem_io_series {
     const char *folder, *name;
     riddle_io_series *particles, *walls, *polyhedra;
@@ -548,12 +548,21 @@ DEM_IO_API riddle_io_status dem_io_polyhedra(const dem_world *world, const char 
     return dem_io__write_surface(&s, made, folder, name, "particle");
 }
 
+/* Opens a part of a series. Of a name that is too long enough is left here for riddle_io_series_open to refuse it, with its line. */
+static inline riddle_io_series *dem_io__open_part(const char *folder, const char *name, const char *ending) {
+    char whole[RIDDLE_IO_SERIES_BYTES + 100];
+    snprintf(whole, sizeof whole, "%s%s", name, ending);
+    return riddle_io_series_open(folder, whole);
+}
+
 DEM_IO_API dem_io_series dem_io_open(const char *folder, const char *name) {
     dem_io_series s = {folder, name, NULL, NULL, NULL};
-    char walls[300];
-    snprintf(walls, sizeof walls, "%s_walls", name ? name : "");
+    if (name && strlen(name) + strlen("_polyhedra") > RIDDLE_IO_SERIES_BYTES) { /* that part is opened later */
+        dem_io__open_part(folder, name, "_polyhedra");
+        return s;
+    }
     s.particles = riddle_io_series_open(folder, name);
-    if (s.particles) s.walls = riddle_io_series_open(folder, walls);
+    if (s.particles) s.walls = dem_io__open_part(folder, name, "_walls");
     return s;
 }
 
@@ -563,9 +572,7 @@ DEM_IO_API riddle_io_status dem_io_add(dem_io_series *series, const dem_world *w
     if (status == RIDDLE_IO_OK) status = dem_io_walls(world, series->folder, riddle_io_series_name(series->walls, world->time));
     if (status != RIDDLE_IO_OK || !dem_get_shape(world, 0)) return status;
     if (!series->polyhedra) {
-        char name[300];
-        snprintf(name, sizeof name, "%s_polyhedra", series->name);
-        series->polyhedra = riddle_io_series_open(series->folder, name);
+        series->polyhedra = dem_io__open_part(series->folder, series->name, "_polyhedra");
         if (!series->polyhedra) return RIDDLE_IO_NO_MEMORY;
     }
     return dem_io_polyhedra(world, series->folder, riddle_io_series_name(series->polyhedra, world->time));

@@ -206,6 +206,46 @@ static void test_section(void **state) {
     dem_free(&w);
 }
 
+static int count_of(const char *text, const char *part) {
+    int n = 0;
+    for (const char *at = text; (at = strstr(at, part)) != NULL; at++) n++;
+    return n;
+}
+
+/* Names of any length: written whole, or refused with a line. */
+static void test_names_of_series(void **state) {
+    (void)state;
+    dem_world w;
+    start(&w, NULL);
+    const double centre[] = {0.0, 0.0, 0.05}, diameter[] = {0.1};
+    dem_add_plane(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1));
+    assert_int_equal(dem_add_spheres(&w, 1, centre, diameter, 0, 0), DEM_OK);
+    static const int length[] = {293, 299, 310, 500, 991, 1000, 3000}; /* those above 990 are refused */
+    for (int k = 0; k < 7; k++) {
+        char name[3001], frame[3100], home[300];
+        snprintf(home, sizeof home, "%s", file(""));
+        memset(name, 'b', sizeof name);
+        for (int i = 150; i < length[k]; i += 150) name[i] = '/';
+        name[length[k]] = '\0';
+        said = 0;
+        dem_io_series series = dem_io_open(home, name);
+        assert_true((series.particles != NULL) == (k < 4) && (said == 0) == (k < 4));
+        assert_int_equal(dem_io_add(&series, &w), k < 4 ? RIDDLE_IO_OK : RIDDLE_IO_BAD_ARGUMENT);
+        assert_int_equal(dem_io_close(&series), k < 4 ? RIDDLE_IO_OK : RIDDLE_IO_BAD_ARGUMENT);
+        static const char *const ending[] = {"_0000.vtp", "_walls_0000.vtp", ".pvd", "_walls.pvd"};
+        for (int e = 0; e < 4 && k < 4; e++) {
+            snprintf(frame, sizeof frame, "%s/%s%s", home, name, ending[e]);
+            char *text = taken(frame);
+            assert_true(e > 1 || (strstr(text, "\"diameter_m\"") != NULL) == (e == 0));
+            assert_true(e < 2 || count_of(text, "<DataSet") == 1);
+            free(text);
+        }
+        snprintf(frame, sizeof frame, "%s/%s", home, name);
+        for (char *slash; (slash = strrchr(frame, '/')) != NULL && strlen(frame) > strlen(home);) *slash = '\0', rmdir(frame);
+    }
+    dem_free(&w);
+}
+
 static void test_memory_and_wrong_calls(void **state) {
     (void)state;
     dem_world w;
@@ -493,6 +533,7 @@ int main(void) {
         cmocka_unit_test(test_screen),
         cmocka_unit_test(test_moving_walls_are_drawn_where_they_are),
         cmocka_unit_test(test_section),
+        cmocka_unit_test(test_names_of_series),
         cmocka_unit_test(test_memory_and_wrong_calls),
         cmocka_unit_test(test_null_pointers),
         cmocka_unit_test(test_empty),

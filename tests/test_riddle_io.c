@@ -282,6 +282,46 @@ static void test_a_series_name_with_a_folder(void **state) {
     }
 }
 
+/* No name is cut: what does not fit is refused, with a line that tells why. */
+static void test_long_names(void **state) {
+    (void)state;
+    char name[1200], path[1500], short_path[12] = "left";
+    memset(name, 'd', sizeof name);
+    for (int i = 100; i < 1150; i += 100) name[i] = '/';
+    name[450] = '\0';
+    riddle_io_series *series = riddle_io_series_open(folder, name);
+    for (int k = 0; k < 2; k++) assert_int_equal(write_point(folder, riddle_io_series_name(series, k)), RIDDLE_IO_OK);
+    assert_null(riddle_io_series_name_as(series, 2.0, "extended"));
+    assert_null(riddle_io_series_name_as(series, 2.0, ""));
+    assert_int_equal(said, 2);
+    const char *longest = riddle_io_series_name_as(series, 2.0, "extende");
+    assert_non_null(longest);
+    assert_string_equal(longest + 450, "_0002.extende");
+    assert_int_equal(riddle_io_series_close(series), RIDDLE_IO_OK);
+    assert_int_equal(files_below(folder, false), 3);
+    snprintf(path, sizeof path, "%s/%s.pvd", folder, name);
+    assert_non_null(strstr(listed(path), "d_0000.vtp "));
+    assert_non_null(strstr(listed(path), "d_0001.vtp "));
+    name[450] = 'd';
+    name[RIDDLE_IO_SERIES_BYTES + 1] = '\0';
+    assert_null(riddle_io_series_open(folder, name));
+    assert_non_null(strstr(last_line, "at most 1000 bytes"));
+    name[RIDDLE_IO_SERIES_BYTES] = '\0';
+    series = riddle_io_series_open(folder, name);
+    assert_non_null(series);
+    longest = riddle_io_series_name(series, 0.0);
+    assert_non_null(longest);
+    assert_string_equal(longest + RIDDLE_IO_SERIES_BYTES, "_0000.vtp");
+    assert_int_equal(riddle_io_series_close(series), RIDDLE_IO_OK);
+    riddle_io_path(path, sizeof path, folder, "file");
+    riddle_io_close(riddle_io_open(NULL, path));
+    snprintf(path, sizeof path, "%s/file/%s", folder, name);
+    assert_null(riddle_io_open(NULL, path)); /* the line has room for the reason */
+    assert_non_null(strstr(last_line, "d: Not a directory"));
+    assert_string_equal(riddle_io_path(short_path, sizeof short_path, "folder", "name"), "folder/name");
+    assert_string_equal(riddle_io_path(short_path, sizeof short_path, "folder", "names"), "");
+}
+
 /* Prints by riddle_io__print, and says what vsnprintf makes of it. */
 static void print_both(FILE *stream, char *expected, size_t size, const char *format, ...) {
     va_list arguments, again;
@@ -291,6 +331,14 @@ static void print_both(FILE *stream, char *expected, size_t size, const char *fo
     va_end(again);
     assert_true(riddle_io__print(stream, format, &arguments));
     va_end(arguments);
+}
+
+static bool printed(FILE *stream, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    const bool worked = riddle_io__print(stream, format, &arguments);
+    va_end(arguments);
+    return worked;
 }
 
 /* What is printed where the locale has a decimal comma: every kind of conversion, as the C library prints it. */
@@ -315,6 +363,10 @@ static void test_conversions(void **state) {
     PRINTED("%ld %lu %lld %llu %zu %#x %+i %05u %o %hd", -5L, 6UL, -7LL, 8ULL, (size_t)9, 255U, 3, 42U, 8U, (int)(short)11);
     PRINTED("%jd %td %p", (intmax_t)-12, (ptrdiff_t)13, (void *)path);
     PRINTED("a%sb%sc", "%d", "100 %");
+    FILE *f = fopen(path, "wb");
+    assert_non_null(f);
+    assert_false(printed(f, "%.450f", 0.1)); /* a number that does not fit is not cut */
+    fclose(f);
 }
 
 /* A host's locale with a decimal comma changes no file. */
@@ -381,6 +433,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_a_full_disk_is_told, begin, end),
         cmocka_unit_test_setup_teardown(test_every_block_may_be_missing, begin, end),
         cmocka_unit_test_setup_teardown(test_a_series_name_with_a_folder, begin, end),
+        cmocka_unit_test_setup_teardown(test_long_names, begin, end),
         cmocka_unit_test_setup_teardown(test_conversions, begin, end),
         cmocka_unit_test_setup_teardown(test_a_decimal_comma, begin, end),
         cmocka_unit_test(test_progress),
