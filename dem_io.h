@@ -82,7 +82,8 @@ DEM_IO_API riddle_io_status dem_io_walls(const dem_world *world, const char *fol
 DEM_IO_API riddle_io_status dem_io_polyhedra(const dem_world *world, const char *folder, const char *name);
 
 /* A series of all in time: NAME.pvd, NAME_walls.pvd and, from the first frame of a world that has shapes on, NAME_polyhedra.pvd. The caller
-   owns it; folder and name must live as long. A name of more than 990 bytes is refused: particles is then NULL. */
+   owns it; folder and name must live as long. A name of more than 990 bytes is refused: particles is then NULL. A frame of which a part
+   could not be written is told by its status; the index leaves that part out, and the parts after it. */
 typedef struct dem_io_series {
     const char *folder, *name;
     riddle_io_series *particles, *walls, *polyhedra;
@@ -566,16 +567,23 @@ DEM_IO_API dem_io_series dem_io_open(const char *folder, const char *name) {
     return s;
 }
 
+/* Writes the next frame of a part, unless a part before it failed: then it is only named, so that all count alike. */
+static inline riddle_io_status dem_io__add_part(riddle_io_series *part, riddle_io_status before, const dem_world *world, const char *folder,
+                                                riddle_io_status (*write)(const dem_world *, const char *, const char *)) {
+    const char *name = riddle_io_series_name(part, world->time);
+    const riddle_io_status status = before != RIDDLE_IO_OK ? before : name ? write(world, folder, name) : RIDDLE_IO_NO_MEMORY;
+    if (status != RIDDLE_IO_OK) riddle_io_series_drop(part); /* an older file of that name may be there */
+    return status;
+}
+
 DEM_IO_API riddle_io_status dem_io_add(dem_io_series *series, const dem_world *world) {
     if (!series || !series->particles || !series->walls || !world) return RIDDLE_IO_BAD_ARGUMENT;
-    riddle_io_status status = dem_io_particles(world, series->folder, riddle_io_series_name(series->particles, world->time));
-    if (status == RIDDLE_IO_OK) status = dem_io_walls(world, series->folder, riddle_io_series_name(series->walls, world->time));
-    if (status != RIDDLE_IO_OK || !dem_get_shape(world, 0)) return status;
-    if (!series->polyhedra) {
-        series->polyhedra = dem_io__open_part(series->folder, series->name, "_polyhedra");
-        if (!series->polyhedra) return RIDDLE_IO_NO_MEMORY;
-    }
-    return dem_io_polyhedra(world, series->folder, riddle_io_series_name(series->polyhedra, world->time));
+    riddle_io_status status = dem_io__add_part(series->particles, RIDDLE_IO_OK, world, series->folder, dem_io_particles);
+    status = dem_io__add_part(series->walls, status, world, series->folder, dem_io_walls);
+    if (!dem_get_shape(world, 0)) return status;
+    if (!series->polyhedra) series->polyhedra = dem_io__open_part(series->folder, series->name, "_polyhedra");
+    if (!series->polyhedra) return status != RIDDLE_IO_OK ? status : RIDDLE_IO_NO_MEMORY;
+    return dem_io__add_part(series->polyhedra, status, world, series->folder, dem_io_polyhedra);
 }
 
 DEM_IO_API riddle_io_status dem_io_close(dem_io_series *series) {

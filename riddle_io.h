@@ -140,10 +140,13 @@ RIDDLE_IO_API riddle_io_status riddle_io_cells(const char *folder, const char *n
 enum { RIDDLE_IO_SERIES_BYTES = 1000 };
 typedef struct riddle_io_series riddle_io_series;
 RIDDLE_IO_API riddle_io_series *riddle_io_series_open(const char *folder, const char *name);
-/* Returns the next frame's file name (below the folder of the series), valid until the next call; from then on the index lists
-   it. NULL after an error. extension: "vti", not "vtp"; 1 to 7 bytes. */
+/* Returns the next frame's file name (below the folder of the series), valid until the next call; the index lists it as soon as the file
+   is there. NULL after an error. extension: "vti", not "vtp"; 1 to 7 bytes. */
 RIDDLE_IO_API const char *riddle_io_series_name(riddle_io_series *series, double time);
 RIDDLE_IO_API const char *riddle_io_series_name_as(riddle_io_series *series, double time, const char *extension);
+/* Leaves the frame just named out of the index: it was not written, and a file of that name is an older one. Its number is not used
+   again. */
+RIDDLE_IO_API void riddle_io_series_drop(riddle_io_series *series);
 RIDDLE_IO_API riddle_io_status riddle_io_series_close(riddle_io_series *series);
 
 /* ========================================================== figures ========================================================= */
@@ -869,16 +872,19 @@ RIDDLE_IO_API riddle_io_status riddle_io_cells(const char *folder, const char *n
 
 /* ---- time series ---- */
 
+enum { RIDDLE_IO__NAMED, RIDDLE_IO__THERE, RIDDLE_IO__DROPPED };
+
 typedef struct {
     double time;
     char extension[8];
+    int state; /* named: its file has not been seen yet */
 } riddle_io__frame;
 
 struct riddle_io_series {
     char *folder, *stem; /* folder may be NULL */
     riddle_io__frame *frames;
     int n, capacity;
-    char current[RIDDLE_IO_SERIES_BYTES + 32]; /* "STEM_2147483647.seven77" */
+    char current[RIDDLE_IO_SERIES_BYTES + 32]; /* "STEM_2147483647.seven77"; empty: no frame to drop */
 };
 
 static inline char *riddle_io__copy(const char *text, size_t length) {
@@ -893,16 +899,33 @@ static inline void riddle_io__frame_name(const riddle_io_series *series, int i, 
     snprintf(text, size, "%s_%04d.%s", series->stem, i, series->frames[i].extension); /* it fits: the lengths were checked */
 }
 
-static inline riddle_io_status riddle_io__write_index(const riddle_io_series *series) {
+/* Notes which of the named frames are there now. The others are looked for again: a caller may write them late. */
+static inline bool riddle_io__look_for_frames(riddle_io_series *series) {
+    char name[sizeof series->current];
+    struct stat info;
+    for (int i = 0; i < series->n; i++) {
+        if (series->frames[i].state != RIDDLE_IO__NAMED) continue;
+        riddle_io__frame_name(series, i, name, sizeof name);
+        char *path = riddle_io__joined(series->folder ? series->folder : "", series->folder ? "/" : "", name);
+        if (!path) return false;
+        if (stat(path, &info) == 0 && !S_ISDIR(info.st_mode)) series->frames[i].state = RIDDLE_IO__THERE;
+        riddle_io__release(path);
+    }
+    return true;
+}
+
+static inline riddle_io_status riddle_io__write_index(riddle_io_series *series) {
     char name[sizeof series->current];
     const char *slash = riddle_io__last_slash(series->stem);
     const size_t folder = slash ? (size_t)(slash - series->stem) + 1 : 0; /* readers look for a frame beside the index */
+    if (!riddle_io__look_for_frames(series)) return riddle_io__no_memory(series->stem);
     snprintf(name, sizeof name, "%s.pvd", series->stem);
     riddle_io_file *file = riddle_io_open(series->folder, name);
     if (!file) return RIDDLE_IO_NOT_WRITTEN;
     riddle_io_print(file,
                     "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n");
     for (int i = 0; i < series->n; i++) {
+        if (series->frames[i].state != RIDDLE_IO__THERE) continue;
         riddle_io__frame_name(series, i, name, sizeof name);
         riddle_io_print(file, "<DataSet timestep=\"%.9g\" part=\"0\" file=\"", series->frames[i].time);
         riddle_io__write_escaped(file, name + folder);
@@ -945,6 +968,7 @@ RIDDLE_IO_API riddle_io_series *riddle_io_series_open(const char *folder, const 
 
 RIDDLE_IO_API const char *riddle_io_series_name_as(riddle_io_series *series, double time, const char *extension) {
     if (!series || !extension) return NULL;
+    series->current[0] = '\0';
     if (series->n > 0) riddle_io__write_index(series);
     if (!*extension || strlen(extension) >= sizeof series->frames->extension) {
         riddle_io__fail(RIDDLE_IO_BAD_ARGUMENT, series->stem, "the extension of a frame has 1 to 7 bytes");
@@ -962,6 +986,7 @@ RIDDLE_IO_API const char *riddle_io_series_name_as(riddle_io_series *series, dou
     }
     riddle_io__frame *frame = &series->frames[series->n];
     frame->time = time;
+    frame->state = RIDDLE_IO__NAMED;
     memcpy(frame->extension, extension, strlen(extension) + 1);
     riddle_io__frame_name(series, series->n++, series->current, sizeof series->current);
     return series->current;
@@ -969,6 +994,10 @@ RIDDLE_IO_API const char *riddle_io_series_name_as(riddle_io_series *series, dou
 
 RIDDLE_IO_API const char *riddle_io_series_name(riddle_io_series *series, double time) {
     return riddle_io_series_name_as(series, time, "vtp");
+}
+
+RIDDLE_IO_API void riddle_io_series_drop(riddle_io_series *series) {
+    if (series && series->current[0]) series->frames[series->n - 1].state = RIDDLE_IO__DROPPED;
 }
 
 RIDDLE_IO_API riddle_io_status riddle_io_series_close(riddle_io_series *series) {

@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "failing_allocator.h"
@@ -243,6 +244,44 @@ static void test_names_of_series(void **state) {
         snprintf(frame, sizeof frame, "%s/%s", home, name);
         for (char *slash; (slash = strrchr(frame, '/')) != NULL && strlen(frame) > strlen(home);) *slash = '\0', rmdir(frame);
     }
+    dem_free(&w);
+}
+
+/* Of a frame that failed the index lists nothing, not even the file that an older run has left; the parts count alike. */
+static void test_a_frame_that_fails(void **state) {
+    (void)state;
+    dem_world w;
+    char home[300], name[400];
+    start(&w, NULL);
+    const double centre[] = {0.0, 0.0, 0.05}, diameter[] = {0.1};
+    dem_add_plane(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1));
+    assert_int_equal(dem_add_spheres(&w, 1, centre, diameter, 0, 0), DEM_OK);
+    snprintf(home, sizeof home, "%s", file(""));
+    for (int run = 0; run < 2; run++) { /* the second over the files of the first */
+        dem_io_series series = dem_io_open(home, "s");
+        for (int k = 0; k < 4; k++) {
+            snprintf(name, sizeof name, "%s/s%s_000%d.vtp", home, k == 2 ? "_walls" : "", k);
+            const int fails = k == 1 || k == 2;
+            if (fails) remove(name), assert_int_equal(mkdir(name, 0777), 0); /* a folder of that name cannot be replaced */
+            assert_int_equal(dem_io_add(&series, &w), fails ? RIDDLE_IO_NOT_WRITTEN : RIDDLE_IO_OK);
+            if (fails) rmdir(name);
+            if (fails) assert_int_equal(dem_io_walls(&w, NULL, name), RIDDLE_IO_OK); /* looks like an older one */
+        }
+        assert_int_equal(dem_io_close(&series), RIDDLE_IO_OK);
+        snprintf(name, sizeof name, "%s/s.pvd", home);
+        char *text = taken(name);
+        assert_true(count_of(text, "<DataSet") == 3 && strstr(text, "s_0001.vtp") == NULL);
+        free(text);
+        snprintf(name, sizeof name, "%s/s_walls.pvd", home);
+        text = taken(name);
+        assert_true(count_of(text, "<DataSet") == 2 && strstr(text, "\"s_walls_0000.vtp") && strstr(text, "\"s_walls_0003.vtp"));
+        free(text);
+    }
+    for (int k = 0; k < 8; k++) {
+        snprintf(name, sizeof name, "%s/s%s_000%d.vtp", home, k & 1 ? "_walls" : "", k / 2);
+        remove(name);
+    }
+    assert_int_equal(rmdir(home), 0);
     dem_free(&w);
 }
 
@@ -534,6 +573,7 @@ int main(void) {
         cmocka_unit_test(test_moving_walls_are_drawn_where_they_are),
         cmocka_unit_test(test_section),
         cmocka_unit_test(test_names_of_series),
+        cmocka_unit_test(test_a_frame_that_fails),
         cmocka_unit_test(test_memory_and_wrong_calls),
         cmocka_unit_test(test_null_pointers),
         cmocka_unit_test(test_empty),

@@ -322,6 +322,31 @@ static void test_long_names(void **state) {
     assert_string_equal(riddle_io_path(short_path, sizeof short_path, "folder", "names"), "");
 }
 
+/* The index lists what is there: no frame that failed, and no older file in its place. */
+static void test_frames_that_are_not_there(void **state) {
+    (void)state;
+    char index[300], late[100], path[300];
+    riddle_io_path(index, sizeof index, folder, "s.pvd");
+    assert_int_equal(mkdir(riddle_io_path(path, sizeof path, folder, "s_0001.vtp"), 0777), 0);
+    assert_int_equal(write_point(folder, "s_0003.vtp"), RIDDLE_IO_OK); /* of a run before */
+    riddle_io_series *series = riddle_io_series_open(folder, "s");
+    assert_non_null(series);
+    riddle_io_series_drop(series); /* nothing is named yet */
+    assert_int_equal(write_point(folder, riddle_io_series_name(series, 0.0)), RIDDLE_IO_OK);
+    assert_int_equal(write_point(folder, riddle_io_series_name(series, 1.0)), RIDDLE_IO_NOT_WRITTEN);
+    snprintf(late, sizeof late, "%s", riddle_io_series_name(series, 2.0));
+    assert_string_equal(listed(index), "s_0000.vtp ");
+    assert_non_null(riddle_io_series_name(series, 3.0));
+    riddle_io_series_drop(series);
+    assert_int_equal(write_point(folder, riddle_io_series_name(series, 4.0)), RIDDLE_IO_OK);
+    assert_int_equal(write_point(folder, late), RIDDLE_IO_OK);
+    assert_null(riddle_io_series_name_as(series, 5.0, "too long"));
+    riddle_io_series_drop(series); /* no frame was named */
+    assert_int_equal(riddle_io_series_close(series), RIDDLE_IO_OK);
+    assert_string_equal(listed(index), "s_0000.vtp s_0002.vtp s_0004.vtp ");
+    riddle_io_series_drop(NULL);
+}
+
 /* Prints by riddle_io__print, and says what vsnprintf makes of it. */
 static void print_both(FILE *stream, char *expected, size_t size, const char *format, ...) {
     va_list arguments, again;
@@ -434,6 +459,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_every_block_may_be_missing, begin, end),
         cmocka_unit_test_setup_teardown(test_a_series_name_with_a_folder, begin, end),
         cmocka_unit_test_setup_teardown(test_long_names, begin, end),
+        cmocka_unit_test_setup_teardown(test_frames_that_are_not_there, begin, end),
         cmocka_unit_test_setup_teardown(test_conversions, begin, end),
         cmocka_unit_test_setup_teardown(test_a_decimal_comma, begin, end),
         cmocka_unit_test(test_progress),
