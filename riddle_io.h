@@ -1824,7 +1824,7 @@ static inline void riddle_io__draw_text(riddle_io_file *f, const riddle_io__pane
 }
 
 static inline void riddle_io__draw_series(riddle_io_file *f, const riddle_io__panel *a, const riddle_io__series *s) {
-    if (s->n == 0) return;
+    if (s->n == 0 && s->kind != RIDDLE_IO__DISCS) return; /* the legend uses the gradient that discs define */
     switch (s->kind) {
     case RIDDLE_IO__LINE:
         if (!(s->flags & RIDDLE_IO_NO_LINE)) riddle_io__draw_path(f, a, s);

@@ -213,6 +213,34 @@ static int count_of(const char *text, const char *part) {
     return n;
 }
 
+/* The figure of a section through z = 0, seen from below y; the caller frees the text. */
+static char *section_of(const dem_world *w, const char *const *names, int n_names) {
+    riddle_io_plot *p = riddle_io_plot_new(NULL, 1, 1);
+    assert_int_equal(dem_io_section(w, p, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), names, n_names), DEM_OK);
+    assert_int_equal(riddle_io_plot_write(p, NULL, file(".svg")), RIDDLE_IO_OK);
+    return taken(path);
+}
+
+/* Every gradient that a figure uses is defined in it, also that of a named group of which nothing is cut. */
+static void test_legend_of_what_is_not_cut(void **state) {
+    (void)state;
+    static const char *const names[] = {"small", "coarse"};
+    dem_world w;
+    start(&w, NULL);
+    const double centres[] = {0.0, 0.0, 0.0, 0.0, 1.0, 0.0}, diameter[] = {0.1};
+    for (int i = 0; i < 2; i++) assert_int_equal(dem_add_spheres(&w, 1, centres + 3 * i, diameter, 0, i), DEM_OK);
+    char *text = section_of(&w, names, 2);
+    int used = 0;
+    for (const char *at = text; (at = strstr(at, "url(#ball")) != NULL; at++, used++) {
+        char id[30];
+        snprintf(id, sizeof id, "id=\"%.10s\"", at + strlen("url(#"));
+        assert_non_null(strstr(text, id));
+    }
+    assert_true(used >= 3);
+    free(text);
+    dem_free(&w);
+}
+
 /* Names of any length: written whole, or refused with a line. */
 static void test_names_of_series(void **state) {
     (void)state;
@@ -572,6 +600,7 @@ int main(void) {
         cmocka_unit_test(test_screen),
         cmocka_unit_test(test_moving_walls_are_drawn_where_they_are),
         cmocka_unit_test(test_section),
+        cmocka_unit_test(test_legend_of_what_is_not_cut),
         cmocka_unit_test(test_names_of_series),
         cmocka_unit_test(test_a_frame_that_fails),
         cmocka_unit_test(test_memory_and_wrong_calls),
