@@ -93,8 +93,9 @@ DEM_IO_API riddle_io_status dem_io_add(dem_io_series *series, const dem_world *w
 DEM_IO_API riddle_io_status dem_io_close(dem_io_series *series);
 
 /* Draws a section into the chosen panel of a figure: the spheres cut by the plane through `point`, seen against `normal` with `right` to
-   the right, as discs of the size at which they are cut, coloured by group, and the walls as lines. Axes in mm. names[n_names] label the
-   groups in the legend; NULL: no legend. DEM_BAD_ARGUMENT if normal and right are parallel or not finite. */
+   the right, as discs of the size at which they are cut, coloured by group (its last three bits: 8 colours), and the walls as lines. Axes
+   in mm. names[n_names] label the groups 0 .. n_names-1 in the legend; NULL: no legend. DEM_BAD_ARGUMENT if normal and right are parallel,
+   or one of the three is not finite. */
 DEM_IO_API dem_status dem_io_section(const dem_world *world, riddle_io_plot *figure, dem_vec point, dem_vec normal, dem_vec right,
                                      const char *const *names, int n_names);
 
@@ -609,18 +610,21 @@ static inline int dem_io__make_view(dem_io__view *v, dem_vec point, dem_vec norm
     const double r = sqrt(dem_io__dot(right, right));
     v->right = dem_io__along(dem_vec3(0, 0, 0), 1.0 / r, right);
     v->up = dem_io__cross(v->normal, v->right);
-    return n > 0.0 && r > 1e-9 && n < 1e100 && r < 1e100;
+    return n > 0.0 && r > 1e-9 && n < 1e100 && r < 1e100 && dem_io__dot(point, point) < HUGE_VAL;
 }
 
 static inline double dem_io__height(const dem_io__view *v, dem_vec at) {
     return dem_io__dot(dem_io__along(at, -1.0, v->origin), v->normal);
 }
 
-/* Lists the spheres of a group that the plane cuts, as x, y, r [mm]. Returns their number. */
-static inline int dem_io__cut_spheres(const dem_world *world, const dem_io__view *v, int group, double *x, double *y, double *r) {
+/* Lists the spheres that the plane cuts, as x, y, r [mm]: those of a named group or, for group n_names + c, those of all groups without a
+   name that have colour c. Returns their number. */
+static inline int dem_io__cut_spheres(const dem_world *world, const dem_io__view *v, int group, int n_names, double *x, double *y,
+                                      double *r) {
     int n = 0;
     for (ptrdiff_t i = 0; i < world->count; i++) {
-        if (!dem_io__is_there(world, i) || (int)world->group[i] != group) continue;
+        const int g = (int)world->group[i], drawn_as = g >= 0 && g < n_names ? g : n_names + (int)((unsigned)g & 7u);
+        if (drawn_as != group || !dem_io__is_there(world, i)) continue;
         const dem_vec at = dem_position(world, i);
         const double h = dem_io__height(v, at), radius = dem_radius(world, i);
         if (!(fabs(h) < radius)) continue;
@@ -677,16 +681,14 @@ DEM_IO_API dem_status dem_io_section(const dem_world *world, riddle_io_plot *fig
     const size_t n = (size_t)world->count, bytes = 3 * (n + 1) * sizeof(double);
     double *x = (double *)a->fn(a->user, NULL, 0, bytes);
     if (!x) return DEM_OUT_OF_MEMORY;
-    int groups = n_names;
-    for (size_t i = 0; i < n; i++)
-        if ((int)world->group[i] >= groups) groups = (int)world->group[i] + 1;
+    const int named = names && n_names > 0 ? n_names : 0;
     riddle_io_plot_equal(figure);
-    for (int g = 0; g < groups; g++) {
-        const int found = dem_io__cut_spheres(world, &v, g, x, x + n, x + 2 * n);
-        const char *name = names && g < n_names ? names[g] : NULL;
+    for (int k = 0; k < named + 8; k++) { /* groups may have any numbers, and be many */
+        const int found = dem_io__cut_spheres(world, &v, k, named, x, x + n, x + 2 * n);
+        const char *name = k < named ? names[k] : NULL;
         if (!found && !name) continue;
         riddle_io_plot_discs(figure, name, x, x + n, x + 2 * n, found);
-        riddle_io_plot_style(figure, 0, g);
+        riddle_io_plot_style(figure, 0, k < named ? k : k - named);
     }
     a->fn(a->user, x, bytes, 0);
     return dem_io__section_of_walls(world, figure, &v);

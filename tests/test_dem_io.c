@@ -203,6 +203,7 @@ static void test_section(void **state) {
     assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(0, 0, 0), dem_vec3(1, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(1, 0, 0), dem_vec3(2, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3((double)NAN, 0, 0), dem_vec3(1, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, (double)NAN, 0), dem_vec3(0, 1, 0), dem_vec3(1, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
     riddle_io_plot_free(p);
     dem_free(&w);
 }
@@ -219,6 +220,41 @@ static char *section_of(const dem_world *w, const char *const *names, int n_name
     assert_int_equal(dem_io_section(w, p, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), names, n_names), DEM_OK);
     assert_int_equal(riddle_io_plot_write(p, NULL, file(".svg")), RIDDLE_IO_OK);
     return taken(path);
+}
+
+/* Groups have any numbers, and any number of them; each sphere is drawn once, in the colour of its group's last three bits. */
+static void test_groups_of_any_number(void **state) {
+    (void)state;
+    static const int group[] = {-5, INT_MIN, INT_MAX, 2000000000, 3, 8, -1, 0};
+    static const char *const names[] = {"zero", "one", NULL, "three"};
+    dem_world w;
+    start(&w, NULL);
+    for (int i = 0; i < 8; i++) {
+        const double centre[] = {0.1 * i, 0.0, 0.0}, diameter[] = {0.1};
+        assert_int_equal(dem_add_spheres(&w, 1, centre, diameter, 0, group[i]), DEM_OK);
+    }
+    char *text = section_of(&w, NULL, 0);
+    assert_int_equal(count_of(text, "<circle"), 8);
+    assert_int_equal(count_of(text, "<radialGradient"), 3); /* colours 0, 3 and 7 */
+    free(text);
+    text = section_of(&w, NULL, INT_MAX); /* no names, no loop over them */
+    assert_int_equal(count_of(text, "<circle"), 8);
+    free(text);
+    text = section_of(&w, names, 4);
+    assert_int_equal(count_of(text, "<circle"), 8 + 3); /* three in the legend */
+    free(text);
+    dem_free(&w);
+    start(&w, NULL);
+    enum { MANY = 10000 };
+    for (int i = 0; i < MANY; i++) {
+        const double centre[] = {0.01 * (i % 100), 0.0, 0.01 * (double)(i / 100)}, diameter[] = {0.01};
+        assert_int_equal(dem_add_spheres(&w, 1, centre, diameter, 0, 7919 * i), DEM_OK);
+    }
+    text = section_of(&w, NULL, 0);
+    assert_int_equal(count_of(text, "<circle"), MANY);
+    assert_int_equal(count_of(text, "<radialGradient"), 8); /* not one of each group */
+    free(text);
+    dem_free(&w);
 }
 
 /* Every gradient that a figure uses is defined in it, also that of a named group of which nothing is cut. */
@@ -600,6 +636,7 @@ int main(void) {
         cmocka_unit_test(test_screen),
         cmocka_unit_test(test_moving_walls_are_drawn_where_they_are),
         cmocka_unit_test(test_section),
+        cmocka_unit_test(test_groups_of_any_number),
         cmocka_unit_test(test_legend_of_what_is_not_cut),
         cmocka_unit_test(test_names_of_series),
         cmocka_unit_test(test_a_frame_that_fails),
