@@ -20,8 +20,8 @@
    out/drum.pvd (particles) and out/drum_walls.pvd (walls, wires and meshes where they are at that time); open both in ParaView, and show
    the particles as spheres: filter Glyph, scale array diameter_m, factor 1; or Point Gaussian.
 
-   Surfaces Walls without an end (planes, cylinders) are cut off at the box that holds particles and finite walls; a plane across a cylinder
-            is drawn as its end. Exits are not drawn.
+   Surfaces Walls without an end (planes, cylinders) are cut off at the box that holds particles and finite walls, and that is extended to
+            planes beside it, nearer than ten of its diagonals; a plane across a cylinder is drawn as its end. Exits are not drawn.
    Units    SI; axes of sections in mm.
    Memory   from the world's allocator, given back before the call returns; of a surface, by dem_io_free_surface.
    Errors   of files: riddle_io_status, with its line (riddle_io.h); else dem_status.
@@ -377,6 +377,24 @@ static inline dem_status dem_io__make_room(const dem_world *world, dem_io_surfac
     return dem_io__allot(world, vertices, triangles, s);
 }
 
+/* Grows a box by its own shadow on each plane that passes it by, unless that is far away: a floor shows before something lies on it. */
+static inline void dem_io__grow_to_planes(const dem_world *world, dem_vec *low, dem_vec *high) {
+    const dem_vec from = *low, to = *high, across = dem_io__along(to, -1.0, from);
+    const double limit = 10.0 * sqrt(dem_io__dot(across, across));
+    for (int k = 0; k < world->walls; k++) {
+        const dem_wall *w = &world->wall[k];
+        if (w->kind != DEM_PLANE || !w->enabled) continue;
+        const dem_vec n = w->axis[2];
+        const double way = dem_io__dot(dem_io__along(dem_io__along(from, 0.5, across), -1.0, w->position), n);
+        const double reach = 0.5 * (fabs(n.x) * across.x + fabs(n.y) * across.y + fabs(n.z) * across.z);
+        if (!(fabs(way) > reach && fabs(way) < limit)) continue;
+        for (int c = 0; c < 8; c++) {
+            const dem_vec corner = dem_vec3(c & 1 ? to.x : from.x, c & 2 ? to.y : from.y, c & 4 ? to.z : from.z);
+            dem_io__grow(low, high, dem_io__along(corner, -dem_io__dot(dem_io__along(corner, -1.0, w->position), n), n), 0.0);
+        }
+    }
+}
+
 DEM_IO_API dem_status dem_io_surface_of(const dem_world *world, dem_io_surface *surface) {
     dem_vec low, high;
     if (!surface) return DEM_BAD_ARGUMENT;
@@ -385,6 +403,7 @@ DEM_IO_API dem_status dem_io_surface_of(const dem_world *world, dem_io_surface *
     const dem_status status = dem_io__make_room(world, surface);
     if (status != DEM_OK) return status;
     dem_io_bounds(world, &low, &high);
+    dem_io__grow_to_planes(world, &low, &high);
     const double margin = 1e-3 * ((high.x - low.x) + (high.y - low.y) + (high.z - low.z)); /* so that a floor below lies inside */
     low = dem_vec3(low.x - margin, low.y - margin, low.z - margin);
     high = dem_vec3(high.x + margin, high.y + margin, high.z + margin);

@@ -277,6 +277,32 @@ static void test_legend_of_what_is_not_cut(void **state) {
     dem_free(&w);
 }
 
+/* A floor is drawn before anything lies on it, the sides of a box up to where they meet; what is far away does not make the rest small. */
+static void test_planes_beside_the_particles(void **state) {
+    (void)state;
+    const double centre[] = {0.0, 0.0, 0.02}, diameter[] = {0.01};
+    const dem_vec at[] = {{0, 0, 0}, {-0.03, 0, 0}, {0, 0, 1}, {0.03, 0, 0.02}}, normal[] = {{0, 0, 1}, {1, 0, 0}, {0, 0, -1}, {-1, 0, 1}};
+    dem_world w;
+    dem_io_surface s;
+    dem_vec low, high;
+    start(&w, NULL);
+    assert_int_equal(dem_add_spheres(&w, 1, centre, diameter, 0, 0), DEM_OK);
+    for (int k = 0; k < 4; k++) assert_int_equal(dem_add_plane(&w, 0, at[k], normal[k]), k);
+    assert_int_equal(dem_io_surface_of(&w, &s), DEM_OK);
+    double size[4] = {0};
+    for (int k = 0; k < 4; k++) size[k] = area(&s, k);
+    for (int v = 0; v < s.vertices; v++) {
+        const int k = s.wall[v];
+        assert_true(k != 2 && fabs(dem_io__dot(dem_io__along(corner(&s, v), -1.0, at[k]), normal[k])) < 1e-12);
+    }
+    assert_true(size[0] > 0.04 * 0.01 && size[1] > 0.025 * 0.01); /* they meet in a corner */
+    assert_true(size[2] == 0.0 && size[3] > 0.01 * 0.01);         /* the roof is too far; the slope's shadow */
+    dem_io_free_surface(&s);
+    dem_io_bounds(&w, &low, &high);
+    assert_true(fabs(low.z - 0.015) < 1e-15 && fabs(high.z - 0.025) < 1e-15); /* as documented: planes are not in it */
+    dem_free(&w);
+}
+
 /* Names of any length: written whole, or refused with a line. */
 static void test_names_of_series(void **state) {
     (void)state;
@@ -638,6 +664,7 @@ int main(void) {
         cmocka_unit_test(test_section),
         cmocka_unit_test(test_groups_of_any_number),
         cmocka_unit_test(test_legend_of_what_is_not_cut),
+        cmocka_unit_test(test_planes_beside_the_particles),
         cmocka_unit_test(test_names_of_series),
         cmocka_unit_test(test_a_frame_that_fails),
         cmocka_unit_test(test_memory_and_wrong_calls),
