@@ -572,7 +572,7 @@ DEM_IO_API riddle_io_status dem_io_polyhedra(const dem_world *world, const char 
 /* Opens a part of a series. Of a name that is too long enough is left here for riddle_io_series_open to refuse it, with its line. */
 static inline riddle_io_series *dem_io__open_part(const char *folder, const char *name, const char *ending) {
     char whole[RIDDLE_IO_SERIES_BYTES + 100];
-    snprintf(whole, sizeof whole, "%s%s", name, ending);
+    snprintf(whole, sizeof whole, "%.1000s%s", name, ending);
     return riddle_io_series_open(folder, whole);
 }
 

@@ -292,7 +292,7 @@ RIDDLE_IO_API const char *riddle_io_status_text(riddle_io_status status) {
 static inline riddle_io_status riddle_io__fail(riddle_io_status status, const char *what, const char *why) {
     char line[1000];
     const size_t length = what ? strlen(what) : 0, room = 800; /* of a longer path the end: the reason must fit in too */
-    snprintf(line, sizeof line, "%s%s: %s", length > room ? "..." : "", what ? what + (length > room ? length - room : 0) : "", why);
+    snprintf(line, sizeof line, "%s%.800s: %s", length > room ? "..." : "", what ? what + (length > room ? length - room : 0) : "", why);
     for (char *c = line; *c; c++)
         if ((unsigned char)*c < 32 || *c == 127) *c = '?';
     RIDDLE_IO_FAIL(line);

@@ -313,7 +313,7 @@ static void test_names_of_series(void **state) {
     assert_int_equal(dem_add_spheres(&w, 1, centre, diameter, 0, 0), DEM_OK);
     static const int length[] = {293, 299, 310, 500, 991, 1000, 3000}; /* those above 990 are refused */
     for (int k = 0; k < 7; k++) {
-        char name[3001], frame[3100], home[300];
+        char name[3001], frame[3400], home[300];
         snprintf(home, sizeof home, "%s", file(""));
         memset(name, 'b', sizeof name);
         for (int i = 150; i < length[k]; i += 150) name[i] = '/';
