@@ -20,8 +20,8 @@
    out/drum.pvd (particles) and out/drum_walls.pvd (walls, wires and meshes where they are at that time); open both in ParaView, and show
    the particles as spheres: filter Glyph, scale array diameter_m, factor 1; or Point Gaussian.
 
-   Surfaces Walls without an end (planes, cylinders) are cut off at the box that holds particles and finite walls; a plane across a cylinder
-            is drawn as its end. Exits are not drawn.
+   Surfaces Walls without an end (planes, cylinders) are cut off at the box that holds particles and finite walls, and that is extended to
+            planes beside it, nearer than ten of its diagonals; a plane across a cylinder is drawn as its end. Exits are not drawn.
    Units    SI; axes of sections in mm.
    Memory   from the world's allocator, given back before the call returns; of a surface, by dem_io_free_surface.
    Errors   of files: riddle_io_status, with its line (riddle_io.h); else dem_status.
@@ -82,7 +82,8 @@ DEM_IO_API riddle_io_status dem_io_walls(const dem_world *world, const char *fol
 DEM_IO_API riddle_io_status dem_io_polyhedra(const dem_world *world, const char *folder, const char *name);
 
 /* A series of all in time: NAME.pvd, NAME_walls.pvd and, from the first frame of a world that has shapes on, NAME_polyhedra.pvd. The caller
-   owns it; folder and name must live as long. */
+   owns it; folder and name must live as long. A name of more than 990 bytes is refused: particles is then NULL. A frame of which a part
+   could not be written is told by its status; the index leaves that part out, and the parts after it. */
 typedef struct dem_io_series {
     const char *folder, *name;
     riddle_io_series *particles, *walls, *polyhedra;
@@ -92,8 +93,9 @@ DEM_IO_API riddle_io_status dem_io_add(dem_io_series *series, const dem_world *w
 DEM_IO_API riddle_io_status dem_io_close(dem_io_series *series);
 
 /* Draws a section into the chosen panel of a figure: the spheres cut by the plane through `point`, seen against `normal` with `right` to
-   the right, as discs of the size at which they are cut, coloured by group, and the walls as lines. Axes in mm. names[n_names] label the
-   groups in the legend; NULL: no legend. DEM_BAD_ARGUMENT if normal and right are parallel or not finite. */
+   the right, as discs of the size at which they are cut, coloured by group (its last three bits: 8 colours), and the walls as lines. Axes
+   in mm. names[n_names] label the groups 0 .. n_names-1 in the legend; NULL: no legend. DEM_BAD_ARGUMENT if normal and right are parallel,
+   or one of the three is not finite. */
 DEM_IO_API dem_status dem_io_section(const dem_world *world, riddle_io_plot *figure, dem_vec point, dem_vec normal, dem_vec right,
                                      const char *const *names, int n_names);
 
@@ -375,6 +377,24 @@ static inline dem_status dem_io__make_room(const dem_world *world, dem_io_surfac
     return dem_io__allot(world, vertices, triangles, s);
 }
 
+/* Grows a box by its own shadow on each plane that passes it by, unless that is far away: a floor shows before something lies on it. */
+static inline void dem_io__grow_to_planes(const dem_world *world, dem_vec *low, dem_vec *high) {
+    const dem_vec from = *low, to = *high, across = dem_io__along(to, -1.0, from);
+    const double limit = 10.0 * sqrt(dem_io__dot(across, across));
+    for (int k = 0; k < world->walls; k++) {
+        const dem_wall *w = &world->wall[k];
+        if (w->kind != DEM_PLANE || !w->enabled) continue;
+        const dem_vec n = w->axis[2];
+        const double way = dem_io__dot(dem_io__along(dem_io__along(from, 0.5, across), -1.0, w->position), n);
+        const double reach = 0.5 * (fabs(n.x) * across.x + fabs(n.y) * across.y + fabs(n.z) * across.z);
+        if (!(fabs(way) > reach && fabs(way) < limit)) continue;
+        for (int c = 0; c < 8; c++) {
+            const dem_vec corner = dem_vec3(c & 1 ? to.x : from.x, c & 2 ? to.y : from.y, c & 4 ? to.z : from.z);
+            dem_io__grow(low, high, dem_io__along(corner, -dem_io__dot(dem_io__along(corner, -1.0, w->position), n), n), 0.0);
+        }
+    }
+}
+
 DEM_IO_API dem_status dem_io_surface_of(const dem_world *world, dem_io_surface *surface) {
     dem_vec low, high;
     if (!surface) return DEM_BAD_ARGUMENT;
@@ -383,6 +403,7 @@ DEM_IO_API dem_status dem_io_surface_of(const dem_world *world, dem_io_surface *
     const dem_status status = dem_io__make_room(world, surface);
     if (status != DEM_OK) return status;
     dem_io_bounds(world, &low, &high);
+    dem_io__grow_to_planes(world, &low, &high);
     const double margin = 1e-3 * ((high.x - low.x) + (high.y - low.y) + (high.z - low.z)); /* so that a floor below lies inside */
     low = dem_vec3(low.x - margin, low.y - margin, low.z - margin);
     high = dem_vec3(high.x + margin, high.y + margin, high.z + margin);
@@ -548,27 +569,41 @@ DEM_IO_API riddle_io_status dem_io_polyhedra(const dem_world *world, const char 
     return dem_io__write_surface(&s, made, folder, name, "particle");
 }
 
+/* Opens a part of a series. Of a name that is too long enough is left here for riddle_io_series_open to refuse it, with its line. */
+static inline riddle_io_series *dem_io__open_part(const char *folder, const char *name, const char *ending) {
+    char whole[RIDDLE_IO_SERIES_BYTES + 100];
+    snprintf(whole, sizeof whole, "%.1000s%s", name, ending);
+    return riddle_io_series_open(folder, whole);
+}
+
 DEM_IO_API dem_io_series dem_io_open(const char *folder, const char *name) {
     dem_io_series s = {folder, name, NULL, NULL, NULL};
-    char walls[300];
-    snprintf(walls, sizeof walls, "%s_walls", name ? name : "");
+    if (name && strlen(name) + strlen("_polyhedra") > RIDDLE_IO_SERIES_BYTES) { /* that part is opened later */
+        dem_io__open_part(folder, name, "_polyhedra");
+        return s;
+    }
     s.particles = riddle_io_series_open(folder, name);
-    if (s.particles) s.walls = riddle_io_series_open(folder, walls);
+    if (s.particles) s.walls = dem_io__open_part(folder, name, "_walls");
     return s;
+}
+
+/* Writes the next frame of a part, unless a part before it failed: then it is only named, so that all count alike. */
+static inline riddle_io_status dem_io__add_part(riddle_io_series *part, riddle_io_status before, const dem_world *world, const char *folder,
+                                                riddle_io_status (*write)(const dem_world *, const char *, const char *)) {
+    const char *name = riddle_io_series_name(part, world->time);
+    const riddle_io_status status = before != RIDDLE_IO_OK ? before : name ? write(world, folder, name) : RIDDLE_IO_NO_MEMORY;
+    if (status != RIDDLE_IO_OK) riddle_io_series_drop(part); /* an older file of that name may be there */
+    return status;
 }
 
 DEM_IO_API riddle_io_status dem_io_add(dem_io_series *series, const dem_world *world) {
     if (!series || !series->particles || !series->walls || !world) return RIDDLE_IO_BAD_ARGUMENT;
-    riddle_io_status status = dem_io_particles(world, series->folder, riddle_io_series_name(series->particles, world->time));
-    if (status == RIDDLE_IO_OK) status = dem_io_walls(world, series->folder, riddle_io_series_name(series->walls, world->time));
-    if (status != RIDDLE_IO_OK || !dem_get_shape(world, 0)) return status;
-    if (!series->polyhedra) {
-        char name[300];
-        snprintf(name, sizeof name, "%s_polyhedra", series->name);
-        series->polyhedra = riddle_io_series_open(series->folder, name);
-        if (!series->polyhedra) return RIDDLE_IO_NO_MEMORY;
-    }
-    return dem_io_polyhedra(world, series->folder, riddle_io_series_name(series->polyhedra, world->time));
+    riddle_io_status status = dem_io__add_part(series->particles, RIDDLE_IO_OK, world, series->folder, dem_io_particles);
+    status = dem_io__add_part(series->walls, status, world, series->folder, dem_io_walls);
+    if (!dem_get_shape(world, 0)) return status;
+    if (!series->polyhedra) series->polyhedra = dem_io__open_part(series->folder, series->name, "_polyhedra");
+    if (!series->polyhedra) return status != RIDDLE_IO_OK ? status : RIDDLE_IO_NO_MEMORY;
+    return dem_io__add_part(series->polyhedra, status, world, series->folder, dem_io_polyhedra);
 }
 
 DEM_IO_API riddle_io_status dem_io_close(dem_io_series *series) {
@@ -594,18 +629,21 @@ static inline int dem_io__make_view(dem_io__view *v, dem_vec point, dem_vec norm
     const double r = sqrt(dem_io__dot(right, right));
     v->right = dem_io__along(dem_vec3(0, 0, 0), 1.0 / r, right);
     v->up = dem_io__cross(v->normal, v->right);
-    return n > 0.0 && r > 1e-9 && n < 1e100 && r < 1e100;
+    return n > 0.0 && r > 1e-9 && n < 1e100 && r < 1e100 && dem_io__dot(point, point) < HUGE_VAL;
 }
 
 static inline double dem_io__height(const dem_io__view *v, dem_vec at) {
     return dem_io__dot(dem_io__along(at, -1.0, v->origin), v->normal);
 }
 
-/* Lists the spheres of a group that the plane cuts, as x, y, r [mm]. Returns their number. */
-static inline int dem_io__cut_spheres(const dem_world *world, const dem_io__view *v, int group, double *x, double *y, double *r) {
+/* Lists the spheres that the plane cuts, as x, y, r [mm]: those of a named group or, for group n_names + c, those of all groups without a
+   name that have colour c. Returns their number. */
+static inline int dem_io__cut_spheres(const dem_world *world, const dem_io__view *v, int group, int n_names, double *x, double *y,
+                                      double *r) {
     int n = 0;
     for (ptrdiff_t i = 0; i < world->count; i++) {
-        if (!dem_io__is_there(world, i) || (int)world->group[i] != group) continue;
+        const int g = (int)world->group[i], drawn_as = g >= 0 && g < n_names ? g : n_names + (int)((unsigned)g & 7u);
+        if (drawn_as != group || !dem_io__is_there(world, i)) continue;
         const dem_vec at = dem_position(world, i);
         const double h = dem_io__height(v, at), radius = dem_radius(world, i);
         if (!(fabs(h) < radius)) continue;
@@ -662,16 +700,14 @@ DEM_IO_API dem_status dem_io_section(const dem_world *world, riddle_io_plot *fig
     const size_t n = (size_t)world->count, bytes = 3 * (n + 1) * sizeof(double);
     double *x = (double *)a->fn(a->user, NULL, 0, bytes);
     if (!x) return DEM_OUT_OF_MEMORY;
-    int groups = n_names;
-    for (size_t i = 0; i < n; i++)
-        if ((int)world->group[i] >= groups) groups = (int)world->group[i] + 1;
+    const int named = names && n_names > 0 ? n_names : 0;
     riddle_io_plot_equal(figure);
-    for (int g = 0; g < groups; g++) {
-        const int found = dem_io__cut_spheres(world, &v, g, x, x + n, x + 2 * n);
-        const char *name = names && g < n_names ? names[g] : NULL;
+    for (int k = 0; k < named + 8; k++) { /* groups may have any numbers, and be many */
+        const int found = dem_io__cut_spheres(world, &v, k, named, x, x + n, x + 2 * n);
+        const char *name = k < named ? names[k] : NULL;
         if (!found && !name) continue;
         riddle_io_plot_discs(figure, name, x, x + n, x + 2 * n, found);
-        riddle_io_plot_style(figure, 0, g);
+        riddle_io_plot_style(figure, 0, k < named ? k : k - named);
     }
     a->fn(a->user, x, bytes, 0);
     return dem_io__section_of_walls(world, figure, &v);

@@ -96,7 +96,7 @@ RIDDLE_IO_API void riddle_io_discard(riddle_io_file *file); /* closes it and lea
 RIDDLE_IO_API riddle_io_status riddle_io_make_folder(const char *path, char *message, size_t size);
 /* Checks whether a file of that name could be written now; its folder must exist. message: the reason of a failure. */
 RIDDLE_IO_API riddle_io_status riddle_io_can_write(const char *path, char *message, size_t size);
-/* Writes "folder/name" to buffer, and returns buffer. folder may be NULL. */
+/* Writes "folder/name" to buffer, and returns buffer. folder may be NULL. Where it does not fit, buffer is empty: no other file's name. */
 RIDDLE_IO_API const char *riddle_io_path(char *buffer, size_t size, const char *folder, const char *name);
 
 /* ========================================================= ParaView ========================================================= */
@@ -134,13 +134,19 @@ RIDDLE_IO_API riddle_io_status riddle_io_cells(const char *folder, const char *n
 
 /* The index of a time series: grains.pvd lists grains_0000.vtp, ... and is written anew, whole, at each frame. What moves differently
    (grains, walls) is a series of its own:
-       riddle_io_points("out", riddle_io_series_name(series, time), n, position, arrays, n_arrays); */
+       riddle_io_points("out", riddle_io_series_name(series, time), n, position, arrays, n_arrays);
+   folder as in riddle_io_open; name: with or without ".pvd", of RIDDLE_IO_SERIES_BYTES at most; a folder in it is made. NULL after an
+   error. */
+enum { RIDDLE_IO_SERIES_BYTES = 1000 };
 typedef struct riddle_io_series riddle_io_series;
 RIDDLE_IO_API riddle_io_series *riddle_io_series_open(const char *folder, const char *name);
-/* Returns the next frame's file name (without a folder), valid until the next call; from then on the index lists it. NULL after an
-   error. */
+/* Returns the next frame's file name (below the folder of the series), valid until the next call; the index lists it as soon as the file
+   is there. NULL after an error. extension: "vti", not "vtp"; 1 to 7 bytes. */
 RIDDLE_IO_API const char *riddle_io_series_name(riddle_io_series *series, double time);
-RIDDLE_IO_API const char *riddle_io_series_name_as(riddle_io_series *series, double time, const char *extension); /* "vti", not "vtp" */
+RIDDLE_IO_API const char *riddle_io_series_name_as(riddle_io_series *series, double time, const char *extension);
+/* Leaves the frame just named out of the index: it was not written, and a file of that name is an older one. Its number is not used
+   again. */
+RIDDLE_IO_API void riddle_io_series_drop(riddle_io_series *series);
 RIDDLE_IO_API riddle_io_status riddle_io_series_close(riddle_io_series *series);
 
 /* ========================================================== figures ========================================================= */
@@ -216,6 +222,7 @@ typedef struct riddle_io_table {
     size_t used, capacity;
 } riddle_io_table;
 RIDDLE_IO_API riddle_io_table riddle_io_table_begin(const char *header); /* at most RIDDLE_IO_TABLE_COLUMNS names between '|' */
+/* Adds a cell; of a longer text its first 399 bytes. */
 RIDDLE_IO_API void riddle_io_table_cell(riddle_io_table *t, const char *format, ...) RIDDLE_IO__PRINTF(2, 3);
 /* Prints and frees; numbers stand to the right, texts to the left. stream may be NULL: frees only. */
 RIDDLE_IO_API void riddle_io_table_end(riddle_io_table *t, FILE *stream);
@@ -284,7 +291,8 @@ RIDDLE_IO_API const char *riddle_io_status_text(riddle_io_status status) {
 /* Hands on "what: why" and returns the status. what comes from outside: control characters become '?'. */
 static inline riddle_io_status riddle_io__fail(riddle_io_status status, const char *what, const char *why) {
     char line[1000];
-    snprintf(line, sizeof line, "%s: %s", what ? what : "", why);
+    const size_t length = what ? strlen(what) : 0, room = 800; /* of a longer path the end: the reason must fit in too */
+    snprintf(line, sizeof line, "%s%.800s: %s", length > room ? "..." : "", what ? what + (length > room ? length - room : 0) : "", why);
     for (char *c = line; *c; c++)
         if ((unsigned char)*c < 32 || *c == 127) *c = '?';
     RIDDLE_IO_FAIL(line);
@@ -345,7 +353,11 @@ static inline bool riddle_io__print(FILE *stream, const char *format, va_list *a
         const char *last = spec + strlen(spec) - 1, *length = spec + strcspn(spec, "lzjt");
         int printed = 0;
         if (strchr("fFeEgGaA", *last)) {
-            snprintf(number, sizeof number, spec, va_arg(*arguments, double));
+            const int letters = snprintf(number, sizeof number, spec, va_arg(*arguments, double));
+            if (letters < 0 || (size_t)letters >= sizeof number) {
+                errno = ERANGE;
+                return false;
+            }
             riddle_io__use_point(number);
             printed = fputs(number, stream);
         } else if (*last == '%') printed = fputc('%', stream);
@@ -613,7 +625,9 @@ RIDDLE_IO_API riddle_io_status riddle_io_make_folder(const char *path, char *mes
 }
 
 RIDDLE_IO_API const char *riddle_io_path(char *buffer, size_t size, const char *folder, const char *name) {
-    if (buffer && size > 0) snprintf(buffer, size, "%s%s%s", folder ? folder : "", folder ? "/" : "", name ? name : "");
+    if (!buffer || size == 0) return buffer;
+    const int length = snprintf(buffer, size, "%s%s%s", folder ? folder : "", folder ? "/" : "", name ? name : "");
+    if (length < 0 || (size_t)length >= size) buffer[0] = '\0';
     return buffer;
 }
 
@@ -858,12 +872,19 @@ RIDDLE_IO_API riddle_io_status riddle_io_cells(const char *folder, const char *n
 
 /* ---- time series ---- */
 
+enum { RIDDLE_IO__NAMED, RIDDLE_IO__THERE, RIDDLE_IO__DROPPED };
+
+typedef struct {
+    double time;
+    char extension[8];
+    int state; /* named: its file has not been seen yet */
+} riddle_io__frame;
+
 struct riddle_io_series {
-    char *folder, *stem;
-    double *times;
-    char (*extensions)[8];
+    char *folder, *stem; /* folder may be NULL */
+    riddle_io__frame *frames;
     int n, capacity;
-    char current[400];
+    char current[RIDDLE_IO_SERIES_BYTES + 32]; /* "STEM_2147483647.seven77"; empty: no frame to drop */
 };
 
 static inline char *riddle_io__copy(const char *text, size_t length) {
@@ -875,46 +896,71 @@ static inline char *riddle_io__copy(const char *text, size_t length) {
 }
 
 static inline void riddle_io__frame_name(const riddle_io_series *series, int i, char *text, size_t size) {
-    snprintf(text, size, "%s_%04d.%s", series->stem, i, series->extensions[i]);
+    snprintf(text, size, "%s_%04d.%s", series->stem, i, series->frames[i].extension); /* it fits: the lengths were checked */
 }
 
-static inline riddle_io_status riddle_io__write_index(const riddle_io_series *series) {
-    char name[400];
+/* Notes which of the named frames are there now. The others are looked for again: a caller may write them late. */
+static inline bool riddle_io__look_for_frames(riddle_io_series *series) {
+    char name[sizeof series->current];
+    struct stat info;
+    for (int i = 0; i < series->n; i++) {
+        if (series->frames[i].state != RIDDLE_IO__NAMED) continue;
+        riddle_io__frame_name(series, i, name, sizeof name);
+        char *path = riddle_io__joined(series->folder ? series->folder : "", series->folder ? "/" : "", name);
+        if (!path) return false;
+        if (stat(path, &info) == 0 && !S_ISDIR(info.st_mode)) series->frames[i].state = RIDDLE_IO__THERE;
+        riddle_io__release(path);
+    }
+    return true;
+}
+
+static inline riddle_io_status riddle_io__write_index(riddle_io_series *series) {
+    char name[sizeof series->current];
+    const char *slash = riddle_io__last_slash(series->stem);
+    const size_t folder = slash ? (size_t)(slash - series->stem) + 1 : 0; /* readers look for a frame beside the index */
+    if (!riddle_io__look_for_frames(series)) return riddle_io__no_memory(series->stem);
     snprintf(name, sizeof name, "%s.pvd", series->stem);
     riddle_io_file *file = riddle_io_open(series->folder, name);
     if (!file) return RIDDLE_IO_NOT_WRITTEN;
     riddle_io_print(file,
                     "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n");
     for (int i = 0; i < series->n; i++) {
+        if (series->frames[i].state != RIDDLE_IO__THERE) continue;
         riddle_io__frame_name(series, i, name, sizeof name);
-        riddle_io_print(file, "<DataSet timestep=\"%.9g\" part=\"0\" file=\"", series->times[i]);
-        riddle_io__write_escaped(file, name);
+        riddle_io_print(file, "<DataSet timestep=\"%.9g\" part=\"0\" file=\"", series->frames[i].time);
+        riddle_io__write_escaped(file, name + folder);
         riddle_io_print(file, "\"/>\n");
     }
     riddle_io_print(file, "</Collection>\n</VTKFile>\n");
     return riddle_io_close(file);
 }
 
+static inline void riddle_io__end_series(riddle_io_series *series) {
+    riddle_io__release(series->folder);
+    riddle_io__release(series->stem);
+    riddle_io__release(series->frames);
+    riddle_io__release(series);
+}
+
 RIDDLE_IO_API riddle_io_series *riddle_io_series_open(const char *folder, const char *name) {
-    if (!folder) folder = ".";
     if (!name) {
         riddle_io__fail(RIDDLE_IO_BAD_ARGUMENT, folder, "a series without a name");
         return NULL;
     }
     size_t length = strlen(name);
     if (length > 4 && strcmp(name + length - 4, ".pvd") == 0) length -= 4;
+    if (length > RIDDLE_IO_SERIES_BYTES) {
+        riddle_io__fail(RIDDLE_IO_BAD_ARGUMENT, name, "the name of a series has at most 1000 bytes");
+        return NULL;
+    }
     riddle_io_series *series = (riddle_io_series *)riddle_io__zeroed(sizeof *series);
     if (series) {
-        series->folder = riddle_io__copy(folder, strlen(folder));
+        series->folder = folder ? riddle_io__copy(folder, strlen(folder)) : NULL;
         series->stem = riddle_io__copy(name, length);
     }
-    if (!series || !series->folder || !series->stem) {
+    if (!series || (folder && !series->folder) || !series->stem) {
         riddle_io__no_memory(name);
-        if (series) {
-            riddle_io__release(series->folder);
-            riddle_io__release(series->stem);
-            riddle_io__release(series);
-        }
+        if (series) riddle_io__end_series(series);
         return NULL;
     }
     return series;
@@ -922,21 +968,26 @@ RIDDLE_IO_API riddle_io_series *riddle_io_series_open(const char *folder, const 
 
 RIDDLE_IO_API const char *riddle_io_series_name_as(riddle_io_series *series, double time, const char *extension) {
     if (!series || !extension) return NULL;
+    series->current[0] = '\0';
     if (series->n > 0) riddle_io__write_index(series);
+    if (!*extension || strlen(extension) >= sizeof series->frames->extension) {
+        riddle_io__fail(RIDDLE_IO_BAD_ARGUMENT, series->stem, "the extension of a frame has 1 to 7 bytes");
+        return NULL;
+    }
     if (series->n == series->capacity) {
-        int capacity = 2 * series->capacity + 64;
-        double *times = (double *)RIDDLE_IO_REALLOC(series->times, (size_t)capacity * sizeof *times);
-        if (times) series->times = times;
-        char(*extensions)[8] = (char(*)[8])RIDDLE_IO_REALLOC(series->extensions, (size_t)capacity * sizeof *extensions);
-        if (extensions) series->extensions = extensions;
-        if (!times || !extensions) {
+        const int capacity = 2 * series->capacity + 64;
+        riddle_io__frame *frames = (riddle_io__frame *)RIDDLE_IO_REALLOC(series->frames, (size_t)capacity * sizeof *frames);
+        if (!frames) {
             riddle_io__no_memory(series->stem);
             return NULL;
         }
+        series->frames = frames;
         series->capacity = capacity;
     }
-    series->times[series->n] = time;
-    snprintf(series->extensions[series->n], sizeof *series->extensions, "%s", extension);
+    riddle_io__frame *frame = &series->frames[series->n];
+    frame->time = time;
+    frame->state = RIDDLE_IO__NAMED;
+    memcpy(frame->extension, extension, strlen(extension) + 1);
     riddle_io__frame_name(series, series->n++, series->current, sizeof series->current);
     return series->current;
 }
@@ -945,14 +996,14 @@ RIDDLE_IO_API const char *riddle_io_series_name(riddle_io_series *series, double
     return riddle_io_series_name_as(series, time, "vtp");
 }
 
+RIDDLE_IO_API void riddle_io_series_drop(riddle_io_series *series) {
+    if (series && series->current[0]) series->frames[series->n - 1].state = RIDDLE_IO__DROPPED;
+}
+
 RIDDLE_IO_API riddle_io_status riddle_io_series_close(riddle_io_series *series) {
     if (!series) return RIDDLE_IO_BAD_ARGUMENT;
     riddle_io_status status = riddle_io__write_index(series);
-    riddle_io__release(series->folder);
-    riddle_io__release(series->stem);
-    riddle_io__release(series->times);
-    riddle_io__release(series->extensions);
-    riddle_io__release(series);
+    riddle_io__end_series(series);
     return status;
 }
 
@@ -1773,7 +1824,7 @@ static inline void riddle_io__draw_text(riddle_io_file *f, const riddle_io__pane
 }
 
 static inline void riddle_io__draw_series(riddle_io_file *f, const riddle_io__panel *a, const riddle_io__series *s) {
-    if (s->n == 0) return;
+    if (s->n == 0 && s->kind != RIDDLE_IO__DISCS) return; /* the legend uses the gradient that discs define */
     switch (s->kind) {
     case RIDDLE_IO__LINE:
         if (!(s->flags & RIDDLE_IO_NO_LINE)) riddle_io__draw_path(f, a, s);
@@ -2282,7 +2333,7 @@ RIDDLE_IO_API void riddle_io_table_cell(riddle_io_table *t, const char *format, 
     va_list arguments;
     if (!t || !format) return;
     va_start(arguments, format);
-    vsnprintf(cell, sizeof cell, format, arguments);
+    if (vsnprintf(cell, sizeof cell, format, arguments) < 0) cell[0] = '\0';
     va_end(arguments);
     riddle_io__append(t, cell, strlen(cell));
 }

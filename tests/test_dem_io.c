@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "failing_allocator.h"
@@ -202,7 +203,175 @@ static void test_section(void **state) {
     assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(0, 0, 0), dem_vec3(1, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(1, 0, 0), dem_vec3(2, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3((double)NAN, 0, 0), dem_vec3(1, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, (double)NAN, 0), dem_vec3(0, 1, 0), dem_vec3(1, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
     riddle_io_plot_free(p);
+    dem_free(&w);
+}
+
+static int count_of(const char *text, const char *part) {
+    int n = 0;
+    for (const char *at = text; (at = strstr(at, part)) != NULL; at++) n++;
+    return n;
+}
+
+/* The figure of a section through z = 0, seen from below y; the caller frees the text. */
+static char *section_of(const dem_world *w, const char *const *names, int n_names) {
+    riddle_io_plot *p = riddle_io_plot_new(NULL, 1, 1);
+    assert_int_equal(dem_io_section(w, p, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), names, n_names), DEM_OK);
+    assert_int_equal(riddle_io_plot_write(p, NULL, file(".svg")), RIDDLE_IO_OK);
+    return taken(path);
+}
+
+/* Groups have any numbers, and any number of them; each sphere is drawn once, in the colour of its group's last three bits. */
+static void test_groups_of_any_number(void **state) {
+    (void)state;
+    static const int group[] = {-5, INT_MIN, INT_MAX, 2000000000, 3, 8, -1, 0};
+    static const char *const names[] = {"zero", "one", NULL, "three"};
+    dem_world w;
+    start(&w, NULL);
+    for (int i = 0; i < 8; i++) {
+        const double centre[] = {0.1 * i, 0.0, 0.0}, diameter[] = {0.1};
+        assert_int_equal(dem_add_spheres(&w, 1, centre, diameter, 0, group[i]), DEM_OK);
+    }
+    char *text = section_of(&w, NULL, 0);
+    assert_int_equal(count_of(text, "<circle"), 8);
+    assert_int_equal(count_of(text, "<radialGradient"), 3); /* colours 0, 3 and 7 */
+    free(text);
+    text = section_of(&w, NULL, INT_MAX); /* no names, no loop over them */
+    assert_int_equal(count_of(text, "<circle"), 8);
+    free(text);
+    text = section_of(&w, names, 4);
+    assert_int_equal(count_of(text, "<circle"), 8 + 3); /* three in the legend */
+    free(text);
+    dem_free(&w);
+    start(&w, NULL);
+    enum { MANY = 10000 };
+    for (int i = 0; i < MANY; i++) {
+        const double centre[] = {0.01 * (i % 100), 0.0, 0.01 * (double)(i / 100)}, diameter[] = {0.01};
+        assert_int_equal(dem_add_spheres(&w, 1, centre, diameter, 0, 7919 * i), DEM_OK);
+    }
+    text = section_of(&w, NULL, 0);
+    assert_int_equal(count_of(text, "<circle"), MANY);
+    assert_int_equal(count_of(text, "<radialGradient"), 8); /* not one of each group */
+    free(text);
+    dem_free(&w);
+}
+
+/* Every gradient that a figure uses is defined in it, also that of a named group of which nothing is cut. */
+static void test_legend_of_what_is_not_cut(void **state) {
+    (void)state;
+    static const char *const names[] = {"small", "coarse"};
+    dem_world w;
+    start(&w, NULL);
+    const double centres[] = {0.0, 0.0, 0.0, 0.0, 1.0, 0.0}, diameter[] = {0.1};
+    for (int i = 0; i < 2; i++) assert_int_equal(dem_add_spheres(&w, 1, centres + 3 * i, diameter, 0, i), DEM_OK);
+    char *text = section_of(&w, names, 2);
+    int used = 0;
+    for (const char *at = text; (at = strstr(at, "url(#ball")) != NULL; at++, used++) {
+        char id[30];
+        snprintf(id, sizeof id, "id=\"%.10s\"", at + strlen("url(#"));
+        assert_non_null(strstr(text, id));
+    }
+    assert_true(used >= 3);
+    free(text);
+    dem_free(&w);
+}
+
+/* A floor is drawn before anything lies on it, the sides of a box up to where they meet; what is far away does not make the rest small. */
+static void test_planes_beside_the_particles(void **state) {
+    (void)state;
+    const double centre[] = {0.0, 0.0, 0.02}, diameter[] = {0.01};
+    const dem_vec at[] = {{0, 0, 0}, {-0.03, 0, 0}, {0, 0, 1}, {0.03, 0, 0.02}}, normal[] = {{0, 0, 1}, {1, 0, 0}, {0, 0, -1}, {-1, 0, 1}};
+    dem_world w;
+    dem_io_surface s;
+    dem_vec low, high;
+    start(&w, NULL);
+    assert_int_equal(dem_add_spheres(&w, 1, centre, diameter, 0, 0), DEM_OK);
+    for (int k = 0; k < 4; k++) assert_int_equal(dem_add_plane(&w, 0, at[k], normal[k]), k);
+    assert_int_equal(dem_io_surface_of(&w, &s), DEM_OK);
+    double size[4] = {0};
+    for (int k = 0; k < 4; k++) size[k] = area(&s, k);
+    for (int v = 0; v < s.vertices; v++) {
+        const int k = s.wall[v];
+        assert_true(k != 2 && fabs(dem_io__dot(dem_io__along(corner(&s, v), -1.0, at[k]), normal[k])) < 1e-12);
+    }
+    assert_true(size[0] > 0.04 * 0.01 && size[1] > 0.025 * 0.01); /* they meet in a corner */
+    assert_true(size[2] == 0.0 && size[3] > 0.01 * 0.01);         /* the roof is too far; the slope's shadow */
+    dem_io_free_surface(&s);
+    dem_io_bounds(&w, &low, &high);
+    assert_true(fabs(low.z - 0.015) < 1e-15 && fabs(high.z - 0.025) < 1e-15); /* as documented: planes are not in it */
+    dem_free(&w);
+}
+
+/* Names of any length: written whole, or refused with a line. */
+static void test_names_of_series(void **state) {
+    (void)state;
+    dem_world w;
+    start(&w, NULL);
+    const double centre[] = {0.0, 0.0, 0.05}, diameter[] = {0.1};
+    dem_add_plane(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1));
+    assert_int_equal(dem_add_spheres(&w, 1, centre, diameter, 0, 0), DEM_OK);
+    static const int length[] = {293, 299, 310, 500, 991, 1000, 3000}; /* those above 990 are refused */
+    for (int k = 0; k < 7; k++) {
+        char name[3001], frame[3400], home[300];
+        snprintf(home, sizeof home, "%s", file(""));
+        memset(name, 'b', sizeof name);
+        for (int i = 150; i < length[k]; i += 150) name[i] = '/';
+        name[length[k]] = '\0';
+        said = 0;
+        dem_io_series series = dem_io_open(home, name);
+        assert_true((series.particles != NULL) == (k < 4) && (said == 0) == (k < 4));
+        assert_int_equal(dem_io_add(&series, &w), k < 4 ? RIDDLE_IO_OK : RIDDLE_IO_BAD_ARGUMENT);
+        assert_int_equal(dem_io_close(&series), k < 4 ? RIDDLE_IO_OK : RIDDLE_IO_BAD_ARGUMENT);
+        static const char *const ending[] = {"_0000.vtp", "_walls_0000.vtp", ".pvd", "_walls.pvd"};
+        for (int e = 0; e < 4 && k < 4; e++) {
+            snprintf(frame, sizeof frame, "%s/%s%s", home, name, ending[e]);
+            char *text = taken(frame);
+            assert_true(e > 1 || (strstr(text, "\"diameter_m\"") != NULL) == (e == 0));
+            assert_true(e < 2 || count_of(text, "<DataSet") == 1);
+            free(text);
+        }
+        snprintf(frame, sizeof frame, "%s/%s", home, name);
+        for (char *slash; (slash = strrchr(frame, '/')) != NULL && strlen(frame) > strlen(home);) *slash = '\0', rmdir(frame);
+    }
+    dem_free(&w);
+}
+
+/* Of a frame that failed the index lists nothing, not even the file that an older run has left; the parts count alike. */
+static void test_a_frame_that_fails(void **state) {
+    (void)state;
+    dem_world w;
+    char home[300], name[400];
+    start(&w, NULL);
+    const double centre[] = {0.0, 0.0, 0.05}, diameter[] = {0.1};
+    dem_add_plane(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1));
+    assert_int_equal(dem_add_spheres(&w, 1, centre, diameter, 0, 0), DEM_OK);
+    snprintf(home, sizeof home, "%s", file(""));
+    for (int run = 0; run < 2; run++) { /* the second over the files of the first */
+        dem_io_series series = dem_io_open(home, "s");
+        for (int k = 0; k < 4; k++) {
+            snprintf(name, sizeof name, "%s/s%s_000%d.vtp", home, k == 2 ? "_walls" : "", k);
+            const int fails = k == 1 || k == 2;
+            if (fails) remove(name), assert_int_equal(mkdir(name, 0777), 0); /* a folder of that name cannot be replaced */
+            assert_int_equal(dem_io_add(&series, &w), fails ? RIDDLE_IO_NOT_WRITTEN : RIDDLE_IO_OK);
+            if (fails) rmdir(name);
+            if (fails) assert_int_equal(dem_io_walls(&w, NULL, name), RIDDLE_IO_OK); /* looks like an older one */
+        }
+        assert_int_equal(dem_io_close(&series), RIDDLE_IO_OK);
+        snprintf(name, sizeof name, "%s/s.pvd", home);
+        char *text = taken(name);
+        assert_true(count_of(text, "<DataSet") == 3 && strstr(text, "s_0001.vtp") == NULL);
+        free(text);
+        snprintf(name, sizeof name, "%s/s_walls.pvd", home);
+        text = taken(name);
+        assert_true(count_of(text, "<DataSet") == 2 && strstr(text, "\"s_walls_0000.vtp") && strstr(text, "\"s_walls_0003.vtp"));
+        free(text);
+    }
+    for (int k = 0; k < 8; k++) {
+        snprintf(name, sizeof name, "%s/s%s_000%d.vtp", home, k & 1 ? "_walls" : "", k / 2);
+        remove(name);
+    }
+    assert_int_equal(rmdir(home), 0);
     dem_free(&w);
 }
 
@@ -493,6 +662,11 @@ int main(void) {
         cmocka_unit_test(test_screen),
         cmocka_unit_test(test_moving_walls_are_drawn_where_they_are),
         cmocka_unit_test(test_section),
+        cmocka_unit_test(test_groups_of_any_number),
+        cmocka_unit_test(test_legend_of_what_is_not_cut),
+        cmocka_unit_test(test_planes_beside_the_particles),
+        cmocka_unit_test(test_names_of_series),
+        cmocka_unit_test(test_a_frame_that_fails),
         cmocka_unit_test(test_memory_and_wrong_calls),
         cmocka_unit_test(test_null_pointers),
         cmocka_unit_test(test_empty),

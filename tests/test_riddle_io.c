@@ -244,6 +244,109 @@ static void test_every_block_may_be_missing(void **state) {
     assert_int_equal(files_below(folder, false), 7); /* three frames and their index, polygons, cells, figure; no temporary ones */
 }
 
+static riddle_io_status write_point(const char *where, const char *name) {
+    const double xyz[] = {1.0, 2.0, 3.0};
+    return riddle_io_points(where, name, 1, riddle_io_vector("position", xyz), NULL, 0);
+}
+
+/* The frames of the index at `path`, with a blank after each: "s_0000.vtp s_0001.vtp ". */
+static const char *listed(const char *path) {
+    static char text[6000], names[3000];
+    FILE *f = fopen(path, "rb");
+    assert_non_null(f);
+    text[fread(text, 1, sizeof text - 1, f)] = '\0';
+    fclose(f);
+    names[0] = '\0';
+    for (char *at = text; (at = strstr(at, " file=\"")) != NULL;) {
+        at += strlen(" file=\"");
+        strncat(names, at, strcspn(at, "\""));
+        strcat(names, " ");
+    }
+    return names;
+}
+
+/* Readers look for a frame beside the index, also where the name of the series has a folder, or is a whole path. */
+static void test_a_series_name_with_a_folder(void **state) {
+    (void)state;
+    char path[400], whole[300];
+    riddle_io_path(whole, sizeof whole, folder, "run2/grains.pvd");
+    for (int kind = 0; kind < 2; kind++) {
+        const char *where = kind ? NULL : folder;
+        riddle_io_series *series = riddle_io_series_open(where, kind ? whole : "run1/grains");
+        assert_non_null(series);
+        for (int k = 0; k < 2; k++) assert_int_equal(write_point(where, riddle_io_series_name(series, k)), RIDDLE_IO_OK);
+        assert_int_equal(riddle_io_series_close(series), RIDDLE_IO_OK);
+        riddle_io_path(path, sizeof path, folder, kind ? "run2/grains.pvd" : "run1/grains.pvd");
+        assert_string_equal(listed(path), "grains_0000.vtp grains_0001.vtp ");
+        assert_int_equal(files_below(folder, false), 3 * (kind + 1));
+    }
+}
+
+/* No name is cut: what does not fit is refused, with a line that tells why. */
+static void test_long_names(void **state) {
+    (void)state;
+    char name[1200], path[1500];
+    memset(name, 'd', sizeof name);
+    for (int i = 100; i < 1150; i += 100) name[i] = '/';
+    name[450] = '\0';
+    riddle_io_series *series = riddle_io_series_open(folder, name);
+    for (int k = 0; k < 2; k++) assert_int_equal(write_point(folder, riddle_io_series_name(series, k)), RIDDLE_IO_OK);
+    assert_null(riddle_io_series_name_as(series, 2.0, "extended"));
+    assert_null(riddle_io_series_name_as(series, 2.0, ""));
+    assert_int_equal(said, 2);
+    const char *longest = riddle_io_series_name_as(series, 2.0, "extende");
+    assert_non_null(longest);
+    assert_string_equal(longest + 450, "_0002.extende");
+    assert_int_equal(riddle_io_series_close(series), RIDDLE_IO_OK);
+    assert_int_equal(files_below(folder, false), 3);
+    snprintf(path, sizeof path, "%s/%s.pvd", folder, name);
+    assert_non_null(strstr(listed(path), "d_0000.vtp "));
+    assert_non_null(strstr(listed(path), "d_0001.vtp "));
+    name[450] = 'd';
+    name[RIDDLE_IO_SERIES_BYTES + 1] = '\0';
+    assert_null(riddle_io_series_open(folder, name));
+    assert_non_null(strstr(last_line, "at most 1000 bytes"));
+    name[RIDDLE_IO_SERIES_BYTES] = '\0';
+    series = riddle_io_series_open(folder, name);
+    assert_non_null(series);
+    longest = riddle_io_series_name(series, 0.0);
+    assert_non_null(longest);
+    assert_string_equal(longest + RIDDLE_IO_SERIES_BYTES, "_0000.vtp");
+    assert_int_equal(riddle_io_series_close(series), RIDDLE_IO_OK);
+    riddle_io_path(path, sizeof path, folder, "file");
+    riddle_io_close(riddle_io_open(NULL, path));
+    snprintf(path, sizeof path, "%s/file/%s", folder, name);
+    assert_null(riddle_io_open(NULL, path)); /* the line has room for the reason */
+    assert_non_null(strstr(last_line, "d: Not a directory"));
+    assert_string_equal(riddle_io_path(path, strlen(folder) + 6, folder, "name") + strlen(folder), "/name");
+    assert_string_equal(riddle_io_path(path, strlen(folder) + 6, folder, "names"), "");
+}
+
+/* The index lists what is there: no frame that failed, and no older file in its place. */
+static void test_frames_that_are_not_there(void **state) {
+    (void)state;
+    char index[300], late[100], path[300];
+    riddle_io_path(index, sizeof index, folder, "s.pvd");
+    assert_int_equal(mkdir(riddle_io_path(path, sizeof path, folder, "s_0001.vtp"), 0777), 0);
+    assert_int_equal(write_point(folder, "s_0003.vtp"), RIDDLE_IO_OK); /* of a run before */
+    riddle_io_series *series = riddle_io_series_open(folder, "s");
+    assert_non_null(series);
+    riddle_io_series_drop(series); /* nothing is named yet */
+    assert_int_equal(write_point(folder, riddle_io_series_name(series, 0.0)), RIDDLE_IO_OK);
+    assert_int_equal(write_point(folder, riddle_io_series_name(series, 1.0)), RIDDLE_IO_NOT_WRITTEN);
+    snprintf(late, sizeof late, "%s", riddle_io_series_name(series, 2.0));
+    assert_string_equal(listed(index), "s_0000.vtp ");
+    assert_non_null(riddle_io_series_name(series, 3.0));
+    riddle_io_series_drop(series);
+    assert_int_equal(write_point(folder, riddle_io_series_name(series, 4.0)), RIDDLE_IO_OK);
+    assert_int_equal(write_point(folder, late), RIDDLE_IO_OK);
+    assert_null(riddle_io_series_name_as(series, 5.0, "too long"));
+    riddle_io_series_drop(series); /* no frame was named */
+    assert_int_equal(riddle_io_series_close(series), RIDDLE_IO_OK);
+    assert_string_equal(listed(index), "s_0000.vtp s_0002.vtp s_0004.vtp ");
+    riddle_io_series_drop(NULL);
+}
+
 /* Prints by riddle_io__print, and says what vsnprintf makes of it. */
 static void print_both(FILE *stream, char *expected, size_t size, const char *format, ...) {
     va_list arguments, again;
@@ -253,6 +356,14 @@ static void print_both(FILE *stream, char *expected, size_t size, const char *fo
     va_end(again);
     assert_true(riddle_io__print(stream, format, &arguments));
     va_end(arguments);
+}
+
+static bool printed(FILE *stream, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    const bool worked = riddle_io__print(stream, format, &arguments);
+    va_end(arguments);
+    return worked;
 }
 
 /* What is printed where the locale has a decimal comma: every kind of conversion, as the C library prints it. */
@@ -277,6 +388,10 @@ static void test_conversions(void **state) {
     PRINTED("%ld %lu %lld %llu %zu %#x %+i %05u %o %hd", -5L, 6UL, -7LL, 8ULL, (size_t)9, 255U, 3, 42U, 8U, (int)(short)11);
     PRINTED("%jd %td %p", (intmax_t)-12, (ptrdiff_t)13, (void *)path);
     PRINTED("a%sb%sc", "%d", "100 %");
+    FILE *f = fopen(path, "wb");
+    assert_non_null(f);
+    assert_false(printed(f, "%.450f", 0.1)); /* a number that does not fit is not cut */
+    fclose(f);
 }
 
 /* A host's locale with a decimal comma changes no file. */
@@ -342,6 +457,9 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_the_reason_is_that_of_the_folder, begin, end),
         cmocka_unit_test_setup_teardown(test_a_full_disk_is_told, begin, end),
         cmocka_unit_test_setup_teardown(test_every_block_may_be_missing, begin, end),
+        cmocka_unit_test_setup_teardown(test_a_series_name_with_a_folder, begin, end),
+        cmocka_unit_test_setup_teardown(test_long_names, begin, end),
+        cmocka_unit_test_setup_teardown(test_frames_that_are_not_there, begin, end),
         cmocka_unit_test_setup_teardown(test_conversions, begin, end),
         cmocka_unit_test_setup_teardown(test_a_decimal_comma, begin, end),
         cmocka_unit_test(test_progress),
