@@ -393,9 +393,10 @@ SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, co
 /* Fits one parameter set to all cases given: bounded Levenberg-Marquardt in the coefficients of the log rates, from several random starts,
    first on a rounded, then on the sharp absolute deviation. Model 2: exchanging the two steps gives the same curves, so the data cannot
    tell which is which; the slower is called stratification, as in the published set, unless the bounds forbid it. Parameters without
-   influence (moisture exponents when M is the same in all cases, exponents when A f and d are) are held at 0, or at options->start, or the
-   nearest bound. Every parameter is also tried at its bounds, the others fitted again, so that no bound gives a better fit. Curves that
-   rise are accepted; result->rises counts them. options may be null (defaults). Errors: as the statuses; result->where is set for bad data,
+   influence (moisture exponents when M is the same in all cases, exponents when A f and d are, delta of a deck when the inclination is) are
+   held at 0, or at options->start, or the nearest bound; elsewhere only as far as k would leave its bounds. Where M alone differs, the data
+   tell alpha x gamma only: alpha is held at 1 then. Every parameter is also tried at its bounds, the others fitted again, so that no bound
+   gives a better fit. Curves that rise are accepted; result->rises counts them. options may be null (defaults). Errors: as the statuses; result->where is set for bad data,
    result->parameters is 0 after any. */
 SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, int cases, const screen_case *data,
                                     const screen_fit_options *options, screen_fit_result *result);
@@ -1956,6 +1957,9 @@ typedef struct screen__problem {
     double shrink;
     double low[SCREEN_MAX_PARAMETERS], high[SCREEN_MAX_PARAMETERS];         /* in q; equal where a parameter is held */
     double box_low[SCREEN_MAX_PARAMETERS], box_high[SCREEN_MAX_PARAMETERS]; /* the caller's, of those without influence too */
+    int idle[SCREEN_MAX_PARAMETERS];                                        /* 1: without influence but that of k */
+    double home[SCREEN_MAX_PARAMETERS];                                     /* where such a one is held */
+    double slope;                                                           /* of all cases, if delta of a deck is idle */
     double centre[4];                                                       /* mean of speed[r] and wet, for each rate */
     double width[4];                                                        /* and how far each reaches from low to high */
     double *retained, *slopes;                                              /* [points], [parameters][points] or [points][2] */
@@ -2490,8 +2494,8 @@ static inline void screen__widen(double *range, double x, int first) {
     range[1] = first || x > range[1] ? x : range[1];
 }
 
-/* Means and ranges of the terms of all curves: centre [4], range [rate][speed or wet][low, high]. */
-static inline void screen__survey(screen__problem *p, double range[2][2][2]) {
+/* Means and ranges of the terms of all curves: centre [4], range [rate][speed or wet][low, high], slope [low, high]. */
+static inline void screen__survey(screen__problem *p, double range[2][2][2], double *slope) {
     int terms = 0;
     p->points = p->most = 0;
     for (int k = 0; k < 4; k++) p->centre[k] = 0.0;
@@ -2508,16 +2512,44 @@ static inline void screen__survey(screen__problem *p, double range[2][2][2]) {
                 p->centre[2 * r] += t.speed[r];
                 p->centre[2 * r + 1] += t.wet;
             }
+            screen__widen(slope, t.slope, terms == 0);
         }
     }
     for (int k = 0; k < 4; k++) p->centre[k] /= terms, p->width[k] = range[k / 2][k % 2][1] - range[k / 2][k % 2][0];
+}
+
+/* Holds each parameter without influence at its value in q. */
+static inline void screen__pin_idle(screen__problem *p, const double *q) {
+    for (int j = 0; j < p->parameters; j++)
+        if (p->idle[j]) p->low[j] = p->high[j] = q[j];
+}
+
+/* Finds out which parameters have no influence but that of k, and where they are held: at options->start, or 0. With moisture alone an
+   exponent shows in its product with the moisture exponent only; it is held at 1 then, so that the other is free. */
+static inline void screen__find_idle(screen__problem *p, const screen_fit_options *options, double range[2][2][2], const double *slope) {
+    p->slope = slope[0];
+    for (int j = 0; j < p->parameters; j++) {
+        const int r = j / 3, exponent = j % 3;
+        const double *low = &options->low[j], *high = &options->high[j];
+        double home = options->start ? options->start[j] : 0.0;
+        p->idle[j] = 0;
+        if (p->parameters == 5 && r == 1) p->idle[j] = j == 4 && slope[1] - slope[0] < 1e-12;
+        else if (exponent == 1 && range[r][0][1] - range[r][0][0] < 1e-12) {
+            const int wet = range[r][1][1] - range[r][1][0] >= 1e-12 && !(low[1] == 0.0 && high[1] == 0.0);
+            p->idle[j] = !(wet && low[1] == high[1]); /* else the product has a known factor */
+            if (wet && screen__clip(home, *low, *high) == 0.0) home = *high > 0.0 ? 1.0 : -1.0;
+        } else if (exponent == 2) p->idle[j] = range[r][1][1] - range[r][1][0] < 1e-12 || (low[-1] == 0.0 && high[-1] == 0.0);
+        p->idle[j] = p->idle[j] && *low < *high;
+        p->home[j] = screen__clip(home, *low, *high);
+    }
+    screen__pin_idle(p, p->home);
 }
 
 /* Sets bounds, centre and arrays of a problem whose cases have been checked. */
 static inline screen_status screen__pose(screen__problem *p, const screen_def *def, screen_model model, int cases, const screen_case *data,
                                          const screen_fit_options *options) {
     int n = screen_parameter_count(model, def->continuous);
-    double range[2][2][2] = {{{0.0, 0.0}, {0.0, 0.0}}, {{0.0, 0.0}, {0.0, 0.0}}};
+    double range[2][2][2] = {{{0.0, 0.0}, {0.0, 0.0}}, {{0.0, 0.0}, {0.0, 0.0}}}, slope[2] = {0.0, 0.0};
     p->def = *def;
     if (p->def.tolerance < 1e-6) p->def.tolerance = 1e-6; /* while searching; the last steps are made with the caller's */
     p->model = model;
@@ -2531,7 +2563,7 @@ static inline screen_status screen__pose(screen__problem *p, const screen_def *d
     p->last_steps = 0;
     p->retained = p->slopes = NULL;
     p->bed = NULL;
-    screen__survey(p, range);
+    screen__survey(p, range, slope);
     for (int j = 0; j < n; j++) {
         double a = options->low[j], b = options->high[j];
         if (!(a <= b) || (screen__is_rate(model, j) && !(a > 0.0 && b < HUGE_VAL))) return SCREEN_BAD_BOUNDS;
@@ -2539,11 +2571,8 @@ static inline screen_status screen__pose(screen__problem *p, const screen_def *d
         p->high[j] = screen__to_q(model, j, b);
         p->box_low[j] = p->low[j];
         p->box_high[j] = p->high[j];
-        int r = j / 3, exponent = j % 3;
-        if (exponent == 0 || (n == 5 && r == 1)) continue;
-        if (range[r][exponent - 1][1] - range[r][exponent - 1][0] < 1e-12) /* the same in all curves: no influence but that of k */
-            p->low[j] = p->high[j] = screen__clip(options->start ? options->start[j] : 0.0, p->low[j], p->high[j]);
     }
+    screen__find_idle(p, options, range, slope);
     p->retained = (double *)screen__take(&def->memory, (size_t)p->points, sizeof(double));
     p->slopes = (double *)screen__take(&def->memory, (size_t)p->points * SCREEN_MAX_PARAMETERS, sizeof(double));
     p->bed = (screen_bed *)screen__take(&def->memory, (size_t)p->most, sizeof(screen_bed));
@@ -2950,8 +2979,8 @@ static inline double screen__try_borders(screen__problem *p, double best, double
             double loss = screen__sharp_loss(p, trial);
             if (!(loss < best)) continue;
             best = loss;
-            if (low == high) p->low[j] = p->high[j] = bound; /* a value without influence, but it leaves the others more room */
             for (int k = 0; k < p->parameters; k++) q[k] = trial[k];
+            screen__pin_idle(p, q); /* a value without influence, but it may leave k more room */
         }
     return best;
 }
@@ -2984,9 +3013,11 @@ static inline double screen__try_border_pairs(screen__problem *p, double best, d
         const double loss = screen__try_borders(p, screen__sharp_loss(p, trial), trial);
         p->low[j] = low;
         p->high[j] = high;
-        if (!(loss < best)) continue;
-        best = loss;
-        for (int i = 0; i < p->parameters; i++) q[i] = trial[i];
+        if (loss < best) {
+            best = loss;
+            for (int i = 0; i < p->parameters; i++) q[i] = trial[i];
+        }
+        screen__pin_idle(p, q);
     }
     return best;
 }
@@ -3111,6 +3142,30 @@ static inline double screen__search(screen__problem *p, const screen_fit_options
     return best;
 }
 
+/* Moves parameters without influence back to where they are held, and k such that the rates stay; as far as the bounds of k and of the
+   moisture exponents allow. */
+static inline void screen__send_home(screen__problem *p, double *q) {
+    for (int j = 0; j < p->parameters; j++) {
+        const int tilt = p->parameters == 5 && j == 4, k = tilt ? 0 : j - j % 3;
+        const double *centre = &p->centre[tilt ? 0 : 2 * (j / 3)];
+        double trial[SCREEN_MAX_PARAMETERS];
+        if (!p->idle[j]) continue;
+        for (int i = 0; i < p->parameters; i++) trial[i] = q[i];
+        trial[j] = p->home[j];
+        if (j == k + 1 && !p->idle[j + 1] && fabs(trial[j]) > 1e-300)
+            trial[j + 1] = screen__clip(q[j] * q[j + 1] / trial[j], p->low[j + 1], p->high[j + 1]);
+        trial[k] += tilt ? p->slope * (q[j] - trial[j])
+                         : q[k + 1] * (centre[0] + q[k + 2] * centre[1]) - trial[k + 1] * (centre[0] + trial[k + 2] * centre[1]);
+        const double beyond = trial[k] - screen__clip(trial[k], p->low[k], p->high[k]), lever = trial[k + 1] * centre[1];
+        trial[k] -= beyond;
+        if (beyond != 0.0 && j == k + 2 && fabs(lever) > 1e-6) /* as near to it as k's bound allows */
+            trial[j] = screen__clip(trial[j] + beyond / lever, p->box_low[j], p->box_high[j]);
+        if (!(screen__sharp_loss(p, trial) <= screen__sharp_loss(p, q) * (1.0 + 1e-9) + 1e-12)) continue;
+        for (int i = 0; i < p->parameters; i++) q[i] = trial[i];
+    }
+    screen__pin_idle(p, q);
+}
+
 /* Tries the bounds, takes the last steps with the caller's tolerance, and computes the result. */
 static inline void screen__finish(screen__problem *p, const screen_def *def, const screen_fit_options *options, const double *seen,
                                   double best, double *q, screen_fit_result *result) {
@@ -3129,9 +3184,11 @@ static inline void screen__finish(screen__problem *p, const screen_def *def, con
     }
     p->def.tolerance = def->tolerance;
     p->last_steps = 1;
+    screen__send_home(p, q); /* before the last steps too: a price counts the product of both exponents */
     screen__descend(p, q, screen__rounding(stage), left, &left);
     for (int k = 0; k < 4; k++) result->centre[k] = p->centre[k];
     screen__tidy(p, q);
+    screen__send_home(p, q);
     screen__judge(p, options, q, result);
     result->domain = screen__domain_of(p);
     result->ratio = screen__deck_of(p, 0).ratio;

@@ -858,6 +858,88 @@ static void few_cases_reach_the_best_minimum(void **state) {
     }
 }
 
+/* Three noisy cases, all at one amplitude or moisture, or each at its own. */
+enum { FEW = 3, FEW_TIMES = 10 };
+typedef struct few_cases {
+    double time[FEW_TIMES], retained[FEW][2 * FEW_TIMES];
+    screen_case cases[FEW];
+} few_cases;
+
+static void make_few(few_cases *s, const screen_def *def, double amplitude_step, double moisture, double moisture_step, double noise,
+                     uint64_t seed) {
+    double p[SCREEN_MAX_PARAMETERS];
+    screen_published(SCREEN_SUBASINGHE, p);
+    for (int j = 0; j < FEW_TIMES; j++) s->time[j] = 2.0 * (j + 1);
+    for (int k = 0; k < FEW; k++) {
+        s->cases[k].operation = running(0.001 + (k - 1) * amplitude_step, 50.6, moisture + k * moisture_step);
+        s->cases[k].times = FEW_TIMES;
+        s->cases[k].time = s->time;
+        s->cases[k].retained = s->retained[k];
+        assert_int_equal(screen_predict(def, SCREEN_SUBASINGHE, p, &s->cases[k].operation, FEW_TIMES, s->time, s->retained[k], NULL, NULL),
+                         SCREEN_OK);
+        for (int j = 0; j < def->classes * FEW_TIMES; j++)
+            s->retained[k][j] = fmin(1.0, fmax(0.0, s->retained[k][j] + noise * (screen__uniform(&seed) - 0.5)));
+    }
+}
+
+/* What the data cannot tell stays where it is held, though a bound is tried for it; k is then a rate that a reader can use. */
+static void what_has_no_influence_stays_put(void **state) {
+    (void)state;
+    few_cases s;
+    screen_def def = screen_default_def();
+    screen_fit_result fit, wide;
+    def.classes = 2, def.diameters = diameters;
+    for (uint64_t seed = 0; seed < 6; seed++) { /* all dry */
+        make_few(&s, &def, 0.0002, 0.0, 0.0, 0.02, seed);
+        assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, FEW, s.cases, NULL, &fit), SCREEN_OK);
+        assert_true(fit.parameter[2] == 0.0 && fit.parameter[5] == 0.0 && fit.error[2] == HUGE_VAL);
+    }
+    screen_fit_options options = screen_default_fit_options(SCREEN_FIRST_ORDER);
+    options.loss = SCREEN_LOSS_SQUARES;
+    const double start[] = {1.0, 1.0, 3.0};
+    for (uint64_t seed = 0; seed < 20; seed++) { /* all at 2.5 % */
+        make_few(&s, &def, 0.0002, 0.025, 0.0, 0.02, seed);
+        options.start = seed % 2 ? start : NULL;
+        assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, FEW, s.cases, &options, &fit), SCREEN_OK);
+        assert_true(fit.parameter[2] == (seed % 2 ? 3.0 : 0.0) && fit.parameter[0] > 0.8 && fit.parameter[0] < 1.2 && fit.determined[0]);
+    }
+    /* gamma gives way where k may not be what it would be at gamma = 0, and only so far */
+    options.start = NULL;
+    assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, FEW, s.cases, &options, &wide), SCREEN_OK);
+    options.high[0] = 0.3;
+    assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, FEW, s.cases, &options, &fit), SCREEN_OK);
+    close_to(fit.rms, wide.rms, 1e-9);
+    close_to(fit.parameter[0], 0.3, 1e-12);
+    close_to(pow(0.975, fit.parameter[1] * fit.parameter[2]) * 0.3, wide.parameter[0], 1e-6);
+    /* one class at one amplitude, dry to 5 %: only alpha gamma shows, and it must be found */
+    screen_def one = def;
+    one.classes = 1, one.average = SCREEN_AVERAGE_GIVEN;
+    make_few(&s, &one, 0.0, 0.0, 0.025, 0.02, 9);
+    for (int m = 0; m < 3; m++) {
+        assert_int_equal(screen_fit(&one, (screen_model)m, FEW, s.cases, NULL, &fit), SCREEN_OK);
+        assert_true(fit.deviation < 0.0045 && fit.parameter[1] == 1.0 && !fit.determined[1]);
+        if (m < 2) assert_true(fit.determined[2] && fit.low[2] < 3.0 && fit.high[2] > 1.0);
+    }
+    options = screen_default_fit_options(SCREEN_FIRST_ORDER);
+    options.low[2] = options.high[2] = 3.0; /* with gamma known alpha is free */
+    assert_int_equal(screen_fit(&one, SCREEN_FIRST_ORDER, FEW, s.cases, &options, &fit), SCREEN_OK);
+    assert_true(fit.deviation < 0.0045 && fit.determined[1] && fit.error[1] < HUGE_VAL);
+    /* a deck at one inclination: delta of model 1 */
+    const double p[] = {0.4, -0.3, 3.5, -1.2, 0.6};
+    screen_def deck = def;
+    deck.continuous = 1;
+    for (int k = 0; k < FEW; k++) {
+        s.cases[k].operation = running(0.0008 + 0.0002 * k, 50.6, 0.025 * k);
+        s.cases[k].operation.inclination = 0.2;
+        assert_int_equal(screen_predict(&deck, SCREEN_DONG, p, &s.cases[k].operation, FEW_TIMES, s.time, s.retained[k], NULL, NULL),
+                         SCREEN_OK);
+    }
+    assert_int_equal(screen_fit(&deck, SCREEN_DONG, FEW, s.cases, NULL, &fit), SCREEN_OK);
+    assert_true(fit.parameter[4] == 0.0 && fit.error[4] == HUGE_VAL && fit.determined[0] && fit.determined[3]);
+    close_to(fit.parameter[0] / (0.4 * pow(0.2, 0.6)), 1.0, 1e-6);
+    close_to(fit.parameter[3], -1.2, 1e-6);
+}
+
 static void bounds_hold(void **state) {
     (void)state;
     static study s;
@@ -1807,6 +1889,7 @@ int main(void) {
         cmocka_unit_test(the_fitter_recovers_published_parameters),
         cmocka_unit_test(the_fitter_names_what_the_data_leave_open),
         cmocka_unit_test(few_cases_reach_the_best_minimum),
+        cmocka_unit_test(what_has_no_influence_stays_put),
         cmocka_unit_test(bounds_hold),
         cmocka_unit_test(model_2_has_a_twin),
         cmocka_unit_test(published_sets_carry_their_reading),
