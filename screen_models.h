@@ -337,8 +337,9 @@ typedef struct screen_fit_options {
     double low[SCREEN_MAX_PARAMETERS];  /* bounds, as the parameters: rate constants 1e-12 .. 1e12 (> 0), alpha, beta -50 .. 50, */
     double high[SCREEN_MAX_PARAMETERS]; /* gamma, delta -1000 .. 1000. low = high holds a parameter. */
     double data_error; /* what the data are good for [-], > 0; 1e-3: a parameter is judged by an error of at least this size */
-    double shrink;     /* >= 0 [-]: adds half of this x (exponent/5)^2 and x (exponent x moisture exponent/20)^2 to the loss, so that few
-                      cases do not drive exponents far for a small gain; 0 (default): the plain minimum; 3e-4 is a mild choice */
+    double shrink;     /* >= 0 [-]: adds half of this x (exponent/5)^2 and x (exponent x moisture exponent/20)^2 to the deviation (all of
+                      it to the mean square), so that few cases do not drive exponents far for a small gain: the fit is the minimum of the
+                      sum. 0 (default): the plain minimum; 3e-4 is a mild choice */
     double data_tolerance;   /* rise with time, or excess over 1 or below 0, that is taken for noise [-], >= 0; 0.01. Where the scatter of
                               the curves themselves is larger, 8 times that scatter */
     const screen_def *decks; /* [cases] a deck and a feed for each case (aperture, wire, classes, masses ...): all but the numerics and the
@@ -365,7 +366,7 @@ typedef struct screen_fit_result {
     int at_bound[SCREEN_MAX_PARAMETERS];   /* 1: stands at a bound that is not low = high */
     int undetermined;                      /* number of parameters that are not determined */
     int starts;                            /* made */
-    int starts_at_best;                    /* of them ended within 1e-6 of the best deviation (loss for SQUARES) */
+    int starts_at_best;                    /* of them ended within 1e-6 of the best sum of loss and price (options.shrink) */
     long evaluations;                      /* of the curves of all cases */
     screen_where where;                    /* first bad datum when the data are refused; else the largest rise, -1 without one */
     int rises;                             /* points that lie above an earlier one by more than the tolerance */
@@ -396,13 +397,14 @@ SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, co
    influence (moisture exponents when M is the same in all cases, exponents when A f and d are, delta of a deck when the inclination is) are
    held at 0, or at options->start, or the nearest bound; elsewhere only as far as k would leave its bounds. Where M alone differs, the data
    tell alpha x gamma only: alpha is held at 1 then. Every parameter is also tried at its bounds, the others fitted again, so that no bound
-   gives a better fit. Curves that rise are accepted; result->rises counts them. options may be null (defaults). Errors: as the statuses; result->where is set for bad data,
-   result->parameters is 0 after any. */
+   gives a better fit. Curves that rise are accepted; result->rises counts them. options may be null (defaults). Errors: as the statuses;
+   result->where is set for bad data, result->parameters is 0 after any. */
 SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, int cases, const screen_case *data,
                                     const screen_fit_options *options, screen_fit_result *result);
 
 /* Finds the profile range of one parameter (index): how far it may move, all others fitted again, before the loss (deviation [-] or mean
-   square) rises by rise > 0; cut at the bounds. result is a fit to the same cases with the same options. */
+   square, with the price of options->shrink) rises by rise > 0; cut at the bounds. result is a fit to the same cases with the same
+   options. */
 SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const screen_case *data, const screen_fit_options *options,
                                         const screen_fit_result *result, int index, double rise, double *low, double *high);
 
@@ -2132,11 +2134,23 @@ static inline void screen__add_class(const screen__problem *p, const screen_def 
     }
 }
 
-/* Adds the penalty on large exponents, and completes the upper half of the curvature. */
+/* Returns the second derivative of the penalty on large exponents by c[a]. */
+static inline double screen__pull(const screen__problem *p, int a) {
+    return screen__is_rate(p->model, a) ? 0.0 : screen__is_wet(p->model, a) ? p->shrink / 400.0 : p->shrink / 25.0;
+}
+
+/* Returns that penalty. */
+static inline double screen__penalty(const screen__problem *p, const double *c) {
+    double sum = 0.0;
+    for (int a = 0; a < p->parameters; a++) sum += 0.5 * screen__pull(p, a) * c[a] * c[a];
+    return sum;
+}
+
+/* Adds the penalty, and completes the upper half of the curvature. */
 static inline void screen__add_shrink(const screen__problem *p, const double *c, screen__sums *out) {
     int n = p->parameters;
     for (int a = 0; a < n; a++) {
-        double pull = screen__is_rate(p->model, a) ? 0.0 : screen__is_wet(p->model, a) ? p->shrink / 400.0 : p->shrink / 25.0;
+        double pull = screen__pull(p, a);
         out->loss += 0.5 * pull * c[a] * c[a];
         out->gradient[a] += pull * c[a];
         out->curvature[a][a] += pull;
@@ -2624,7 +2638,7 @@ static inline double screen__second_try(screen__problem *p, double *q, double lo
     return again;
 }
 
-/* Takes c for q if it lies inside the bounds, or is cut to them, without making the deviation worse. */
+/* Takes c for q if it lies inside the bounds, or is cut to them, without making the deviation or the penalty worse. */
 static inline int screen__prefer(screen__problem *p, const double *c, double *q) {
     double trial[SCREEN_MAX_PARAMETERS], old[SCREEN_MAX_PARAMETERS], cut[SCREEN_MAX_PARAMETERS];
     screen__sums before, after;
@@ -2634,6 +2648,7 @@ static inline int screen__prefer(screen__problem *p, const double *c, double *q)
     screen__to_coefficients(p->model, p->parameters, p->centre, trial, cut);
     screen__evaluate(p, cut, 0.0, 0, 1, &after);
     if (!(after.deviation <= before.deviation + 1e-12 && after.squares <= before.squares + 1e-12)) return 0;
+    if (!(screen__penalty(p, cut) <= screen__penalty(p, old) + 1e-12)) return 0;
     for (int j = 0; j < p->parameters; j++) q[j] = trial[j];
     return 1;
 }
@@ -2916,13 +2931,14 @@ static inline double screen__rounding(int stage) {
     return rounding[stage];
 }
 
-/* Returns the deviation, or the mean square, at q. */
+/* Returns at q what is to be smallest: the deviation and the penalty, or the mean square and twice the penalty, since descents take half of
+   the square. */
 static inline double screen__sharp_loss(screen__problem *p, const double *q) {
     double c[SCREEN_MAX_PARAMETERS];
     screen__sums sums;
     screen__to_coefficients(p->model, p->parameters, p->centre, q, c);
     screen__evaluate(p, c, 0.0, 0, 1, &sums);
-    return p->loss == SCREEN_LOSS_SQUARES ? sums.squares : sums.deviation;
+    return p->loss == SCREEN_LOSS_SQUARES ? sums.squares + 2.0 * screen__penalty(p, c) : sums.deviation + screen__penalty(p, c);
 }
 
 /* Descends from q through all stages. first: smooth minima that earlier starts came to, [start] pairs of it and the sharp loss; a known one
@@ -3114,6 +3130,26 @@ static inline double screen__try_borders_anew(screen__problem *p, uint64_t seed,
     return best;
 }
 
+/* Where exponents have a price their bounds are too dear to lead anywhere: each exponent at -2 and 2 from random starts, then released. In
+   small problems. */
+static inline double screen__try_modest_exponents(screen__problem *p, uint64_t seed, double best, double *q) {
+    for (int k = 0; k < 2 * screen__rates(p->model) && p->shrink > 0.0 && screen__is_small(p, best); k++) {
+        const int j = k / 2 * 3 + 1;
+        const double at = screen__clip(k % 2 ? 2.0 : -2.0, p->low[j], p->high[j]);
+        double trial[SCREEN_MAX_PARAMETERS];
+        int left = 100;
+        uint64_t state = seed;
+        if (!(p->low[j] < p->high[j]) || !(screen__try_border_anew(p, j, at, 6, &state, HUGE_VAL, trial) < HUGE_VAL)) continue;
+        for (int stage = p->loss == SCREEN_LOSS_SQUARES ? SCREEN__STAGES - 1 : 5; stage < SCREEN__STAGES; stage += 2)
+            screen__descend(p, trial, screen__rounding(stage), 40, &left);
+        const double loss = screen__sharp_loss(p, trial);
+        if (!(loss < best)) continue;
+        best = loss;
+        for (int i = 0; i < p->parameters; i++) q[i] = trial[i];
+    }
+    return best;
+}
+
 /* Exchanges the two steps of model 2 and descends: the curves differ where a bound holds one of them. */
 static inline double screen__try_exchanged(screen__problem *p, double best, double *q) {
     double c[SCREEN_MAX_PARAMETERS], other[SCREEN_MAX_PARAMETERS];
@@ -3175,6 +3211,7 @@ static inline void screen__finish(screen__problem *p, const screen_def *def, con
     best = screen__try_plain_rates(p, best, q);
     best = screen__try_opposed_rates(p, best, q);
     best = screen__try_borders_anew(p, options->seed, best, q);
+    best = screen__try_modest_exponents(p, options->seed, best, q);
     for (int round = 0; round < 3; round++) { /* from one border another may be near */
         double before = best;
         best = screen__try_exchanged(p, best, q);
@@ -3236,9 +3273,10 @@ SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const 
         return status;
     }
     int squares = options->loss == SCREEN_LOSS_SQUARES;
-    double limit = (squares ? result->rms * result->rms : result->deviation) + rise;
-    double centre_q[SCREEN_MAX_PARAMETERS], box_low = p.low[index], box_high = p.high[index];
+    double centre_q[SCREEN_MAX_PARAMETERS], centre_c[SCREEN_MAX_PARAMETERS], box_low = p.low[index], box_high = p.high[index];
     for (int j = 0; j < result->parameters; j++) centre_q[j] = screen__to_q(result->model, j, result->parameter[j]);
+    screen__to_coefficients(result->model, result->parameters, p.centre, centre_q, centre_c);
+    double limit = (squares ? result->rms * result->rms : result->deviation) + (squares ? 2.0 : 1.0) * screen__penalty(&p, centre_c) + rise;
     for (int side = 0; side < 2; side++) {
         double edge = side ? box_high : box_low, sign = side ? 1.0 : -1.0, inside = centre_q[index], outside = edge;
         double q[SCREEN_MAX_PARAMETERS], step = 0.02 * (1.0 + fabs(inside)) * (screen__is_rate(result->model, index) ? 0.2 : 1.0);
@@ -3248,16 +3286,13 @@ SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const 
             double at = found ? 0.5 * (inside + outside) : inside + sign * step;
             if (!found && sign * (at - edge) >= 0.0) at = edge;
             if (found && fabs(outside - inside) < 1e-3 * (1e-3 + fabs(outside - centre_q[index]))) break;
-            double trial[SCREEN_MAX_PARAMETERS], c[SCREEN_MAX_PARAMETERS];
+            double trial[SCREEN_MAX_PARAMETERS];
             int left = 200;
-            screen__sums sums;
             for (int j = 0; j < result->parameters; j++) trial[j] = q[j];
             trial[index] = p.low[index] = p.high[index] = at;
             const double rounding[] = {1e-2, 1e-3, 1e-4};
             for (int stage = squares ? 2 : 0; stage < 3; stage++) screen__descend(&p, trial, rounding[stage], 40, &left);
-            screen__to_coefficients(result->model, result->parameters, p.centre, trial, c);
-            screen__evaluate(&p, c, 0.0, 0, 1, &sums);
-            if ((squares ? sums.squares : sums.deviation) <= limit) {
+            if (screen__sharp_loss(&p, trial) <= limit) {
                 inside = at;
                 step *= 2.0;
                 for (int j = 0; j < result->parameters; j++) q[j] = trial[j];

@@ -1512,6 +1512,63 @@ static void a_price_on_exponents_steadies_predictions(void **state) {
     assert_true(off[1] <= off[0] && fitted[1] >= fitted[0] && fitted[1] < fitted[0] + 3e-4 && largest[1] < largest[0]);
 }
 
+/* Returns loss and price of a fit. */
+static double dear(const screen_fit_result *fit, const screen_fit_options *options) {
+    double price = 0.0;
+    for (int k = 0; k < fit->parameters; k += 3) {
+        double product = fit->parameter[k + 1] * fit->parameter[k + 2];
+        price += fit->parameter[k + 1] * fit->parameter[k + 1] / 25.0 + product * product / 400.0;
+    }
+    int squares = options->loss == SCREEN_LOSS_SQUARES;
+    return (squares ? fit->rms * fit->rms : fit->deviation) + (squares ? 1.0 : 0.5) * options->shrink * price;
+}
+
+/* The fit is the minimum of loss and price: no fit in a narrower box is lower. A profile counts the price too. */
+static void a_price_is_part_of_the_minimum(void **state) {
+    (void)state;
+    few_cases s;
+    screen_def def = screen_default_def();
+    screen_fit_result fit, narrow;
+    def.classes = 2, def.diameters = diameters;
+    for (uint64_t seed = 16; seed < 31; seed++) {
+        screen_fit_options wide = screen_default_fit_options(SCREEN_SUBASINGHE), within;
+        uint64_t noise = 99 + seed;
+        const int cases = 1 + seed % 2;
+        make_few(&s, &def, 0.0002, 0.0, 0.025, 0.0, 0);
+        for (int k = 0; k < cases; k++)
+            for (int j = 0; j < 2 * FEW_TIMES; j++) {
+                const double y = exp(-(j < FEW_TIMES ? 0.4 : 0.25) * (1.0 + 0.3 * k) * s.time[j % FEW_TIMES]);
+                s.retained[k][j] = fmin(1.0, fmax(0.0, y + 0.06 * (screen__uniform(&noise) - 0.5)));
+            }
+        wide.shrink = seed % 8 < 4 ? 3e-4 : 3e-3;
+        wide.loss = seed % 4 < 3 ? SCREEN_LOSS_DEVIATION : SCREEN_LOSS_SQUARES;
+        within = wide;
+        for (int k = 0; k < 6; k += 3) {
+            within.low[k + 1] = -2.0, within.high[k + 1] = 2.0;
+            within.low[k + 2] = -10.0, within.high[k + 2] = 10.0;
+        }
+        assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, cases, s.cases, &wide, &fit), SCREEN_OK);
+        assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, cases, s.cases, &within, &narrow), SCREEN_OK);
+        assert_true(dear(&fit, &wide) <= dear(&narrow, &wide) * (1.0 + 1e-5));
+    }
+    for (int loss = 0; loss < 2; loss++) {
+        screen_fit_options options = screen_default_fit_options(SCREEN_FIRST_ORDER), at;
+        double low, high;
+        options.shrink = loss ? 1e-3 : 0.02;
+        options.loss = (screen_loss)loss;
+        make_few(&s, &def, 0.0002, 0.0, 0.025, 0.02, 1);
+        assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, FEW, s.cases, &options, &fit), SCREEN_OK);
+        const double rise = 0.1 * dear(&fit, &options);
+        assert_int_equal(screen_profile(&def, FEW, s.cases, &options, &fit, 1, rise, &low, &high), SCREEN_OK);
+        at = options;
+        for (int side = 0; side < 2; side++) {
+            at.low[1] = at.high[1] = side ? high : low;
+            assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, FEW, s.cases, &at, &narrow), SCREEN_OK);
+            close_to(dear(&narrow, &at), dear(&fit, &options) + rise, 0.02 * rise);
+        }
+    }
+}
+
 static void a_continuous_deck_is_fitted(void **state) {
     (void)state;
     static study s;
@@ -1903,6 +1960,7 @@ int main(void) {
         cmocka_unit_test(ranges_are_honest),
         cmocka_unit_test(fits_with_noise),
         cmocka_unit_test(a_price_on_exponents_steadies_predictions),
+        cmocka_unit_test(a_price_is_part_of_the_minimum),
         cmocka_unit_test(a_continuous_deck_is_fitted),
         cmocka_unit_test(bad_data_are_named),
         cmocka_unit_test(profiles),
