@@ -403,8 +403,8 @@ SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, i
                                     const screen_fit_options *options, screen_fit_result *result);
 
 /* Finds the profile range of one parameter (index): how far it may move, all others fitted again, before the loss (deviation [-] or mean
-   square, with the price of options->shrink) rises by rise > 0; cut at the bounds. result is a fit to the same cases with the same
-   options. */
+   square, with the price of options->shrink) rises by rise > 0; cut at the bounds: from bound to bound for one without influence. result is
+   a fit to the same cases with the same options. */
 SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const screen_case *data, const screen_fit_options *options,
                                         const screen_fit_result *result, int index, double rise, double *low, double *high);
 
@@ -3273,12 +3273,15 @@ SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const 
         return status;
     }
     int squares = options->loss == SCREEN_LOSS_SQUARES;
-    double centre_q[SCREEN_MAX_PARAMETERS], centre_c[SCREEN_MAX_PARAMETERS], box_low = p.low[index], box_high = p.high[index];
+    double centre_q[SCREEN_MAX_PARAMETERS], centre_c[SCREEN_MAX_PARAMETERS], box_low = p.box_low[index], box_high = p.box_high[index];
     for (int j = 0; j < result->parameters; j++) centre_q[j] = screen__to_q(result->model, j, result->parameter[j]);
+    for (int j = 0; j < p.parameters; j++) /* one that gave way to a bound of k may do so again */
+        if (p.idle[j] && centre_q[j] != p.home[j]) p.low[j] = p.box_low[j], p.high[j] = p.box_high[j];
     screen__to_coefficients(result->model, result->parameters, p.centre, centre_q, centre_c);
     double limit = (squares ? result->rms * result->rms : result->deviation) + (squares ? 2.0 : 1.0) * screen__penalty(&p, centre_c) + rise;
     for (int side = 0; side < 2; side++) {
-        double edge = side ? box_high : box_low, sign = side ? 1.0 : -1.0, inside = centre_q[index], outside = edge;
+        double edge = side ? box_high : box_low, sign = side ? 1.0 : -1.0, outside = edge;
+        double inside = p.idle[index] ? edge : centre_q[index]; /* of one without influence any value will do */
         double q[SCREEN_MAX_PARAMETERS], step = 0.02 * (1.0 + fabs(inside)) * (screen__is_rate(result->model, index) ? 0.2 : 1.0);
         int found = 0;
         for (int j = 0; j < result->parameters; j++) q[j] = centre_q[j];

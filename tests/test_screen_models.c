@@ -1690,11 +1690,29 @@ static void profiles(void **state) {
         assert_true(low < p[0] && p[0] < high && log(high / low) > before);
         before = log(high / low);
     }
-    /* a flat valley: dry data say nothing of gamma; it reaches from bound to bound only where it is free */
+    /* a flat valley: data of one moisture say nothing of gamma, which reaches from bound to bound */
     screen_fit_options options = screen_default_fit_options(SCREEN_DONG);
     assert_int_equal(screen_profile(&def, CASES, s.cases, &options, &fit, 5, 1e-3, &low, &high), SCREEN_BAD_ARGUMENT);
     assert_int_equal(screen_profile(&def, CASES, s.cases, &options, &fit, 0, nan_, &low, &high), SCREEN_BAD_ARGUMENT);
     assert_int_equal(screen_profile(&def, CASES, s.cases, &options, NULL, 0, 1e-3, &low, &high), SCREEN_BAD_POINTER);
+    few_cases dry;
+    for (int m = 0; m < 2; m++) { /* with a range of k that keeps gamma from where it is held, too */
+        make_few(&dry, &def, 0.0002, m * 0.025, 0.0, 0.02, 3);
+        options = screen_default_fit_options(SCREEN_FIRST_ORDER);
+        options.low[2] = -900.0, options.high[0] = m ? 0.3 : 1e12;
+        assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, FEW, dry.cases, &options, &fit), SCREEN_OK);
+        assert_int_equal(screen_profile(&def, FEW, dry.cases, &options, &fit, 2, 1e-3, &low, &high), SCREEN_OK);
+        assert_true(low == -900.0 && high == 1000.0 && (fit.parameter[2] == 0.0) == !m);
+        assert_int_equal(screen_profile(&def, FEW, dry.cases, &options, &fit, 1, 1e-3, &low, &high), SCREEN_OK);
+        for (int side = 0; side < 2; side++) {
+            screen_fit_options at = options;
+            screen_fit_result held;
+            at.low[1] = at.high[1] = side ? high : low;
+            assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, FEW, dry.cases, &at, &held), SCREEN_OK);
+            close_to(held.deviation, fit.deviation + 1e-3, 2e-5);
+        }
+    }
+    options = screen_default_fit_options(SCREEN_DONG);
     /* stratification of model 2 so fast that only its lower end is known */
     screen__set(p, 1e4, 0.0, 0.0, 0.3, 0.9, 2.0);
     make_study(&s, &def, SCREEN_SUBASINGHE, p);
