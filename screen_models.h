@@ -435,7 +435,8 @@ SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, 
 /* ---- separation --------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct screen_separation {
-    double d25, d50, d75;       /* sizes of which 25, 50, 75 % stay [m], linear between the points; NaN when not between two of them */
+    double d25, d50, d75;       /* sizes of which 25, 50, 75 % stay [m], linear between the points; NaN when not between two of them. Of a
+                                   curve that also falls: d50 where it rises through 50 % last, d25 and d75 the next below and above */
     double ecart;               /* probable error (d75 - d25)/2 [m] */
     double imperfection;        /* (d75 - d25)/(2 d50) [-]; 0 is a perfect cut */
     double recovery;            /* undersize passed / undersize fed [-]; NaN without undersize */
@@ -3422,11 +3423,18 @@ SCREEN_API screen_status screen_fit_band(const screen_def *def, const screen_fit
 
 /* >>separation */
 
-/* Returns the last size at which the curve rises through level; NaN if it does not. */
-static inline double screen__crossing(int n, const double *d, const double *y, double level) {
-    for (int i = n - 1; i > 0; i--)
-        if (y[i] >= level && y[i - 1] < level) return d[i - 1] + (d[i] - d[i - 1]) * ((level - y[i - 1]) / (y[i] - y[i - 1]));
-    return n > 0 && y[0] == level ? d[0] : (double)NAN;
+/* Returns the point at which the curve has risen through level: from point `from` on upwards (step 1) or downwards (-1) the first such; 0
+   where it begins at the level, -1 if it does not rise through it. */
+static inline int screen__rise(int n, const double *y, double level, int from, int step) {
+    for (int i = from > 1 ? from : 1; i > 0 && i < n; i += step)
+        if (y[i] >= level && y[i - 1] < level) return i;
+    return step < 0 && y[0] == level ? 0 : -1;
+}
+
+/* Returns the size at that point; NaN for -1. */
+static inline double screen__size_at(const double *d, const double *y, double level, int point) {
+    if (point < 1) return point == 0 ? d[0] : (double)NAN;
+    return d[point - 1] + (d[point] - d[point - 1]) * ((level - y[point - 1]) / (y[point] - y[point - 1]));
 }
 
 SCREEN_API screen_status screen_measure(int n, const double *diameters, const double *feed, const double *partition, double cut,
@@ -3447,10 +3455,13 @@ SCREEN_API screen_status screen_measure(int n, const double *diameters, const do
     }
     double all = fine + coarse, stays = fine_stays + coarse_stays, passes = (fine - fine_stays) + (coarse - coarse_stays);
     if (!(all > 0.0 && all < HUGE_VAL)) return SCREEN_BAD_ARGUMENT;
-    out->d25 = screen__crossing(n, diameters, partition, 0.25);
-    out->d50 = screen__crossing(n, diameters, partition, 0.50);
-    out->d75 = screen__crossing(n, diameters, partition, 0.75);
-    out->ecart = 0.5 * (out->d75 - out->d25);
+    int middle = screen__rise(n, partition, 0.50, n - 1, -1), upwards = middle >= 0 ? 1 : -1;
+    int first = screen__rise(n, partition, 0.25, middle >= 0 ? middle : n - 1, -1);
+    int last = screen__rise(n, partition, 0.75, middle >= 0 ? middle : n - 1, upwards);
+    out->d25 = screen__size_at(diameters, partition, 0.25, first);
+    out->d50 = screen__size_at(diameters, partition, 0.50, middle);
+    out->d75 = screen__size_at(diameters, partition, 0.75, last);
+    out->ecart = out->d75 >= out->d25 ? 0.5 * (out->d75 - out->d25) : (double)NAN;
     out->imperfection = out->ecart / out->d50;
     out->recovery = fine > 0.0 ? (fine - fine_stays) / fine : (double)NAN;
     out->oversize_loss = coarse > 0.0 ? (coarse - coarse_stays) / coarse : (double)NAN;

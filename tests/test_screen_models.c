@@ -1817,6 +1817,25 @@ static void separation_of_a_known_curve(void **state) {
     assert_int_equal(screen_measure(0, d, feed, stays, 0.006, &m), SCREEN_BAD_ARGUMENT);
     assert_int_equal(screen_measure(5, d, feed, stays, nan_, &m), SCREEN_BAD_ARGUMENT);
     assert_int_equal(screen_measure(5, d, feed, stays, 0.006, NULL), SCREEN_BAD_POINTER);
+    /* curves that also fall: the sizes are those about d50, in order, or missing */
+    const double noisy[] = {0.1, 0.8, 0.2, 0.6, 0.7}, early[] = {0.1, 0.6, 0.8, 0.7, 0.9}, dip[] = {0.6, 0.9, 0.1, 0.3, 0.4};
+    assert_int_equal(screen_measure(5, d, feed, noisy, 0.006, &m), SCREEN_NOT_REACHED);
+    close_to(m.d25, 0.005 + 0.002 * 0.05 / 0.4, 1e-17);
+    close_to(m.d50, 0.005 + 0.002 * 0.3 / 0.4, 1e-17);
+    assert_true(isnan(m.d75) && isnan(m.ecart) && isnan(m.imperfection) && !isnan(m.recovery));
+    assert_int_equal(screen_measure(5, d, feed, early, 0.006, &m), SCREEN_OK);
+    close_to(m.d75, 0.003 + 0.002 * 0.15 / 0.2, 1e-17);
+    assert_true(m.d25 < m.d50 && m.d50 < m.d75 && m.imperfection > 0.0);
+    assert_int_equal(screen_measure(5, d, feed, dip, 0.006, &m), SCREEN_NOT_REACHED);
+    assert_true(isnan(m.d50) && m.d25 > m.d75 && isnan(m.ecart));
+    uint64_t random = 5;
+    for (int k = 0; k < 2000; k++) {
+        double y[5];
+        for (int i = 0; i < 5; i++) y[i] = floor(screen__uniform(&random) * 9.0) / 8.0;
+        const int ok = screen_measure(5, d, feed, y, 0.006, &m) == SCREEN_OK;
+        assert_true(!ok || (m.d25 <= m.d50 && m.d50 <= m.d75 && m.imperfection >= 0.0));
+        assert_true(!(m.ecart < 0.0));
+    }
 }
 
 /* ---- what a failed call leaves ------------------------------------------------------------------------------------------------------ */
