@@ -3541,12 +3541,15 @@ static inline screen_def screen__slice(const screen_def *def, const screen_duty 
 
 static inline void screen__sum_flow(const screen_def *slice, const screen_duty *duty, int places, const double *retained, double *depth,
                                     double *passed, screen_flow *flow) {
-    double total = slice->undersize_mass + slice->oversize_mass, fine = 0.0, fine_passed = 0.0, all_passed = 0.0;
+    double total = slice->undersize_mass + slice->oversize_mass, fine = 0.0, fine_passed = 0.0, all_passed = 0.0, shares = 0.0;
+    double stays = duty->feed * slice->oversize_mass / total; /* a sum: the difference to the feed could be below 0 by rounding */
+    for (int i = 0; i < slice->classes; i++) shares += screen__share(slice, i);
     for (int i = 0; i < slice->classes; i++) {
-        double fed = duty->feed * slice->undersize_mass / total * screen__share(slice, i);
-        double through = fed * (1.0 - retained[(size_t)i * (size_t)places + (size_t)places - 1]);
+        double fed = duty->feed * slice->undersize_mass / total * screen__share(slice, i) / shares;
+        double y = retained[(size_t)i * (size_t)places + (size_t)places - 1], through = fed * (1.0 - y);
         if (passed) passed[i] = through;
         all_passed += through;
+        stays += fed * y;
         if (!(slice->diameters[i] < slice->aperture)) continue;
         fine += fed;
         fine_passed += through;
@@ -3554,7 +3557,7 @@ static inline void screen__sum_flow(const screen_def *slice, const screen_duty *
     for (int j = 0; j < places; j++) {
         double on_deck = slice->oversize_mass;
         for (int i = 0; i < slice->classes; i++)
-            on_deck += slice->undersize_mass * screen__share(slice, i) * retained[(size_t)i * (size_t)places + (size_t)j];
+            on_deck += slice->undersize_mass * screen__share(slice, i) / shares * retained[(size_t)i * (size_t)places + (size_t)j];
         flow->load_end = on_deck / slice->deck_area;
         flow->depth_end = flow->load_end / slice->bulk_density;
         if (depth) depth[j] = flow->depth_end;
@@ -3563,7 +3566,7 @@ static inline void screen__sum_flow(const screen_def *slice, const screen_duty *
     flow->depth = flow->load / slice->bulk_density;
     flow->residence = duty->length / duty->velocity;
     flow->passed = all_passed;
-    flow->stays = duty->feed - all_passed;
+    flow->stays = stays;
     flow->efficiency = fine > 0.0 ? fine_passed / fine : (double)NAN;
     flow->purity = all_passed > 0.0 ? fine_passed / all_passed : (double)NAN;
     flow->undersize_in_overflow = flow->stays > 0.0 ? (fine - fine_passed) / flow->stays : (double)NAN;

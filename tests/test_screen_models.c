@@ -1334,6 +1334,22 @@ static void a_steady_deck(void **state) {
     duty.feed = flow.passed;
     assert_int_equal(screen_steady(&second, SCREEN_SUBASINGHE, p, &o, &duty, PLACES, y2, NULL, NULL, &below), SCREEN_OK);
     close_to(below.passed + below.stays, flow.passed, 1e-12);
+    /* shares whose sum is 1 within what is allowed: no more passes than is fed */
+    const double shares[2] = {0.5, 0.5000009}, long_deck = 1e4;
+    screen_def fine = screen_default_def();
+    screen_duty long_duty = {1.0, 1.0, long_deck, 0.1};
+    fine.classes = 2;
+    fine.diameters = d + 1;
+    fine.shares = shares;
+    fine.oversize_mass = 0.0;
+    assert_int_equal(screen_steady(&fine, SCREEN_SUBASINGHE, p, &o, &long_duty, 1, y2, depth, passed, &below), SCREEN_OK);
+    assert_true(below.passed <= 1.0 + 1e-15 && below.stays >= 0.0 && below.stays < 1e-9);
+    close_to(below.passed + below.stays, 1.0, 1e-14);
+    close_to(passed[0] + passed[1], 1.0, 1e-12);
+    long_duty.length = 0.1;
+    assert_int_equal(screen_steady(&fine, SCREEN_SUBASINGHE, p, &o, &long_duty, 1, y2, depth, passed, &below), SCREEN_OK);
+    close_to(below.load_end * long_duty.width * long_duty.velocity, below.stays, 1e-14);
+    close_to(below.efficiency, below.passed, 1e-14);
     duty.velocity = 0.0;
     assert_int_equal(screen_steady(&second, SCREEN_SUBASINGHE, p, &o, &duty, PLACES, y2, NULL, NULL, &below), SCREEN_BAD_ARGUMENT);
     assert_true(isnan(y2[0]) && isnan(below.passed));
