@@ -337,8 +337,9 @@ typedef struct screen_fit_options {
     double low[SCREEN_MAX_PARAMETERS];  /* bounds, as the parameters: rate constants 1e-12 .. 1e12 (> 0), alpha, beta -50 .. 50, */
     double high[SCREEN_MAX_PARAMETERS]; /* gamma, delta -1000 .. 1000. low = high holds a parameter. */
     double data_error; /* what the data are good for [-], > 0; 1e-3: a parameter is judged by an error of at least this size */
-    double shrink;     /* >= 0 [-]: adds half of this x (exponent/5)^2 and x (exponent x moisture exponent/20)^2 to the loss, so that few
-                      cases do not drive exponents far for a small gain; 0 (default): the plain minimum; 3e-4 is a mild choice */
+    double shrink;     /* >= 0 [-]: adds half of this x (exponent/5)^2 and x (exponent x moisture exponent/20)^2 to the deviation (all of
+                      it to the mean square), so that few cases do not drive exponents far for a small gain: the fit is the minimum of the
+                      sum. 0 (default): the plain minimum; 3e-4 is a mild choice */
     double data_tolerance;   /* rise with time, or excess over 1 or below 0, that is taken for noise [-], >= 0; 0.01. Where the scatter of
                               the curves themselves is larger, 8 times that scatter */
     const screen_def *decks; /* [cases] a deck and a feed for each case (aperture, wire, classes, masses ...): all but the numerics and the
@@ -365,7 +366,7 @@ typedef struct screen_fit_result {
     int at_bound[SCREEN_MAX_PARAMETERS];   /* 1: stands at a bound that is not low = high */
     int undetermined;                      /* number of parameters that are not determined */
     int starts;                            /* made */
-    int starts_at_best;                    /* of them ended within 1e-6 of the best deviation (loss for SQUARES) */
+    int starts_at_best;                    /* of them ended within 1e-6 of the best sum of loss and price (options.shrink) */
     long evaluations;                      /* of the curves of all cases */
     screen_where where;                    /* first bad datum when the data are refused; else the largest rise, -1 without one */
     int rises;                             /* points that lie above an earlier one by more than the tolerance */
@@ -393,15 +394,17 @@ SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, co
 /* Fits one parameter set to all cases given: bounded Levenberg-Marquardt in the coefficients of the log rates, from several random starts,
    first on a rounded, then on the sharp absolute deviation. Model 2: exchanging the two steps gives the same curves, so the data cannot
    tell which is which; the slower is called stratification, as in the published set, unless the bounds forbid it. Parameters without
-   influence (moisture exponents when M is the same in all cases, exponents when A f and d are) are held at 0, or at options->start, or the
-   nearest bound. Every parameter is also tried at its bounds, the others fitted again, so that no bound gives a better fit. Curves that
-   rise are accepted; result->rises counts them. options may be null (defaults). Errors: as the statuses; result->where is set for bad data,
-   result->parameters is 0 after any. */
+   influence (moisture exponents when M is the same in all cases, exponents when A f and d are, delta of a deck when the inclination is) are
+   held at 0, or at options->start, or the nearest bound; elsewhere only as far as k would leave its bounds. Where M alone differs, the data
+   tell alpha x gamma only: alpha is held at 1 then. Every parameter is also tried at its bounds, the others fitted again, so that no bound
+   gives a better fit. Curves that rise are accepted; result->rises counts them. options may be null (defaults). Errors: as the statuses;
+   result->where is set for bad data, result->parameters is 0 after any. */
 SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, int cases, const screen_case *data,
                                     const screen_fit_options *options, screen_fit_result *result);
 
 /* Finds the profile range of one parameter (index): how far it may move, all others fitted again, before the loss (deviation [-] or mean
-   square) rises by rise > 0; cut at the bounds. result is a fit to the same cases with the same options. */
+   square, with the price of options->shrink) rises by rise > 0; cut at the bounds: from bound to bound for one without influence. result is
+   a fit to the same cases with the same options. */
 SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const screen_case *data, const screen_fit_options *options,
                                         const screen_fit_result *result, int index, double rise, double *low, double *high);
 
@@ -432,7 +435,8 @@ SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, 
 /* ---- separation --------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct screen_separation {
-    double d25, d50, d75;       /* sizes of which 25, 50, 75 % stay [m], linear between the points; NaN when not between two of them */
+    double d25, d50, d75;       /* sizes of which 25, 50, 75 % stay [m], linear between the points; NaN when not between two of them. Of a
+                                   curve that also falls: d50 where it rises through 50 % last, d25 and d75 the next below and above */
     double ecart;               /* probable error (d75 - d25)/2 [m] */
     double imperfection;        /* (d75 - d25)/(2 d50) [-]; 0 is a perfect cut */
     double recovery;            /* undersize passed / undersize fed [-]; NaN without undersize */
@@ -1956,6 +1960,9 @@ typedef struct screen__problem {
     double shrink;
     double low[SCREEN_MAX_PARAMETERS], high[SCREEN_MAX_PARAMETERS];         /* in q; equal where a parameter is held */
     double box_low[SCREEN_MAX_PARAMETERS], box_high[SCREEN_MAX_PARAMETERS]; /* the caller's, of those without influence too */
+    int idle[SCREEN_MAX_PARAMETERS];                                        /* 1: without influence but that of k */
+    double home[SCREEN_MAX_PARAMETERS];                                     /* where such a one is held */
+    double slope;                                                           /* of all cases, if delta of a deck is idle */
     double centre[4];                                                       /* mean of speed[r] and wet, for each rate */
     double width[4];                                                        /* and how far each reaches from low to high */
     double *retained, *slopes;                                              /* [points], [parameters][points] or [points][2] */
@@ -2128,11 +2135,23 @@ static inline void screen__add_class(const screen__problem *p, const screen_def 
     }
 }
 
-/* Adds the penalty on large exponents, and completes the upper half of the curvature. */
+/* Returns the second derivative of the penalty on large exponents by c[a]. */
+static inline double screen__pull(const screen__problem *p, int a) {
+    return screen__is_rate(p->model, a) ? 0.0 : screen__is_wet(p->model, a) ? p->shrink / 400.0 : p->shrink / 25.0;
+}
+
+/* Returns that penalty. */
+static inline double screen__penalty(const screen__problem *p, const double *c) {
+    double sum = 0.0;
+    for (int a = 0; a < p->parameters; a++) sum += 0.5 * screen__pull(p, a) * c[a] * c[a];
+    return sum;
+}
+
+/* Adds the penalty, and completes the upper half of the curvature. */
 static inline void screen__add_shrink(const screen__problem *p, const double *c, screen__sums *out) {
     int n = p->parameters;
     for (int a = 0; a < n; a++) {
-        double pull = screen__is_rate(p->model, a) ? 0.0 : screen__is_wet(p->model, a) ? p->shrink / 400.0 : p->shrink / 25.0;
+        double pull = screen__pull(p, a);
         out->loss += 0.5 * pull * c[a] * c[a];
         out->gradient[a] += pull * c[a];
         out->curvature[a][a] += pull;
@@ -2490,8 +2509,8 @@ static inline void screen__widen(double *range, double x, int first) {
     range[1] = first || x > range[1] ? x : range[1];
 }
 
-/* Means and ranges of the terms of all curves: centre [4], range [rate][speed or wet][low, high]. */
-static inline void screen__survey(screen__problem *p, double range[2][2][2]) {
+/* Means and ranges of the terms of all curves: centre [4], range [rate][speed or wet][low, high], slope [low, high]. */
+static inline void screen__survey(screen__problem *p, double range[2][2][2], double *slope) {
     int terms = 0;
     p->points = p->most = 0;
     for (int k = 0; k < 4; k++) p->centre[k] = 0.0;
@@ -2508,16 +2527,44 @@ static inline void screen__survey(screen__problem *p, double range[2][2][2]) {
                 p->centre[2 * r] += t.speed[r];
                 p->centre[2 * r + 1] += t.wet;
             }
+            screen__widen(slope, t.slope, terms == 0);
         }
     }
     for (int k = 0; k < 4; k++) p->centre[k] /= terms, p->width[k] = range[k / 2][k % 2][1] - range[k / 2][k % 2][0];
+}
+
+/* Holds each parameter without influence at its value in q. */
+static inline void screen__pin_idle(screen__problem *p, const double *q) {
+    for (int j = 0; j < p->parameters; j++)
+        if (p->idle[j]) p->low[j] = p->high[j] = q[j];
+}
+
+/* Finds out which parameters have no influence but that of k, and where they are held: at options->start, or 0. With moisture alone an
+   exponent shows in its product with the moisture exponent only; it is held at 1 then, so that the other is free. */
+static inline void screen__find_idle(screen__problem *p, const screen_fit_options *options, double range[2][2][2], const double *slope) {
+    p->slope = slope[0];
+    for (int j = 0; j < p->parameters; j++) {
+        const int r = j / 3, exponent = j % 3;
+        const double *low = &options->low[j], *high = &options->high[j];
+        double home = options->start ? options->start[j] : 0.0;
+        p->idle[j] = 0;
+        if (p->parameters == 5 && r == 1) p->idle[j] = j == 4 && slope[1] - slope[0] < 1e-12;
+        else if (exponent == 1 && range[r][0][1] - range[r][0][0] < 1e-12) {
+            const int wet = range[r][1][1] - range[r][1][0] >= 1e-12 && !(low[1] == 0.0 && high[1] == 0.0);
+            p->idle[j] = !(wet && low[1] == high[1]); /* else the product has a known factor */
+            if (wet && screen__clip(home, *low, *high) == 0.0) home = *high > 0.0 ? 1.0 : -1.0;
+        } else if (exponent == 2) p->idle[j] = range[r][1][1] - range[r][1][0] < 1e-12 || (low[-1] == 0.0 && high[-1] == 0.0);
+        p->idle[j] = p->idle[j] && *low < *high;
+        p->home[j] = screen__clip(home, *low, *high);
+    }
+    screen__pin_idle(p, p->home);
 }
 
 /* Sets bounds, centre and arrays of a problem whose cases have been checked. */
 static inline screen_status screen__pose(screen__problem *p, const screen_def *def, screen_model model, int cases, const screen_case *data,
                                          const screen_fit_options *options) {
     int n = screen_parameter_count(model, def->continuous);
-    double range[2][2][2] = {{{0.0, 0.0}, {0.0, 0.0}}, {{0.0, 0.0}, {0.0, 0.0}}};
+    double range[2][2][2] = {{{0.0, 0.0}, {0.0, 0.0}}, {{0.0, 0.0}, {0.0, 0.0}}}, slope[2] = {0.0, 0.0};
     p->def = *def;
     if (p->def.tolerance < 1e-6) p->def.tolerance = 1e-6; /* while searching; the last steps are made with the caller's */
     p->model = model;
@@ -2531,7 +2578,7 @@ static inline screen_status screen__pose(screen__problem *p, const screen_def *d
     p->last_steps = 0;
     p->retained = p->slopes = NULL;
     p->bed = NULL;
-    screen__survey(p, range);
+    screen__survey(p, range, slope);
     for (int j = 0; j < n; j++) {
         double a = options->low[j], b = options->high[j];
         if (!(a <= b) || (screen__is_rate(model, j) && !(a > 0.0 && b < HUGE_VAL))) return SCREEN_BAD_BOUNDS;
@@ -2539,11 +2586,8 @@ static inline screen_status screen__pose(screen__problem *p, const screen_def *d
         p->high[j] = screen__to_q(model, j, b);
         p->box_low[j] = p->low[j];
         p->box_high[j] = p->high[j];
-        int r = j / 3, exponent = j % 3;
-        if (exponent == 0 || (n == 5 && r == 1)) continue;
-        if (range[r][exponent - 1][1] - range[r][exponent - 1][0] < 1e-12) /* the same in all curves: no influence but that of k */
-            p->low[j] = p->high[j] = screen__clip(options->start ? options->start[j] : 0.0, p->low[j], p->high[j]);
     }
+    screen__find_idle(p, options, range, slope);
     p->retained = (double *)screen__take(&def->memory, (size_t)p->points, sizeof(double));
     p->slopes = (double *)screen__take(&def->memory, (size_t)p->points * SCREEN_MAX_PARAMETERS, sizeof(double));
     p->bed = (screen_bed *)screen__take(&def->memory, (size_t)p->most, sizeof(screen_bed));
@@ -2595,7 +2639,7 @@ static inline double screen__second_try(screen__problem *p, double *q, double lo
     return again;
 }
 
-/* Takes c for q if it lies inside the bounds, or is cut to them, without making the deviation worse. */
+/* Takes c for q if it lies inside the bounds, or is cut to them, without making the deviation or the penalty worse. */
 static inline int screen__prefer(screen__problem *p, const double *c, double *q) {
     double trial[SCREEN_MAX_PARAMETERS], old[SCREEN_MAX_PARAMETERS], cut[SCREEN_MAX_PARAMETERS];
     screen__sums before, after;
@@ -2605,6 +2649,7 @@ static inline int screen__prefer(screen__problem *p, const double *c, double *q)
     screen__to_coefficients(p->model, p->parameters, p->centre, trial, cut);
     screen__evaluate(p, cut, 0.0, 0, 1, &after);
     if (!(after.deviation <= before.deviation + 1e-12 && after.squares <= before.squares + 1e-12)) return 0;
+    if (!(screen__penalty(p, cut) <= screen__penalty(p, old) + 1e-12)) return 0;
     for (int j = 0; j < p->parameters; j++) q[j] = trial[j];
     return 1;
 }
@@ -2887,13 +2932,14 @@ static inline double screen__rounding(int stage) {
     return rounding[stage];
 }
 
-/* Returns the deviation, or the mean square, at q. */
+/* Returns at q what is to be smallest: the deviation and the penalty, or the mean square and twice the penalty, since descents take half of
+   the square. */
 static inline double screen__sharp_loss(screen__problem *p, const double *q) {
     double c[SCREEN_MAX_PARAMETERS];
     screen__sums sums;
     screen__to_coefficients(p->model, p->parameters, p->centre, q, c);
     screen__evaluate(p, c, 0.0, 0, 1, &sums);
-    return p->loss == SCREEN_LOSS_SQUARES ? sums.squares : sums.deviation;
+    return p->loss == SCREEN_LOSS_SQUARES ? sums.squares + 2.0 * screen__penalty(p, c) : sums.deviation + screen__penalty(p, c);
 }
 
 /* Descends from q through all stages. first: smooth minima that earlier starts came to, [start] pairs of it and the sharp loss; a known one
@@ -2950,8 +2996,8 @@ static inline double screen__try_borders(screen__problem *p, double best, double
             double loss = screen__sharp_loss(p, trial);
             if (!(loss < best)) continue;
             best = loss;
-            if (low == high) p->low[j] = p->high[j] = bound; /* a value without influence, but it leaves the others more room */
             for (int k = 0; k < p->parameters; k++) q[k] = trial[k];
+            screen__pin_idle(p, q); /* a value without influence, but it may leave k more room */
         }
     return best;
 }
@@ -2984,9 +3030,11 @@ static inline double screen__try_border_pairs(screen__problem *p, double best, d
         const double loss = screen__try_borders(p, screen__sharp_loss(p, trial), trial);
         p->low[j] = low;
         p->high[j] = high;
-        if (!(loss < best)) continue;
-        best = loss;
-        for (int i = 0; i < p->parameters; i++) q[i] = trial[i];
+        if (loss < best) {
+            best = loss;
+            for (int i = 0; i < p->parameters; i++) q[i] = trial[i];
+        }
+        screen__pin_idle(p, q);
     }
     return best;
 }
@@ -3083,6 +3131,26 @@ static inline double screen__try_borders_anew(screen__problem *p, uint64_t seed,
     return best;
 }
 
+/* Where exponents have a price their bounds are too dear to lead anywhere: each exponent at -2 and 2 from random starts, then released. In
+   small problems. */
+static inline double screen__try_modest_exponents(screen__problem *p, uint64_t seed, double best, double *q) {
+    for (int k = 0; k < 2 * screen__rates(p->model) && p->shrink > 0.0 && screen__is_small(p, best); k++) {
+        const int j = k / 2 * 3 + 1;
+        const double at = screen__clip(k % 2 ? 2.0 : -2.0, p->low[j], p->high[j]);
+        double trial[SCREEN_MAX_PARAMETERS];
+        int left = 100;
+        uint64_t state = seed;
+        if (!(p->low[j] < p->high[j]) || !(screen__try_border_anew(p, j, at, 6, &state, HUGE_VAL, trial) < HUGE_VAL)) continue;
+        for (int stage = p->loss == SCREEN_LOSS_SQUARES ? SCREEN__STAGES - 1 : 5; stage < SCREEN__STAGES; stage += 2)
+            screen__descend(p, trial, screen__rounding(stage), 40, &left);
+        const double loss = screen__sharp_loss(p, trial);
+        if (!(loss < best)) continue;
+        best = loss;
+        for (int i = 0; i < p->parameters; i++) q[i] = trial[i];
+    }
+    return best;
+}
+
 /* Exchanges the two steps of model 2 and descends: the curves differ where a bound holds one of them. */
 static inline double screen__try_exchanged(screen__problem *p, double best, double *q) {
     double c[SCREEN_MAX_PARAMETERS], other[SCREEN_MAX_PARAMETERS];
@@ -3111,6 +3179,30 @@ static inline double screen__search(screen__problem *p, const screen_fit_options
     return best;
 }
 
+/* Moves parameters without influence back to where they are held, and k such that the rates stay; as far as the bounds of k and of the
+   moisture exponents allow. */
+static inline void screen__send_home(screen__problem *p, double *q) {
+    for (int j = 0; j < p->parameters; j++) {
+        const int tilt = p->parameters == 5 && j == 4, k = tilt ? 0 : j - j % 3;
+        const double *centre = &p->centre[tilt ? 0 : 2 * (j / 3)];
+        double trial[SCREEN_MAX_PARAMETERS];
+        if (!p->idle[j]) continue;
+        for (int i = 0; i < p->parameters; i++) trial[i] = q[i];
+        trial[j] = p->home[j];
+        if (j == k + 1 && !p->idle[j + 1] && fabs(trial[j]) > 1e-300)
+            trial[j + 1] = screen__clip(q[j] * q[j + 1] / trial[j], p->low[j + 1], p->high[j + 1]);
+        trial[k] += tilt ? p->slope * (q[j] - trial[j])
+                         : q[k + 1] * (centre[0] + q[k + 2] * centre[1]) - trial[k + 1] * (centre[0] + trial[k + 2] * centre[1]);
+        const double beyond = trial[k] - screen__clip(trial[k], p->low[k], p->high[k]), lever = trial[k + 1] * centre[1];
+        trial[k] -= beyond;
+        if (beyond != 0.0 && j == k + 2 && fabs(lever) > 1e-6) /* as near to it as k's bound allows */
+            trial[j] = screen__clip(trial[j] + beyond / lever, p->box_low[j], p->box_high[j]);
+        if (!(screen__sharp_loss(p, trial) <= screen__sharp_loss(p, q) * (1.0 + 1e-9) + 1e-12)) continue;
+        for (int i = 0; i < p->parameters; i++) q[i] = trial[i];
+    }
+    screen__pin_idle(p, q);
+}
+
 /* Tries the bounds, takes the last steps with the caller's tolerance, and computes the result. */
 static inline void screen__finish(screen__problem *p, const screen_def *def, const screen_fit_options *options, const double *seen,
                                   double best, double *q, screen_fit_result *result) {
@@ -3120,6 +3212,7 @@ static inline void screen__finish(screen__problem *p, const screen_def *def, con
     best = screen__try_plain_rates(p, best, q);
     best = screen__try_opposed_rates(p, best, q);
     best = screen__try_borders_anew(p, options->seed, best, q);
+    best = screen__try_modest_exponents(p, options->seed, best, q);
     for (int round = 0; round < 3; round++) { /* from one border another may be near */
         double before = best;
         best = screen__try_exchanged(p, best, q);
@@ -3129,9 +3222,11 @@ static inline void screen__finish(screen__problem *p, const screen_def *def, con
     }
     p->def.tolerance = def->tolerance;
     p->last_steps = 1;
+    screen__send_home(p, q); /* before the last steps too: a price counts the product of both exponents */
     screen__descend(p, q, screen__rounding(stage), left, &left);
     for (int k = 0; k < 4; k++) result->centre[k] = p->centre[k];
     screen__tidy(p, q);
+    screen__send_home(p, q);
     screen__judge(p, options, q, result);
     result->domain = screen__domain_of(p);
     result->ratio = screen__deck_of(p, 0).ratio;
@@ -3179,11 +3274,15 @@ SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const 
         return status;
     }
     int squares = options->loss == SCREEN_LOSS_SQUARES;
-    double limit = (squares ? result->rms * result->rms : result->deviation) + rise;
-    double centre_q[SCREEN_MAX_PARAMETERS], box_low = p.low[index], box_high = p.high[index];
+    double centre_q[SCREEN_MAX_PARAMETERS], centre_c[SCREEN_MAX_PARAMETERS], box_low = p.box_low[index], box_high = p.box_high[index];
     for (int j = 0; j < result->parameters; j++) centre_q[j] = screen__to_q(result->model, j, result->parameter[j]);
+    for (int j = 0; j < p.parameters; j++) /* one that gave way to a bound of k may do so again */
+        if (p.idle[j] && centre_q[j] != p.home[j]) p.low[j] = p.box_low[j], p.high[j] = p.box_high[j];
+    screen__to_coefficients(result->model, result->parameters, p.centre, centre_q, centre_c);
+    double limit = (squares ? result->rms * result->rms : result->deviation) + (squares ? 2.0 : 1.0) * screen__penalty(&p, centre_c) + rise;
     for (int side = 0; side < 2; side++) {
-        double edge = side ? box_high : box_low, sign = side ? 1.0 : -1.0, inside = centre_q[index], outside = edge;
+        double edge = side ? box_high : box_low, sign = side ? 1.0 : -1.0, outside = edge;
+        double inside = p.idle[index] ? edge : centre_q[index]; /* of one without influence any value will do */
         double q[SCREEN_MAX_PARAMETERS], step = 0.02 * (1.0 + fabs(inside)) * (screen__is_rate(result->model, index) ? 0.2 : 1.0);
         int found = 0;
         for (int j = 0; j < result->parameters; j++) q[j] = centre_q[j];
@@ -3191,16 +3290,13 @@ SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const 
             double at = found ? 0.5 * (inside + outside) : inside + sign * step;
             if (!found && sign * (at - edge) >= 0.0) at = edge;
             if (found && fabs(outside - inside) < 1e-3 * (1e-3 + fabs(outside - centre_q[index]))) break;
-            double trial[SCREEN_MAX_PARAMETERS], c[SCREEN_MAX_PARAMETERS];
+            double trial[SCREEN_MAX_PARAMETERS];
             int left = 200;
-            screen__sums sums;
             for (int j = 0; j < result->parameters; j++) trial[j] = q[j];
             trial[index] = p.low[index] = p.high[index] = at;
             const double rounding[] = {1e-2, 1e-3, 1e-4};
             for (int stage = squares ? 2 : 0; stage < 3; stage++) screen__descend(&p, trial, rounding[stage], 40, &left);
-            screen__to_coefficients(result->model, result->parameters, p.centre, trial, c);
-            screen__evaluate(&p, c, 0.0, 0, 1, &sums);
-            if ((squares ? sums.squares : sums.deviation) <= limit) {
+            if (screen__sharp_loss(&p, trial) <= limit) {
                 inside = at;
                 step *= 2.0;
                 for (int j = 0; j < result->parameters; j++) q[j] = trial[j];
@@ -3327,11 +3423,18 @@ SCREEN_API screen_status screen_fit_band(const screen_def *def, const screen_fit
 
 /* >>separation */
 
-/* Returns the last size at which the curve rises through level; NaN if it does not. */
-static inline double screen__crossing(int n, const double *d, const double *y, double level) {
-    for (int i = n - 1; i > 0; i--)
-        if (y[i] >= level && y[i - 1] < level) return d[i - 1] + (d[i] - d[i - 1]) * ((level - y[i - 1]) / (y[i] - y[i - 1]));
-    return n > 0 && y[0] == level ? d[0] : (double)NAN;
+/* Returns the point at which the curve has risen through level: from point `from` on upwards (step 1) or downwards (-1) the first such; 0
+   where it begins at the level, -1 if it does not rise through it. */
+static inline int screen__rise(int n, const double *y, double level, int from, int step) {
+    for (int i = from > 1 ? from : 1; i > 0 && i < n; i += step)
+        if (y[i] >= level && y[i - 1] < level) return i;
+    return step < 0 && y[0] == level ? 0 : -1;
+}
+
+/* Returns the size at that point; NaN for -1. */
+static inline double screen__size_at(const double *d, const double *y, double level, int point) {
+    if (point < 1) return point == 0 ? d[0] : (double)NAN;
+    return d[point - 1] + (d[point] - d[point - 1]) * ((level - y[point - 1]) / (y[point] - y[point - 1]));
 }
 
 SCREEN_API screen_status screen_measure(int n, const double *diameters, const double *feed, const double *partition, double cut,
@@ -3352,10 +3455,13 @@ SCREEN_API screen_status screen_measure(int n, const double *diameters, const do
     }
     double all = fine + coarse, stays = fine_stays + coarse_stays, passes = (fine - fine_stays) + (coarse - coarse_stays);
     if (!(all > 0.0 && all < HUGE_VAL)) return SCREEN_BAD_ARGUMENT;
-    out->d25 = screen__crossing(n, diameters, partition, 0.25);
-    out->d50 = screen__crossing(n, diameters, partition, 0.50);
-    out->d75 = screen__crossing(n, diameters, partition, 0.75);
-    out->ecart = 0.5 * (out->d75 - out->d25);
+    int middle = screen__rise(n, partition, 0.50, n - 1, -1), upwards = middle >= 0 ? 1 : -1;
+    int first = screen__rise(n, partition, 0.25, middle >= 0 ? middle : n - 1, -1);
+    int last = screen__rise(n, partition, 0.75, middle >= 0 ? middle : n - 1, upwards);
+    out->d25 = screen__size_at(diameters, partition, 0.25, first);
+    out->d50 = screen__size_at(diameters, partition, 0.50, middle);
+    out->d75 = screen__size_at(diameters, partition, 0.75, last);
+    out->ecart = out->d75 >= out->d25 ? 0.5 * (out->d75 - out->d25) : (double)NAN;
     out->imperfection = out->ecart / out->d50;
     out->recovery = fine > 0.0 ? (fine - fine_stays) / fine : (double)NAN;
     out->oversize_loss = coarse > 0.0 ? (coarse - coarse_stays) / coarse : (double)NAN;
@@ -3435,12 +3541,15 @@ static inline screen_def screen__slice(const screen_def *def, const screen_duty 
 
 static inline void screen__sum_flow(const screen_def *slice, const screen_duty *duty, int places, const double *retained, double *depth,
                                     double *passed, screen_flow *flow) {
-    double total = slice->undersize_mass + slice->oversize_mass, fine = 0.0, fine_passed = 0.0, all_passed = 0.0;
+    double total = slice->undersize_mass + slice->oversize_mass, fine = 0.0, fine_passed = 0.0, all_passed = 0.0, shares = 0.0;
+    double stays = duty->feed * slice->oversize_mass / total; /* a sum: the difference to the feed could be below 0 by rounding */
+    for (int i = 0; i < slice->classes; i++) shares += screen__share(slice, i);
     for (int i = 0; i < slice->classes; i++) {
-        double fed = duty->feed * slice->undersize_mass / total * screen__share(slice, i);
-        double through = fed * (1.0 - retained[(size_t)i * (size_t)places + (size_t)places - 1]);
+        double fed = duty->feed * slice->undersize_mass / total * screen__share(slice, i) / shares;
+        double y = retained[(size_t)i * (size_t)places + (size_t)places - 1], through = fed * (1.0 - y);
         if (passed) passed[i] = through;
         all_passed += through;
+        stays += fed * y;
         if (!(slice->diameters[i] < slice->aperture)) continue;
         fine += fed;
         fine_passed += through;
@@ -3448,7 +3557,7 @@ static inline void screen__sum_flow(const screen_def *slice, const screen_duty *
     for (int j = 0; j < places; j++) {
         double on_deck = slice->oversize_mass;
         for (int i = 0; i < slice->classes; i++)
-            on_deck += slice->undersize_mass * screen__share(slice, i) * retained[(size_t)i * (size_t)places + (size_t)j];
+            on_deck += slice->undersize_mass * screen__share(slice, i) / shares * retained[(size_t)i * (size_t)places + (size_t)j];
         flow->load_end = on_deck / slice->deck_area;
         flow->depth_end = flow->load_end / slice->bulk_density;
         if (depth) depth[j] = flow->depth_end;
@@ -3457,7 +3566,7 @@ static inline void screen__sum_flow(const screen_def *slice, const screen_duty *
     flow->depth = flow->load / slice->bulk_density;
     flow->residence = duty->length / duty->velocity;
     flow->passed = all_passed;
-    flow->stays = duty->feed - all_passed;
+    flow->stays = stays;
     flow->efficiency = fine > 0.0 ? fine_passed / fine : (double)NAN;
     flow->purity = all_passed > 0.0 ? fine_passed / all_passed : (double)NAN;
     flow->undersize_in_overflow = flow->stays > 0.0 ? (fine - fine_passed) / flow->stays : (double)NAN;

@@ -858,6 +858,88 @@ static void few_cases_reach_the_best_minimum(void **state) {
     }
 }
 
+/* Three noisy cases, all at one amplitude or moisture, or each at its own. */
+enum { FEW = 3, FEW_TIMES = 10 };
+typedef struct few_cases {
+    double time[FEW_TIMES], retained[FEW][2 * FEW_TIMES];
+    screen_case cases[FEW];
+} few_cases;
+
+static void make_few(few_cases *s, const screen_def *def, double amplitude_step, double moisture, double moisture_step, double noise,
+                     uint64_t seed) {
+    double p[SCREEN_MAX_PARAMETERS];
+    screen_published(SCREEN_SUBASINGHE, p);
+    for (int j = 0; j < FEW_TIMES; j++) s->time[j] = 2.0 * (j + 1);
+    for (int k = 0; k < FEW; k++) {
+        s->cases[k].operation = running(0.001 + (k - 1) * amplitude_step, 50.6, moisture + k * moisture_step);
+        s->cases[k].times = FEW_TIMES;
+        s->cases[k].time = s->time;
+        s->cases[k].retained = s->retained[k];
+        assert_int_equal(screen_predict(def, SCREEN_SUBASINGHE, p, &s->cases[k].operation, FEW_TIMES, s->time, s->retained[k], NULL, NULL),
+                         SCREEN_OK);
+        for (int j = 0; j < def->classes * FEW_TIMES; j++)
+            s->retained[k][j] = fmin(1.0, fmax(0.0, s->retained[k][j] + noise * (screen__uniform(&seed) - 0.5)));
+    }
+}
+
+/* What the data cannot tell stays where it is held, though a bound is tried for it; k is then a rate that a reader can use. */
+static void what_has_no_influence_stays_put(void **state) {
+    (void)state;
+    few_cases s;
+    screen_def def = screen_default_def();
+    screen_fit_result fit, wide;
+    def.classes = 2, def.diameters = diameters;
+    for (uint64_t seed = 0; seed < 6; seed++) { /* all dry */
+        make_few(&s, &def, 0.0002, 0.0, 0.0, 0.02, seed);
+        assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, FEW, s.cases, NULL, &fit), SCREEN_OK);
+        assert_true(fit.parameter[2] == 0.0 && fit.parameter[5] == 0.0 && fit.error[2] == HUGE_VAL);
+    }
+    screen_fit_options options = screen_default_fit_options(SCREEN_FIRST_ORDER);
+    options.loss = SCREEN_LOSS_SQUARES;
+    const double start[] = {1.0, 1.0, 3.0};
+    for (uint64_t seed = 0; seed < 20; seed++) { /* all at 2.5 % */
+        make_few(&s, &def, 0.0002, 0.025, 0.0, 0.02, seed);
+        options.start = seed % 2 ? start : NULL;
+        assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, FEW, s.cases, &options, &fit), SCREEN_OK);
+        assert_true(fit.parameter[2] == (seed % 2 ? 3.0 : 0.0) && fit.parameter[0] > 0.8 && fit.parameter[0] < 1.2 && fit.determined[0]);
+    }
+    /* gamma gives way where k may not be what it would be at gamma = 0, and only so far */
+    options.start = NULL;
+    assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, FEW, s.cases, &options, &wide), SCREEN_OK);
+    options.high[0] = 0.3;
+    assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, FEW, s.cases, &options, &fit), SCREEN_OK);
+    close_to(fit.rms, wide.rms, 1e-9);
+    close_to(fit.parameter[0], 0.3, 1e-12);
+    close_to(pow(0.975, fit.parameter[1] * fit.parameter[2]) * 0.3, wide.parameter[0], 1e-6);
+    /* one class at one amplitude, dry to 5 %: only alpha gamma shows, and it must be found */
+    screen_def one = def;
+    one.classes = 1, one.average = SCREEN_AVERAGE_GIVEN;
+    make_few(&s, &one, 0.0, 0.0, 0.025, 0.02, 9);
+    for (int m = 0; m < 3; m++) {
+        assert_int_equal(screen_fit(&one, (screen_model)m, FEW, s.cases, NULL, &fit), SCREEN_OK);
+        assert_true(fit.deviation < 0.0045 && fit.parameter[1] == 1.0 && !fit.determined[1]);
+        if (m < 2) assert_true(fit.determined[2] && fit.low[2] < 3.0 && fit.high[2] > 1.0);
+    }
+    options = screen_default_fit_options(SCREEN_FIRST_ORDER);
+    options.low[2] = options.high[2] = 3.0; /* with gamma known alpha is free */
+    assert_int_equal(screen_fit(&one, SCREEN_FIRST_ORDER, FEW, s.cases, &options, &fit), SCREEN_OK);
+    assert_true(fit.deviation < 0.0045 && fit.determined[1] && fit.error[1] < HUGE_VAL);
+    /* a deck at one inclination: delta of model 1 */
+    const double p[] = {0.4, -0.3, 3.5, -1.2, 0.6};
+    screen_def deck = def;
+    deck.continuous = 1;
+    for (int k = 0; k < FEW; k++) {
+        s.cases[k].operation = running(0.0008 + 0.0002 * k, 50.6, 0.025 * k);
+        s.cases[k].operation.inclination = 0.2;
+        assert_int_equal(screen_predict(&deck, SCREEN_DONG, p, &s.cases[k].operation, FEW_TIMES, s.time, s.retained[k], NULL, NULL),
+                         SCREEN_OK);
+    }
+    assert_int_equal(screen_fit(&deck, SCREEN_DONG, FEW, s.cases, NULL, &fit), SCREEN_OK);
+    assert_true(fit.parameter[4] == 0.0 && fit.error[4] == HUGE_VAL && fit.determined[0] && fit.determined[3]);
+    close_to(fit.parameter[0] / (0.4 * pow(0.2, 0.6)), 1.0, 1e-6);
+    close_to(fit.parameter[3], -1.2, 1e-6);
+}
+
 static void bounds_hold(void **state) {
     (void)state;
     static study s;
@@ -1252,6 +1334,22 @@ static void a_steady_deck(void **state) {
     duty.feed = flow.passed;
     assert_int_equal(screen_steady(&second, SCREEN_SUBASINGHE, p, &o, &duty, PLACES, y2, NULL, NULL, &below), SCREEN_OK);
     close_to(below.passed + below.stays, flow.passed, 1e-12);
+    /* shares whose sum is 1 within what is allowed: no more passes than is fed */
+    const double shares[2] = {0.5, 0.5000009}, long_deck = 1e4;
+    screen_def fine = screen_default_def();
+    screen_duty long_duty = {1.0, 1.0, long_deck, 0.1};
+    fine.classes = 2;
+    fine.diameters = d + 1;
+    fine.shares = shares;
+    fine.oversize_mass = 0.0;
+    assert_int_equal(screen_steady(&fine, SCREEN_SUBASINGHE, p, &o, &long_duty, 1, y2, depth, passed, &below), SCREEN_OK);
+    assert_true(below.passed <= 1.0 + 1e-15 && below.stays >= 0.0 && below.stays < 1e-9);
+    close_to(below.passed + below.stays, 1.0, 1e-14);
+    close_to(passed[0] + passed[1], 1.0, 1e-12);
+    long_duty.length = 0.1;
+    assert_int_equal(screen_steady(&fine, SCREEN_SUBASINGHE, p, &o, &long_duty, 1, y2, depth, passed, &below), SCREEN_OK);
+    close_to(below.load_end * long_duty.width * long_duty.velocity, below.stays, 1e-14);
+    close_to(below.efficiency, below.passed, 1e-14);
     duty.velocity = 0.0;
     assert_int_equal(screen_steady(&second, SCREEN_SUBASINGHE, p, &o, &duty, PLACES, y2, NULL, NULL, &below), SCREEN_BAD_ARGUMENT);
     assert_true(isnan(y2[0]) && isnan(below.passed));
@@ -1430,6 +1528,63 @@ static void a_price_on_exponents_steadies_predictions(void **state) {
     assert_true(off[1] <= off[0] && fitted[1] >= fitted[0] && fitted[1] < fitted[0] + 3e-4 && largest[1] < largest[0]);
 }
 
+/* Returns loss and price of a fit. */
+static double dear(const screen_fit_result *fit, const screen_fit_options *options) {
+    double price = 0.0;
+    for (int k = 0; k < fit->parameters; k += 3) {
+        double product = fit->parameter[k + 1] * fit->parameter[k + 2];
+        price += fit->parameter[k + 1] * fit->parameter[k + 1] / 25.0 + product * product / 400.0;
+    }
+    int squares = options->loss == SCREEN_LOSS_SQUARES;
+    return (squares ? fit->rms * fit->rms : fit->deviation) + (squares ? 1.0 : 0.5) * options->shrink * price;
+}
+
+/* The fit is the minimum of loss and price: no fit in a narrower box is lower. A profile counts the price too. */
+static void a_price_is_part_of_the_minimum(void **state) {
+    (void)state;
+    few_cases s;
+    screen_def def = screen_default_def();
+    screen_fit_result fit, narrow;
+    def.classes = 2, def.diameters = diameters;
+    for (uint64_t seed = 16; seed < 31; seed++) {
+        screen_fit_options wide = screen_default_fit_options(SCREEN_SUBASINGHE), within;
+        uint64_t noise = 99 + seed;
+        const int cases = 1 + seed % 2;
+        make_few(&s, &def, 0.0002, 0.0, 0.025, 0.0, 0);
+        for (int k = 0; k < cases; k++)
+            for (int j = 0; j < 2 * FEW_TIMES; j++) {
+                const double y = exp(-(j < FEW_TIMES ? 0.4 : 0.25) * (1.0 + 0.3 * k) * s.time[j % FEW_TIMES]);
+                s.retained[k][j] = fmin(1.0, fmax(0.0, y + 0.06 * (screen__uniform(&noise) - 0.5)));
+            }
+        wide.shrink = seed % 8 < 4 ? 3e-4 : 3e-3;
+        wide.loss = seed % 4 < 3 ? SCREEN_LOSS_DEVIATION : SCREEN_LOSS_SQUARES;
+        within = wide;
+        for (int k = 0; k < 6; k += 3) {
+            within.low[k + 1] = -2.0, within.high[k + 1] = 2.0;
+            within.low[k + 2] = -10.0, within.high[k + 2] = 10.0;
+        }
+        assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, cases, s.cases, &wide, &fit), SCREEN_OK);
+        assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, cases, s.cases, &within, &narrow), SCREEN_OK);
+        assert_true(dear(&fit, &wide) <= dear(&narrow, &wide) * (1.0 + 1e-5));
+    }
+    for (int loss = 0; loss < 2; loss++) {
+        screen_fit_options options = screen_default_fit_options(SCREEN_FIRST_ORDER), at;
+        double low, high;
+        options.shrink = loss ? 1e-3 : 0.02;
+        options.loss = (screen_loss)loss;
+        make_few(&s, &def, 0.0002, 0.0, 0.025, 0.02, 1);
+        assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, FEW, s.cases, &options, &fit), SCREEN_OK);
+        const double rise = 0.1 * dear(&fit, &options);
+        assert_int_equal(screen_profile(&def, FEW, s.cases, &options, &fit, 1, rise, &low, &high), SCREEN_OK);
+        at = options;
+        for (int side = 0; side < 2; side++) {
+            at.low[1] = at.high[1] = side ? high : low;
+            assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, FEW, s.cases, &at, &narrow), SCREEN_OK);
+            close_to(dear(&narrow, &at), dear(&fit, &options) + rise, 0.02 * rise);
+        }
+    }
+}
+
 static void a_continuous_deck_is_fitted(void **state) {
     (void)state;
     static study s;
@@ -1551,11 +1706,29 @@ static void profiles(void **state) {
         assert_true(low < p[0] && p[0] < high && log(high / low) > before);
         before = log(high / low);
     }
-    /* a flat valley: dry data say nothing of gamma; it reaches from bound to bound only where it is free */
+    /* a flat valley: data of one moisture say nothing of gamma, which reaches from bound to bound */
     screen_fit_options options = screen_default_fit_options(SCREEN_DONG);
     assert_int_equal(screen_profile(&def, CASES, s.cases, &options, &fit, 5, 1e-3, &low, &high), SCREEN_BAD_ARGUMENT);
     assert_int_equal(screen_profile(&def, CASES, s.cases, &options, &fit, 0, nan_, &low, &high), SCREEN_BAD_ARGUMENT);
     assert_int_equal(screen_profile(&def, CASES, s.cases, &options, NULL, 0, 1e-3, &low, &high), SCREEN_BAD_POINTER);
+    few_cases dry;
+    for (int m = 0; m < 2; m++) { /* with a range of k that keeps gamma from where it is held, too */
+        make_few(&dry, &def, 0.0002, m * 0.025, 0.0, 0.02, 3);
+        options = screen_default_fit_options(SCREEN_FIRST_ORDER);
+        options.low[2] = -900.0, options.high[0] = m ? 0.3 : 1e12;
+        assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, FEW, dry.cases, &options, &fit), SCREEN_OK);
+        assert_int_equal(screen_profile(&def, FEW, dry.cases, &options, &fit, 2, 1e-3, &low, &high), SCREEN_OK);
+        assert_true(low == -900.0 && high == 1000.0 && (fit.parameter[2] == 0.0) == !m);
+        assert_int_equal(screen_profile(&def, FEW, dry.cases, &options, &fit, 1, 1e-3, &low, &high), SCREEN_OK);
+        for (int side = 0; side < 2; side++) {
+            screen_fit_options at = options;
+            screen_fit_result held;
+            at.low[1] = at.high[1] = side ? high : low;
+            assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, FEW, dry.cases, &at, &held), SCREEN_OK);
+            close_to(held.deviation, fit.deviation + 1e-3, 2e-5);
+        }
+    }
+    options = screen_default_fit_options(SCREEN_DONG);
     /* stratification of model 2 so fast that only its lower end is known */
     screen__set(p, 1e4, 0.0, 0.0, 0.3, 0.9, 2.0);
     make_study(&s, &def, SCREEN_SUBASINGHE, p);
@@ -1660,6 +1833,25 @@ static void separation_of_a_known_curve(void **state) {
     assert_int_equal(screen_measure(0, d, feed, stays, 0.006, &m), SCREEN_BAD_ARGUMENT);
     assert_int_equal(screen_measure(5, d, feed, stays, nan_, &m), SCREEN_BAD_ARGUMENT);
     assert_int_equal(screen_measure(5, d, feed, stays, 0.006, NULL), SCREEN_BAD_POINTER);
+    /* curves that also fall: the sizes are those about d50, in order, or missing */
+    const double noisy[] = {0.1, 0.8, 0.2, 0.6, 0.7}, early[] = {0.1, 0.6, 0.8, 0.7, 0.9}, dip[] = {0.6, 0.9, 0.1, 0.3, 0.4};
+    assert_int_equal(screen_measure(5, d, feed, noisy, 0.006, &m), SCREEN_NOT_REACHED);
+    close_to(m.d25, 0.005 + 0.002 * 0.05 / 0.4, 1e-17);
+    close_to(m.d50, 0.005 + 0.002 * 0.3 / 0.4, 1e-17);
+    assert_true(isnan(m.d75) && isnan(m.ecart) && isnan(m.imperfection) && !isnan(m.recovery));
+    assert_int_equal(screen_measure(5, d, feed, early, 0.006, &m), SCREEN_OK);
+    close_to(m.d75, 0.003 + 0.002 * 0.15 / 0.2, 1e-17);
+    assert_true(m.d25 < m.d50 && m.d50 < m.d75 && m.imperfection > 0.0);
+    assert_int_equal(screen_measure(5, d, feed, dip, 0.006, &m), SCREEN_NOT_REACHED);
+    assert_true(isnan(m.d50) && m.d25 > m.d75 && isnan(m.ecart));
+    uint64_t random = 5;
+    for (int k = 0; k < 2000; k++) {
+        double y[5];
+        for (int i = 0; i < 5; i++) y[i] = floor(screen__uniform(&random) * 9.0) / 8.0;
+        const int ok = screen_measure(5, d, feed, y, 0.006, &m) == SCREEN_OK;
+        assert_true(!ok || (m.d25 <= m.d50 && m.d50 <= m.d75 && m.imperfection >= 0.0));
+        assert_true(!(m.ecart < 0.0));
+    }
 }
 
 /* ---- what a failed call leaves ------------------------------------------------------------------------------------------------------ */
@@ -1807,6 +1999,7 @@ int main(void) {
         cmocka_unit_test(the_fitter_recovers_published_parameters),
         cmocka_unit_test(the_fitter_names_what_the_data_leave_open),
         cmocka_unit_test(few_cases_reach_the_best_minimum),
+        cmocka_unit_test(what_has_no_influence_stays_put),
         cmocka_unit_test(bounds_hold),
         cmocka_unit_test(model_2_has_a_twin),
         cmocka_unit_test(published_sets_carry_their_reading),
@@ -1820,6 +2013,7 @@ int main(void) {
         cmocka_unit_test(ranges_are_honest),
         cmocka_unit_test(fits_with_noise),
         cmocka_unit_test(a_price_on_exponents_steadies_predictions),
+        cmocka_unit_test(a_price_is_part_of_the_minimum),
         cmocka_unit_test(a_continuous_deck_is_fitted),
         cmocka_unit_test(bad_data_are_named),
         cmocka_unit_test(profiles),
