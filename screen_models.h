@@ -963,7 +963,8 @@ static inline const char *screen__bad_classes(const screen_def *def) {
 }
 
 static inline const char *screen__bad_field(const screen_def *def) {
-    if (!def || def->cookie != SCREEN__DEF_COOKIE) return "cookie";
+    if (!def) return "def";
+    if (def->cookie != SCREEN__DEF_COOKIE) return "cookie";
     if (!screen__positive(def->aperture)) return "aperture";
     if (!(def->wire >= 0.0 && def->wire < HUGE_VAL)) return "wire";
     if (!screen__positive(def->duration)) return "duration";

@@ -172,6 +172,7 @@ static inline int dem__make_engine(dem_world *w) {
 }
 
 DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **field) {
+    if (field) *field = world ? NULL : "world";
     if (!world) return DEM_BAD_ARGUMENT;
     memset(world, 0, sizeof *world);
     dem_status status = dem_check_def(def, field);

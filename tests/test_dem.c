@@ -1542,6 +1542,9 @@ static void test_bad_definitions(void **state) {
     assert_null(field);
     assert_int_equal(dem_check_def(&good, NULL), DEM_OK);
     assert_int_equal(dem_check_def(NULL, &field), DEM_BAD_DEFINITION);
+    assert_string_equal(field, "def");
+    assert_int_equal(dem_init(NULL, &good, &field), DEM_BAD_ARGUMENT);
+    assert_string_equal(field, "world");
     memset(&d, 0, sizeof d);
     refused(d, "cookie");
     refused(dem_default_def(), "materials");

@@ -637,6 +637,8 @@ static void bad_configurations_are_named(void **state) {
     assert_int_equal(screen_check_def(&def, &field), SCREEN_BAD_DEF);
     assert_string_equal(field, "cookie");
     assert_int_equal(screen_check_def(NULL, NULL), SCREEN_BAD_DEF);
+    assert_int_equal(screen_check_def(NULL, &field), SCREEN_BAD_DEF);
+    assert_string_equal(field, "def");
     const double bad[] = {nan_, -1.0, HUGE_VAL};
 #define REFUSED(name, value)                                                                                                               \
     do {                                                                                                                                   \
