@@ -240,7 +240,7 @@ static inline int dem__contacts_at_mesh(const dem_world *w, ptrdiff_t c, int32_t
     const int k = -1 - (int)w->engine->contacts.j[c];
     if (k < 0 || w->wall[k].kind != DEM_MESH || dem__is_convex_contact(w, c)) return 0; /* those of a polyhedron follow its points */
     const int slots = dem__contacts_at(w, w->engine->contacts.i[c], k, slot);
-    return slot[0] == c ? slots : 0;
+    return slots > 0 && slot[0] == c ? slots : 0;
 }
 
 /* Moves the contacts of chunks first .. end-1. Notes in contacts.edge, which is free before the kernel, where places are left: contacts
