@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
 """Tests of the Python binding: python/test_riddle.py [--seconds N]. Prints "N passed, N failed"."""
+import copy
+import gc
 import json
 import os
 import pickle
@@ -20,7 +22,7 @@ sys.path.insert(0, here)
 import numpy as np
 
 import riddle
-from riddle import _core, blocking, bridge, classifier, dem, granulation, screen
+from riddle import _core, blocking, bridge, classifier, dem, filtration, granulation, screen
 
 SECONDS = float(sys.argv[sys.argv.index("--seconds") + 1]) if "--seconds" in sys.argv else 5.0
 LAW = dem.LINEAR | dem.FRICTION
@@ -289,6 +291,83 @@ class Worlds(unittest.TestCase):
             world = bed(20)
             world.run_law(0.05, dem.Law(library))
             self.assertGreater(world.step, 4000)
+
+
+class Kept(unittest.TestCase):
+    """What C points to lives as long as what points to it."""
+
+    def fresh(self):
+        """Memory that was freed is used again."""
+        gc.collect()
+        return [dem.mesh(vertices=1, triangles=1) for _ in range(300)], [np.random.rand(24) for _ in range(300)], [filtration.cloth(wire=1.0, opening=1.0) for _ in range(300)]
+
+    def test_solids_and_regions(self):
+        definition = filtration.fluid_def(nodes=[24, 24, 32], solid=filtration.cloth_solid(filtration.cloth_make(10e-6, 20e-6, 0, 16 * 2.5e-6)))
+        taken = self.fresh()
+        self.assertAlmostEqual(filtration.fluid_porosity(filtration.fluid_init(definition)), 0.9288194444, 9)
+        corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], float) * 0.05
+        faces = [(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5)]
+        world, feed, mesh = bed(0), dem.default_feed(), dem.mesh(vertices=8, triangles=12, vertex=corners, triangle=faces)
+        feed.sizes = dem.one_size(4e-3)
+        feed.region = dem.mesh_region(mesh)
+        other = dem.default_feed()
+        other.region, other.sizes = copy.copy(feed).region, feed.sizes
+        mesh.vertices = 10**6
+        with self.assertRaises(ValueError):
+            world.fill(feed, 5)
+        mesh.vertices = 8
+        del mesh, feed
+        taken += self.fresh()
+        world.fill(other, 50)
+        self.assertEqual(world.count, 50)
+        self.assertTrue((world.positions() < 0.05).all())
+        del taken
+
+    def test_functions_of_parts(self):
+        definition = filtration.fluid_def(nodes=[16, 16, 16], voxel=1e-5)
+        definition.solid.distance = lambda _, point: point[2] - 40e-6
+        taken = self.fresh()
+        self.assertAlmostEqual(filtration.fluid_porosity(filtration.fluid_init(definition)), 0.75, 1)
+        del taken
+
+    def test_arrays_of_fields(self):
+        periodic, pair = dem.def_(periodic=[1, 0, 1]).periodic, dem.def_().pair[1][2]
+        taken = [dem.def_() for _ in range(50)], self.fresh()
+        self.assertEqual(list(periodic), [1, 0, 1])
+        self.assertEqual(pair.restitution, 0.8)
+        del taken
+
+    def test_a_definition_that_changes(self):
+        definition, granule, counts, sims = granulation.def_(seed=1), granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12), [], []
+        for _ in range(2):
+            count = [0]
+            counts.append(count)
+            definition.on_collision = lambda user, event, count=count: count.__setitem__(0, count[0] + 1)
+            sims.append(granulation.sim_init(definition))
+            granulation.sim_add(sims[-1], granule, 100)
+        definition.on_collision = None
+        taken = self.fresh()
+        for sim in sims:
+            granulation.sim_run(sim, 4)
+        self.assertEqual(counts[0], counts[1])
+        self.assertGreater(counts[0][0], 0)
+        balance = granulation.balance_def(selection=lambda g, user: counts[0].append(1) or 0.1, kernel=granulation.collision_kernel,
+                                          kernel_user=granulation.kernel_data(laws=granulation.def_().laws, speed=0.3, rate=1e-9))
+        state = granulation.balance_init(balance, np.geomspace(1e-13, 1e-11, 11), None)
+        granulation.balance_add(state, granule, 100.0)
+        balance.selection = balance.kernel = balance.kernel_user = None
+        taken += self.fresh()
+        granulation.balance_run(state, 1e-3)
+        self.assertGreater(len(counts[0]), 1)
+        parts = dem.def_(parallel=lambda user, tasks, task, context: [task(context, k) for k in range(tasks)] and None, threads=2, dt=1e-5)
+        dem.add_material(parts, 2500.0, 5e10, 0.2)
+        world = dem.World(parts)
+        parts.parallel = None
+        taken += self.fresh()
+        world.add_spheres(np.mgrid[0:10, 0:10, 0:10].reshape(3, -1).T * 5e-3, 6e-3, 0)
+        world.run(1e-4, LAW)
+        self.assertTrue(np.isfinite(world.positions()).all())
+        del taken
 
 
 class Hostile(unittest.TestCase):

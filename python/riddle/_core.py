@@ -104,30 +104,82 @@ for _lower, _h in api["headers"].items():
     _constants[_lower] = _values
 
 
+def held(values):
+    """All that these values refer to now: arrays, functions, structures. Kept by what C makes of the values and points to them."""
+    found, todo = {}, list(values)
+    while todo:
+        value = todo.pop()
+        if value is None or id(value) in found:
+            continue
+        found[id(value)] = value
+        if isinstance(value, Structure):
+            todo += [value._kept, value._parent]
+        elif isinstance(value, dict):
+            todo += value.values()
+        elif isinstance(value, (list, tuple)):
+            todo += value
+    return list(found.values())
+
+
+def _copied(kept):
+    return {name: _copied(value) if isinstance(value, dict) else value for name, value in kept.items()}
+
+
+_pointing = {}
+
+
+def _points(c_type):
+    """Whether a type of C has pointers, to data or to functions."""
+    if c_type.kind == "array":
+        return _points(c_type.item)
+    if c_type.kind != "struct":
+        return c_type.kind in ("pointer", "function")
+    if c_type.cname not in _pointing:
+        _pointing[c_type.cname] = any(_points(field.type) for _, field in c_type.fields or ())
+    return _pointing[c_type.cname]
+
+
+class _Memory:
+    """A part of a structure's memory, for an array that keeps the structure."""
+
+    def __init__(self, owner, c, dtype, dims):
+        self.owner = owner
+        self.__array_interface__ = {"version": 3, "data": (int(ffi.cast("uintptr_t", c)), False), "typestr": np.dtype(dtype).str, "shape": tuple(dims)}
+
+
 class Structure:
     """A structure of the headers: the same fields. Made with its defaults where the header has some; fields by keyword."""
 
     _name = None
+    _parent = None  # the structure that this one is a part of
 
     def __init__(self, **fields):
         default = _default_of(self._name)
         object.__setattr__(self, "_c", ffi.new(f"{self._name} *"))
-        object.__setattr__(self, "_kept", {})
+        object.__setattr__(self, "_kept", {})  # what its pointers point to, by field; that of its parts in dictionaries
         if default:
             self._c[0] = getattr(lib, default)()
         for name, value in fields.items():
             setattr(self, name, value)
 
     @classmethod
-    def _of(cls, c, parent=None):
-        """A structure around C's: a copy of a value, or a part of another one (parent keeps it)."""
+    def _of(cls, c, parent=None, part=None):
+        """A structure around C's: a copy of a value, or a part of another one, under whose name that keeps what the part points to."""
         made = cls.__new__(cls)
         if parent is None:
             c, value = ffi.new(f"{cls._name} *"), c
             c[0] = value
         object.__setattr__(made, "_c", c)
-        object.__setattr__(made, "_kept", {"parent": parent} if parent is not None else {})
+        object.__setattr__(made, "_parent", parent)
+        object.__setattr__(made, "_kept", {} if part is None else parent._kept.setdefault(part, {}))
         return made
+
+    def _become(self, other):
+        """Takes the fields of another one, and keeps what they point to."""
+        kept = _copied(other._kept)
+        self._c[0] = other._c[0]
+        self._kept.clear()
+        self._kept.update(kept)
 
     def __getattr__(self, name):
         field = _types_of[self._name][1]["fields"].get(name)
@@ -140,7 +192,7 @@ class Structure:
         value = getattr(self._c, name)
         if c_type.kind == "struct":
             part = ffi.addressof(self._c[0], name)
-            return _classes[_named(c_type)]._of(part, self) if _named(c_type) in _classes else part
+            return _classes[_named(c_type)]._of(part, self, f"{name} part") if _named(c_type) in _classes else part
         if c_type.kind == "array":
             return self._array_field(name, c_type, value)
         if c_type.kind == "pointer":
@@ -153,12 +205,14 @@ class Structure:
             dims.append(item.length)
             item = item.item
         if item.kind == "struct":
-            return [_classes[_named(item)]._of(ffi.addressof(self._c[0], name, k), self) for k in range(dims[0])] if len(dims) == 1 else value
+            def parts(*at):
+                if len(at) < len(dims):
+                    return [parts(*at, k) for k in range(dims[len(at)])]
+                return _classes[_named(item)]._of(ffi.addressof(self._c[0], name, *at), self, f"{name} part {at}")
+            return parts()
         if item.cname == "char":
             return ffi.string(value).decode(errors="replace")
-        dtype = DTYPES.get(item.cname, np.intc)
-        view = np.frombuffer(ffi.buffer(value), dtype=dtype).reshape(dims)
-        return view
+        return np.asarray(_Memory(self, value, DTYPES.get(item.cname, np.intc), dims))
 
     def __setattr__(self, name, value):
         about = _types_of[self._name][1]["fields"].get(name)
@@ -169,8 +223,7 @@ class Structure:
         if isinstance(value, Structure) and c_type.kind == "struct":
             if _named(c_type) != value._name:
                 raise TypeError(f"{what}: a {_named(c_type)} is needed, not a {value._name}")
-            setattr(self._c, name, value._c[0])
-            self._kept[name + " parts"] = value
+            getattr(self, name)._become(value)
         elif c_type.kind == "struct":
             setattr(self._c, name, tuple(value))
         elif c_type.kind == "array":
@@ -179,7 +232,7 @@ class Structure:
                 raise TypeError(f"{what} cannot be set")
             if isinstance(view, list):
                 for part, new in zip(view, value):
-                    part._c[0] = new._c[0]
+                    part._become(new)
             else:
                 view[...] = _array(value, view.dtype, what)
         elif c_type.kind in ("pointer", "function"):
@@ -211,7 +264,7 @@ class Structure:
     def _fields(self):
         return [name for name in _types_of[self._name][1]["fields"] if "__" not in name]
 
-    def _check_arrays(self, scope=None, prefix=None):
+    def _check_arrays(self, scope=None, prefix=None, above=()):
         """Are the arrays that fields point to as long as the structure says?"""
         lower, kind = _types_of[self._name]
         for name, about in kind["fields"].items():
@@ -229,10 +282,12 @@ class Structure:
                 continue
             if array is None or array.size != size:
                 raise ValueError(f"{self._name}.{name}: {'not set' if array is None else array.shape}, but {dims} is needed")
-        for name in self._fields():
-            part = self._kept.get(name + " parts")
-            if isinstance(part, Structure):
-                part._check_arrays()
+        for name, field in ffi.typeof(self._c).item.fields:
+            if field.type.kind == "struct" and _named(field.type) in _classes and _points(field.type):
+                getattr(self, name)._check_arrays(above=above)
+        for kept in (*self._kept.values(), *self._kept.get("arguments", ())):
+            if isinstance(kept, Structure) and not any(kept is other for other in above):
+                kept._check_arrays(above=(*above, kept))
 
     def __dir__(self):
         return self._fields()
@@ -245,7 +300,7 @@ class Structure:
 
     def __copy__(self):
         made = type(self)._of(self._c[0])
-        made._kept.update(self._kept)
+        made._kept.update(_copied(self._kept))
         return made
 
     def __reduce__(self):
@@ -281,7 +336,11 @@ class Handle:
         size = getattr(lib, f"size_of_{self._name}")()
         self._memory = ffi.new("char[]", size)
         self._c = ffi.cast(f"{self._name} *", self._memory)
-        self._keep = []
+        self._keep = {}
+
+    def _hold(self, values):
+        """Keeps, until it is freed, what C may point to: what these values refer to now."""
+        self._keep.update((id(value), value) for value in held(values))
 
     @property
     def _alive(self):
@@ -293,6 +352,7 @@ class Handle:
         if self._c is not None and self._free:
             getattr(lib, self._free)(self._c)
         self._c = None
+        self._keep = {}
 
     def __del__(self):
         if getattr(self, "_c", None) is not None:
@@ -335,6 +395,8 @@ class Function:
         for p in self.parameters:
             if p.name in given and not p.pointer:
                 names[p.name] = given[p.name]
+                if isinstance(given[p.name], Structure):
+                    keep.append((p.name, given[p.name]))
         for p in self.parameters:
             if p.name in given and p.pointer:
                 converted[p.name] = p.take(given[p.name], keep)
@@ -363,7 +425,11 @@ class Function:
             else:
                 arguments.append(p.number(names[p.name]))
         value = self.c_function(*arguments)
-        return self._answer(value, answers, field)
+        for p in self.parameters:
+            if p.c_name == "def" and p.pointer:  # a simulation copies its definition
+                for handle in [value for _, value in keep if isinstance(value, Handle)]:
+                    handle._hold([keep_of(keep, p.name)])
+        return self._answer(value, answers, field, [value for _, value in keep])
 
     def _bind(self, args, keywords):
         if len(args) > len(self.visible):
@@ -383,13 +449,17 @@ class Function:
                 del given[p.name]
         return given
 
-    def _answer(self, value, answers, field):
+    def _answer(self, value, answers, field, given):
         if self.status and value != 0 or self.index and value < 0:
             status = int(value) if self.status else -int(value)
             raise status_error(self.lower, status, None if field is None or field[0] == ffi.NULL else ffi.string(field[0]).decode())
         made = [(name, answer() if callable(answer) else answer) for name, answer in answers]
         if not self.status and self.about["returns"] != "void":
             made.insert(0, ("value", self._value(value)))
+        for _, answer in made:  # C may have put pointers to its arguments into them
+            for structure in answer if isinstance(answer, list) else [answer]:
+                if isinstance(structure, Structure) and _points(ffi.typeof(structure._c).item):
+                    structure._kept["arguments"] = held(given)
         if len(made) <= 1:
             return made[0][1] if made else None
         return types.SimpleNamespace(**dict(made))
@@ -518,7 +588,7 @@ class Parameter:
         what = f"{self.function.name}: {self.name}"
         if self.opaque:
             handle = _classes[self.type]()
-            handle._keep += [value for _, value in keep]  # C may point to them
+            handle._hold(value for _, value in keep)  # C may point to them
             return handle._c, handle
         if self.structure:
             count = self.shape.of(names, what)[0] if self.shape and self.shape.dims else None

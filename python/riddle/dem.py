@@ -94,7 +94,7 @@ class World(_core.Handle):
         if not isinstance(definition, Structure) or definition._name != "dem_def":
             self._c = None
             raise TypeError("World: a dem.def_ is needed")
-        self._keep.append(definition)  # its functions
+        self._hold([definition])  # its functions
         field = ffi.new("const char **")
         status = lib.dem_init(self._c, definition._c, field)
         if status != 0:
