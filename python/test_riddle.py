@@ -4,6 +4,7 @@ import copy
 import gc
 import json
 import os
+import pathlib
 import pickle
 import random
 import re
@@ -286,11 +287,94 @@ class Worlds(unittest.TestCase):
     def test_a_law_from_c(self):
         with tempfile.TemporaryDirectory() as folder:
             library = os.path.join(folder, "magnets.so")
-            subprocess.run([os.environ.get("CC", "cc"), "-O1", "-ffp-contract=off", "-fPIC", "-shared", "-I", root, os.path.join(here, "laws", "magnets.c"),
+            subprocess.run([os.environ.get("CC", "cc"), "-O0", "-ffp-contract=off", "-fPIC", "-shared", "-I", root, os.path.join(here, "laws", "magnets.c"),
                             "-lm", "-o", library], check=True)
-            world = bed(20)
-            world.run_law(0.05, dem.Law(library))
+            world, law = bed(20), dem.Law(library)
+            world.run_law(0.05, law)
             self.assertGreater(world.step, 4000)
+            for use in (lambda: law.set("pull", 1.0), lambda: law.get("pull"), lambda: dem.Law(os.path.join(here, "laws", "magnets.c")), lambda: dem.Law(_core.__file__ + "x")):
+                with self.assertRaises((ValueError, ImportError)):
+                    use()
+
+
+class Wet(unittest.TestCase):
+    """python/laws/wet.c."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.library = pathlib.Path(cls.folder.name) / "wet.so"
+        subprocess.run([os.environ.get("CC", "cc"), "-O0", "-ffp-contract=off", "-fPIC", "-shared", "-I", root, os.path.join(here, "laws", "wet.c"), "-lm", "-o", cls.library], check=True)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def scene(self, law, moisture):
+        definition = dem.def_(dt=2e-5)
+        glass, steel = dem.add_material(definition, 2534.1, 5e10, 0.2), dem.add_material(definition, 7850.0, 2e11, 0.3)
+        for other in (glass, steel):
+            contact = dem.pair(definition, glass, other)
+            contact.stiffness, contact.restitution, contact.friction = 5e3, 0.7, 0.3
+        world, feed = dem.World(definition), dem.default_feed()
+        deck = world.add_screen(steel, dem.screen(aperture=8e-3, wire=2e-3, half_x=0.02, half_y=0.02, circular=1, normal=(0, 0, 1), direction=(1, 0, 0)))
+        world.add_cylinder(steel, (0, 0, 0), (0, 0, 1), 0.02, 1)
+        feed.region = dem.cylinder_region((0, 0, 0.006), (0, 0, 1), 0.02, 0.018)
+        for group, (diameter, number) in enumerate([(5e-3, 20), (7e-3, 6), (10e-3, 4)]):
+            feed.sizes, feed.group = dem.one_size(diameter), group
+            world.fill(feed, number)
+        law.set("moisture", moisture)
+        law.set("deck", deck)
+        return world
+
+    def test_worlds_have_their_own_books(self):
+        law, alone = dem.Law(self.library), []
+        for moisture in (0.0, 0.05, 0.02):
+            world = self.scene(law, moisture)
+            world.run_law(0.04, law)
+            world.run_law(0.04, law)
+            alone.append((world.hash(), law.get("bridges"), law.get("liquid")))
+            world.free()
+            self.assertEqual(law.get("bridges"), alone[-1][1])
+        self.assertEqual(alone[0][1:], (0.0, 0.0))
+        self.assertGreater(alone[1][1], 5)
+        self.assertAlmostEqual(alone[1][2] / alone[2][2], 2.5, 6)
+        worlds = []
+        for moisture in (0.0, 0.05, 0.02):
+            worlds.append(self.scene(law, moisture))
+            worlds[-1].run_law(0.04, law)
+        for world, (bits, bridges, liquid) in zip(worlds, alone):
+            world.run_law(0.04, law)
+            self.assertEqual((world.hash(), law.get("bridges"), law.get("liquid")), (bits, bridges, liquid))
+        feed = dem.default_feed()
+        feed.region, feed.sizes = dem.cylinder_region((0, 0, 0.1), (0, 0, 1), 0.05, 0.015), dem.one_size(5e-3)
+        worlds[0].fill(feed, 2)
+        with self.assertRaises(riddle.Error):  # they have no films
+            worlds[0].run_law(0.01, law)
+        with self.assertRaises(riddle.Error):  # its films are not saved
+            pickle.loads(pickle.dumps(worlds[1])).run_law(0.01, law)
+        law.set("deck", 7)
+        with self.assertRaises(riddle.Error):
+            bed(3).run_law(0.01, law)
+
+    def test_names_and_numbers(self):
+        law, here_now = dem.Law(self.library), os.getcwd()
+        for name, value in (("moistur", 0.05), ("moisture", -0.05), ("moisture", 1.5), ("moisture", float("nan")), ("deck", -1), ("deck", 0.5), ("deck", 32)):
+            with self.assertRaises(ValueError):
+                law.set(name, value)
+        for value in ("2 %", None, [0.1], np.timedelta64(1, "ns")):
+            with self.assertRaises(TypeError):
+                law.set("moisture", value)
+        for name in ("moistur", "", "m\u00f6isture"):
+            with self.assertRaises(ValueError):
+                law.get(name)
+        law.set("moisture", 0.03)
+        self.assertEqual(law.get("moisture"), 0.03)
+        os.chdir(self.folder.name)
+        try:
+            self.assertEqual(dem.Law("wet.so").get("moisture"), 0.03)
+        finally:
+            os.chdir(here_now)
 
 
 class Kept(unittest.TestCase):

@@ -1,6 +1,7 @@
 """Calls the headers' functions: checks and converts arguments, makes answers, raises errors. What there is comes from api.json, which
 python/generate.py reads off the headers; nothing here knows a particular function."""
 import json
+import numbers
 import os
 import re
 import types
@@ -45,6 +46,26 @@ def _base(c_type):
 
 def _named(c_type):
     return c_type.cname[7:] if c_type.cname.startswith("struct ") else c_type.cname
+
+
+_TIMES = "times need a unit: divide by it, as in t / numpy.timedelta64(1, 's')"
+
+
+def number(c_type, value, what):
+    """A number for C, of a type that is no array and no text; whole where C's type is."""
+    if isinstance(value, np.ndarray) and value.ndim == 0 and not np.ma.isMaskedArray(value):
+        value = value[()]
+    if isinstance(value, np.generic):
+        if value.dtype.kind in "mM":
+            raise TypeError(f"{what}: {_TIMES}")
+        value = float(value) if value.dtype.kind == "f" else value.item()
+    if not isinstance(value, numbers.Real):
+        raise TypeError(f"{what}: a number is needed, not {type(value).__name__}")
+    if c_type in ("double", "float"):
+        return float(value)
+    if isinstance(value, float) and not value.is_integer():
+        raise TypeError(f"{what}: a whole number is needed, not {value}")
+    return int(value)
 
 
 def _array(value, dtype, what):
@@ -350,9 +371,13 @@ class Handle:
 
     def free(self):
         if self._c is not None and self._free:
+            self._before_free()
             getattr(lib, self._free)(self._c)
         self._c = None
         self._keep = {}
+
+    def _before_free(self):
+        pass
 
     def __del__(self):
         if getattr(self, "_c", None) is not None:
@@ -512,8 +537,6 @@ class Parameter:
         self.dtype = DTYPES.get(base)
 
     def number(self, value):
-        if isinstance(value, np.generic):
-            value = value.item()
         c_type = self.about["type"]
         if self.structure:
             if isinstance(value, Structure):
@@ -527,15 +550,7 @@ class Parameter:
             return made[0]
         if self.callback or "_fn" in c_type or c_type.endswith(("_function", "_kernel")):
             return ffi.NULL if value is None else _callback(ffi.typeof(c_type), value, self.name)
-        if isinstance(value, bool):
-            value = int(value)
-        if not isinstance(value, (int, float)):
-            raise TypeError(f"{self.function.name}: {self.name}: a number is needed, not {type(value).__name__}")
-        if self.type not in ("double", "float"):
-            if isinstance(value, float) and not value.is_integer():
-                raise TypeError(f"{self.function.name}: {self.name}: a whole number is needed, not {value}")
-            value = int(value)
-        return value
+        return number(self.type, value, f"{self.function.name}: {self.name}")
 
     def take(self, value, keep):
         """Converts what the caller gave for a pointer."""
@@ -609,7 +624,7 @@ def ffi_of_law():
     import cffi
     made = cffi.FFI()
     made.cdef("size_t law_world_size(void); int law_run(void *world, double duration);"
-              "void law_set(const char *name, double value); double law_get(const char *name);")
+              "int law_set(const char *name, double value); double law_get(const char *name); void law_forget(const void *world);")
     return made
 
 

@@ -16,6 +16,7 @@ Functions that take a world are methods of World. Ctrl-C stops a run between ste
 usable. A world can be pickled.
 """
 import contextlib
+import os
 import signal
 import sys
 import threading
@@ -88,7 +89,7 @@ class World(_core.Handle):
     def __init__(self, definition=None):
         super().__init__()
         self._version = 0
-        self._callbacks = {}
+        self._callbacks, self._laws = {}, {}
         if definition is None:
             return
         if not isinstance(definition, Structure) or definition._name != "dem_def":
@@ -100,6 +101,10 @@ class World(_core.Handle):
         if status != 0:
             self._c = None
             raise _core.status_error("dem", status, ffi.string(field[0]).decode() if field[0] != ffi.NULL else None)
+
+    def _before_free(self):
+        for law in self._laws.values():
+            law._forget(self)
 
     def _check(self, status):
         self._version += 1
@@ -305,24 +310,55 @@ class Law:
         cc -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math -fPIC -shared -I. python/laws/magnets.c -lm -o magnets.so
 
     The file includes dem.h, defines the law and its kernel, and two functions: size_t law_world_size(void), which returns
-    sizeof(dem_world), and dem_status law_run(dem_world *world, double duration). It must be of the same version of dem.h as the binding."""
+    sizeof(dem_world), and dem_status law_run(dem_world *world, double duration). It must be of the same version of dem.h as the binding.
+    It may have three more, which wet.c shows: law_set and law_get for its numbers, law_forget for what it keeps of a world."""
 
     def __init__(self, path):
+        self._path = os.path.abspath(os.fspath(path))
         self._ffi = _core.ffi_of_law()
-        self._lib = self._ffi.dlopen(path)
-        if self._lib.law_world_size() != lib.size_of_dem_world():
-            raise ImportError(f"{path}: made with another version of dem.h")
+        try:
+            self._lib = self._ffi.dlopen(self._path)
+            size = self._lib.law_world_size()
+        except (OSError, AttributeError) as error:
+            raise ImportError(f"{self._path}: no law in a shared library ({error})") from None
+        if size != lib.size_of_dem_world():
+            raise ImportError(f"{self._path}: made with another version of dem.h")
+
+    def _function(self, name):
+        try:
+            return getattr(self._lib, name)
+        except AttributeError:
+            return None
 
     def set(self, name, value):
-        """Sets a number of the law, if its file has void law_set(const char *name, double value)."""
-        self._lib.law_set(name.encode(), float(value))
+        """Sets a number of the law, if its file has int law_set(const char *name, double value), which returns 0; 1: there is no such
+        number; 2: the value is outside its range."""
+        function, number = self._function("law_set"), _core.number("double", value, f"law: {name}")
+        refused = function(name.encode(), number) if function else 1
+        if refused:
+            raise ValueError(f"{self._path}: " + (f"{name} cannot be {number}" if refused == 2 else f"the law has no number {name!r} to be set"))
 
     def get(self, name):
-        """A number of the law, if its file has double law_get(const char *name)."""
-        return self._lib.law_get(name.encode())
+        """A number of the law, if its file has double law_get(const char *name), which returns NaN where there is no such number."""
+        function = self._function("law_get")
+        value = function(name.encode()) if function else np.nan
+        if np.isnan(value):
+            raise ValueError(f"{self._path}: the law has no number {name!r}")
+        return value
+
+    def _address(self, world):
+        return self._ffi.cast("void *", int(ffi.cast("uintptr_t", world._alive)))
+
+    def _forget(self, world):
+        function = self._function("law_forget")
+        if function:
+            function(self._address(world))
 
     def __call__(self, world, duration):
-        return self._lib.law_run(self._ffi.cast("void *", int(ffi.cast("uintptr_t", world._alive))), duration)
+        if not isinstance(world, World):
+            raise TypeError(f"law: a World is needed, not {type(world).__name__}")
+        world._laws[self._path] = self
+        return self._lib.law_run(self._address(world), duration)
 
 
 def _method(function):
