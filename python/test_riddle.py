@@ -62,6 +62,19 @@ class Complete(unittest.TestCase):
                 else:
                     self.assertRegex(_core.api["shapes"][name], r"^C only \(.+\)$", name)
 
+    def test_every_function_can_be_called(self):
+        """Whatever a function takes or makes is something that the binding can give to C."""
+        never = []
+        for lower, header in _core.api["headers"].items():
+            for name, about in header["functions"].items():
+                if not _core.in_python(name) or _core._is_hook(about):
+                    continue
+                for p in _core.Function(lower, name, about).parameters:
+                    known = p.hidden or p.opaque or p.structure or p.dtype is not None and (not p.made or p.shape is not None)
+                    if p.pointer and not p.callback and not known:
+                        never.append(f"{name}: {p.name}")
+        self.assertEqual(never, [])
+
     def test_the_description_is_that_of_the_headers(self):
         with tempfile.TemporaryDirectory() as folder:
             subprocess.run([sys.executable, os.path.join(here, "generate.py"), folder], check=True, stdout=subprocess.DEVNULL)
@@ -148,6 +161,71 @@ class Values(unittest.TestCase):
         granulation.sim_add(sim, granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12), 50)
         granulation.sim_run(sim, 5)
         self.assertGreater(granulation.sim_mean(sim, 4, 3), 0.0)
+
+
+    def test_polyhedra(self):
+        brick = dem.make_brick((0.01, 0.02, 0.03), 0.03)
+        self.assertAlmostEqual(brick.volume, 6e-6, 15)
+        corners = [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.0, 0.01]]
+        self.assertAlmostEqual(dem.make_convex(corners, 0.03).volume, 1e-6 / 6.0, 15)
+        faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+        self.assertAlmostEqual(dem.make_convex_mesh(dem.mesh(vertices=4, triangles=4, vertex=corners, triangle=faces), 0.03).volume, 1e-6 / 6.0, 15)
+        with self.assertRaises(riddle.Error) as raised:
+            dem.make_convex([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]], 0.03)
+        self.assertIn("plane", raised.exception.field)
+        world = bed(0)
+        world.add_convex(world.add_shape(brick), [[0.0, 0.0, 0.05]], None, 0, 0)
+        self.assertAlmostEqual(world.masses().sum(), 2500.0 * 6e-6, 9)
+        self.assertTrue((dem.shape_of_drag(0.8, 0.8, 0.8) > 0.0).all())
+        self.assertTrue(np.isnan(dem.shape_of_drag(2.0, 0.8, 0.8)).all())
+
+    def test_vectors_of_granulation_and_classifier(self):
+        sim, granule = granulation.sim_init(granulation.def_(seed=1)), granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12)
+        granulation.sim_put(sim, granule, (1e-4, 0.0, 0.0), (0.0, 0.0, 0.5))
+        granulation.sim_put(sim, granule, [2e-4, 3e-4, 1e-4], np.array([0.0, 0.1, 0.5]))
+        totals = granulation.sim_totals(sim)
+        self.assertAlmostEqual(totals.volumes.s, 1.04e-12, 20)
+        self.assertAlmostEqual(totals.momentum[2] / totals.momentum[1], 10.0, 9)
+        self.assertEqual(totals.momentum[0], 0.0)
+        self.assertAlmostEqual(totals.kinetic / totals.momentum[2], 0.51 / 2.0, 9)
+        granulation.sim_impeller(sim, [0.0, 0.0, 3.0], [0.1, 0.1, 0.1], True)
+        self.assertGreater(abs(granulation.sim_totals(sim).momentum[2]), 2.0 * totals.momentum[2])
+        with self.assertRaises(ValueError):
+            granulation.sim_put(sim, granule, (1e-4, 0.0), (0.0, 0.0, 0.5))
+        definition = classifier.paper_def(classifier.LIMESTONE, 3000.0).value
+        model = classifier.init(definition)
+        cases = classifier.tromp_cases(model, classifier.quantile(model, 0.5))
+        self.assertTrue(((cases >= 0.0) & (cases <= 1.0)).all() and cases.shape == (3,) and cases.min() < 0.5 < cases.max(), cases)
+        speed = 3000.0 / 60.0 * 2.0 * np.pi
+        straight = classifier.approach(definition.wheel, speed, 0.1, 1.0, 1.0)
+        heavy = classifier.approach_in_gas(definition, classifier.stokes(), 1.0, 0.1, 1.0, 1.0)
+        self.assertTrue(straight.hit and heavy.hit)
+        self.assertAlmostEqual(heavy.radius / straight.radius, 1.0, 3)
+
+    def test_vectors_of_filtration(self):
+        cloth = filtration.cloth_make(10e-6, 20e-6, filtration.PLAIN_WEAVE, 40e-6)
+        above = (15e-6, 15e-6, 60e-6)  # a wire above the crossing
+        self.assertAlmostEqual(filtration.cloth_distance(cloth, above), 10e-6, 10)
+        self.assertAlmostEqual(filtration.solid_cut(filtration.cloth_solid(cloth), above, (15e-6, 15e-6, 45e-6)), 2.0 / 3.0, 6)
+        bed_of_one = filtration.bed_init([[40e-6, 40e-6, 40e-6]], None, [15e-6], [80e-6] * 3, [1, 1, 1], 20e-6)
+        self.assertAlmostEqual(filtration.bed_distance(bed_of_one, (60e-6, 40e-6, 40e-6)), 5e-6, 12)
+        voxels = np.zeros((8, 8, 8), np.uint8)
+        voxels[:4] = 1
+        image = filtration.image(n=[8, 8, 8], edge=1e-6, solid=voxels, reach=4)
+        self.assertGreater(filtration.image_distance(image, (4.5e-6, 4.5e-6, 6e-6)), 0.5e-6)
+        self.assertLess(filtration.image_distance(image, (4.5e-6, 4.5e-6, 2e-6)), -0.5e-6)
+        definition = filtration.fluid_def(nodes=[16, 16, 16], voxel=5e-6, solid=filtration.bed_solid(bed_of_one))
+        fluid = filtration.fluid_init(definition)
+        filtration.fluid_set_body_force(fluid, [0.0, 0.0, 1e3])
+        filtration.fluid_run(fluid, 400)
+        velocity, force = filtration.fluid_mean_velocity(fluid), filtration.fluid_solid_force(fluid)
+        self.assertGreater(velocity[2], 1e-7)
+        self.assertLess(np.abs(velocity[:2]).max(), 1e-6 * velocity[2])
+        self.assertTrue(0.6 < force[2] / (1e3 * (80e-6) ** 3) < filtration.fluid_porosity(fluid))  # the rest still accelerates it
+        sheared = filtration.fluid_init(filtration.fluid_def(nodes=[8, 8, 8], face=[0, 0, 0, 0, filtration.WALL, filtration.WALL]))
+        filtration.fluid_set_face_velocity(sheared, filtration.HIGH_Z, [1e-3, 0.0, 0.0])
+        filtration.fluid_run(sheared, 400)
+        self.assertAlmostEqual(filtration.fluid_mean_velocity(sheared)[0], 0.5e-3, 5)
 
 
 class Worlds(unittest.TestCase):

@@ -41,7 +41,8 @@ class Error(RuntimeError):
 
 
 def _base(c_type):
-    return c_type.replace("const", "").replace("*", "").strip()
+    """The type of one number or structure: that of what a pointer or an array has."""
+    return re.sub(r"\bconst\b|\bstruct\b|\*|\[.*", "", c_type).strip()
 
 
 def _named(c_type):
@@ -525,7 +526,7 @@ class Parameter:
         self.shape = _shape(f"{function.name}.{self.c_name}", function.constants)
         self.opaque = base in _types_of and _types_of[base][1]["opaque"]
         self.structure = base in _types_of and not self.opaque
-        self.field = about["deep"] and self.name == "field"
+        self.field = about["deep"] and base == "char"  # names what is wrong: field, reason
         self.void = self.pointer and base == "void"
         self.hidden = self.field or self.void or base.endswith(("_memory", "_allocator"))
         inout = self.shape is not None and (self.shape.inout or self.shape.optional)
