@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Tests of the Python binding: python/test_riddle.py [--seconds N]. Prints "N passed, N failed"."""
+import contextlib
 import copy
 import gc
+import io
 import json
 import os
 import pathlib
@@ -530,6 +532,143 @@ class Kept(unittest.TestCase):
         world.run(1e-4, LAW)
         self.assertTrue(np.isfinite(world.positions()).all())
         del taken
+
+
+class Mistake(Exception):
+    pass
+
+
+class Functions(unittest.TestCase):
+    """An exception in a function that C calls is raised by the call, which ends early."""
+
+    def failing(self, answer, at):
+        """A function that fails in its call of this number."""
+        calls = []
+
+        def function(*arguments):
+            calls.append(arguments)
+            if len(calls) >= at:
+                raise Mistake(len(calls))
+            return answer
+        return function, calls
+
+    def raises(self, use):
+        with contextlib.redirect_stderr(io.StringIO()) as printed:
+            with self.assertRaises(Mistake) as raised:
+                use()
+        self.assertEqual(printed.getvalue(), "")
+        return raised.exception.args[0]
+
+    def test_a_motion(self):
+        world = bed(5)
+        motion, calls = self.failing(((0, 0, 0), (0, 0, 0)), 40)
+        world.prescribe(0, (0, 0, 0), motion)
+        self.assertEqual(self.raises(lambda: world.run(1.0, LAW)), len(calls))
+        self.assertLess(world.step, 40)
+        self.assertEqual(world.positions().shape, (5, 3))
+        for wrong in ((0, 0, 0), None, ((0, 0, 1),), ((0, 0), (0, 0, 0)), ((0, 0, float("nan")), (0, 0, 0)), ((0, 0, "x"), (0, 0, 0)), ("123", "001"), 5.0, np.zeros((3, 2))):
+            world = bed(2)
+            with self.assertRaises(ValueError):
+                world.prescribe(0, (0, 0, 0), lambda now: wrong)
+            world.prescribe(0, (0, 0, 0), lambda now: wrong if now > 5e-5 else np.zeros((2, 3)))
+            with self.assertRaisesRegex(ValueError, "motion must return"):
+                world.run(1e-2, LAW)
+        world = bed(2)
+        world.prescribe(0, (0, 0, 0), lambda now: ((0, 0, 0), (0, 0, 0)))
+        with self.assertRaises(riddle.Error):
+            world.prescribe(7, (0, 0, 0), lambda now: ((0, 0, 0), (0, 0, 0)))
+        with self.assertRaises(TypeError):
+            world.prescribe(0, (0, 0), lambda now: ((0, 0, 0), (0, 0, 0)))
+        gc.collect()
+        world.run(1e-3, LAW)
+        world.prescribe(0, (0, 0, 0), lambda now: world.free() if now > 2e-3 else ((0, 0, 0), (0, 0, 0)))
+        with self.assertRaisesRegex(RuntimeError, "while it runs"):
+            world.run(1e-2, LAW)
+
+    def test_collisions(self):
+        definition, granule = granulation.def_(seed=1), granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12)
+        definition.on_collision, calls = self.failing(None, 3)
+        sim = granulation.sim_init(definition)
+        granulation.sim_add(sim, granule, 200)
+        self.assertEqual(self.raises(lambda: granulation.sim_run(sim, 10**6)), 3)
+        self.assertEqual(len(calls), 3)
+        whole, pieces = (granulation.sim_init(granulation.def_(seed=1)) for _ in range(2))
+        for sim in (whole, pieces):
+            granulation.sim_add(sim, granule, 200)
+        _core.lib.granulation_sim_run(whole._c, 40)
+        granulation.sim_run(pieces, 40)
+        self.assertEqual(granulation.sim_mean(whole, 4, 3), granulation.sim_mean(pieces, 4, 3))
+        with self.assertRaises(riddle.Error):
+            granulation.sim_run(pieces, -1)
+        threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        begun = time.monotonic()
+        with self.assertRaises(KeyboardInterrupt):
+            granulation.sim_run(pieces, 10**6)
+        self.assertLess(time.monotonic() - begun, 30.0)
+
+    def test_stop_and_parallel(self):
+        definition = dem.def_(dt=1e-5)
+        dem.add_material(definition, 2500.0, 5e10, 0.2)
+        definition.stop, calls = self.failing(0, 2)
+        world, feed = dem.World(definition), dem.default_feed()
+        self.assertEqual(self.raises(lambda: world.fill(feed, 20000)), 2)
+        self.assertEqual((world.count, len(calls)), (0, 2))
+        hashes = []
+        for parallel in (None, self.failing(None, 1)[0], lambda user, tasks, task, context: None, lambda user, tasks, task, context: [task(context, k) for k in range(tasks)]):
+            definition = dem.def_(dt=1e-5, threads=2, parallel=parallel)
+            dem.add_material(definition, 2500.0, 5e10, 0.2)
+            world = dem.World(definition)
+            world.add_spheres(np.mgrid[0:10, 0:10, 0:10].reshape(3, -1).T * 5e-3, 6e-3, 0)
+            try:
+                world.run(2e-5, LAW)
+            except (Mistake, RuntimeError) as error:
+                self.assertIn(len(hashes), (1, 2), error)
+            else:
+                self.assertIn(len(hashes), (0, 3))
+            hashes.append(world.hash())
+        self.assertEqual(len(set(hashes)), 1)  # what failed has been run all the same
+
+    def test_laws(self):
+        granule, edges = granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12), np.geomspace(1e-13, 1e-11, 11)
+        for name, answer in (("selection", 0.1), ("kernel", 1e-9)):
+            function, calls = self.failing(answer, 5)
+            balance = granulation.balance_init(granulation.balance_def(**{name: function}), edges, None)
+            granulation.balance_add(balance, granule, 100.0)
+            self.assertEqual(self.raises(lambda: granulation.balance_run(balance, 1.0)), 5)
+            self.assertEqual(len(calls), 5)
+
+        def rates(user, now, k1, k2):
+            k1[0], k2[0] = 0.1, 0.2
+            if now > 2.0:
+                raise Mistake(now)
+        self.raises(lambda: blocking.integrate(blocking.ode_def(rates=rates), [0.0, 1.0, 5.0]))
+        definition = filtration.fluid_def(nodes=[8, 8, 8])
+        definition.solid.distance, calls = self.failing(1e-5, 3)
+        self.raises(lambda: filtration.fluid_init(definition))
+        definition.solid.distance = lambda self, point: "far"
+        with self.assertRaises(TypeError):
+            filtration.fluid_init(definition)
+
+    def test_two_threads(self):
+        """Each call raises what its own function raised."""
+        def use(number, raised):
+            def motion(now):
+                if now > 1e-3:
+                    raise Mistake(number)
+                return (0, 0, 0), (0, 0, 0)
+            world = bed(5)
+            world.prescribe(0, (0, 0, 0), motion)
+            try:
+                world.run(1.0, LAW)
+            except Mistake as error:
+                raised[number] = error.args[0]
+        raised = {}
+        threads = [threading.Thread(target=use, args=(number, raised)) for number in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(raised, {0: 0, 1: 1, 2: 2})
 
 
 class Hostile(unittest.TestCase):

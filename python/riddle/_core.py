@@ -1,9 +1,13 @@
 """Calls the headers' functions: checks and converts arguments, makes answers, raises errors. What there is comes from api.json, which
 python/generate.py reads off the headers; nothing here knows a particular function."""
 import json
+import math
 import numbers
 import os
 import re
+import sys
+import threading
+import time
 import types
 
 import numpy as np
@@ -67,6 +71,16 @@ def number(c_type, value, what):
     if isinstance(value, float) and not value.is_integer():
         raise TypeError(f"{what}: a whole number is needed, not {value}")
     return int(value)
+
+
+def vector(n, value, what):
+    """n finite numbers as a tuple."""
+    if isinstance(value, (str, bytes, dict, set)) or len(value) != n:
+        raise TypeError(f"{what}: {n} numbers are needed, not {value!r}")
+    made = tuple(number("double", v, what) for v in value)
+    if not all(map(math.isfinite, made)):
+        raise ValueError(f"{what}: finite numbers are needed, not {value!r}")
+    return made
 
 
 def _array(value, dtype, what):
@@ -338,14 +352,97 @@ def _default_of(name):
     return None
 
 
+_thread = threading.local()
+_open = []  # calls of C in progress, of all threads
+
+
+class Call:
+    """Around a call of C: the first exception in a Python function that C calls ends what can be ended, and is raised when C returns.
+    The handles that C works on cannot be freed meanwhile."""
+
+    def __init__(self, handles=()):
+        self.error, self.handles = None, handles
+
+    def __enter__(self):
+        _thread.__dict__.setdefault("calls", []).append(self)
+        _open.append(self)
+        for handle in self.handles:
+            handle._users.append(self)
+        return self
+
+    def __exit__(self, kind, error, trace):
+        _thread.calls.remove(self)
+        _open.remove(self)
+        for handle in self.handles:
+            handle._users.remove(self)
+        if self.error is not None:
+            raise self.error
+
+
+def _call_now():
+    """The call of C in which this thread is; a thread that C made belongs to the newest one."""
+    calls = getattr(_thread, "calls", None) or _open
+    return calls[-1] if calls else None
+
+
+def _note(kind, error, trace):
+    call = _call_now()
+    if call is None:
+        sys.excepthook(kind, error, trace)
+    elif call.error is None:
+        call.error = error
+
+
 def _callback(c_type, value, what):
-    """A C function for a Python one, or the address of one of the headers' own."""
+    """A C function for a Python one, or the address of one of the headers' own. When it has failed, C gets NaN, or what stops it."""
     symbol = getattr(value, "c_symbol", None)
     if symbol:
         return ffi.cast(c_type, ffi.addressof(lib, symbol))
     if not callable(value):
         raise TypeError(f"{what}: a function is needed, not {type(value).__name__}")
-    return ffi.callback(c_type, value)
+    kinds, result = c_type.args, c_type.result
+    if len(kinds) == 4 and kinds[2].kind == "function":
+        return ffi.callback(c_type, _all_tasks(value, what), onerror=_note)
+    failure = np.nan if result.cname in ("double", "float") else 1 if what.endswith("stop") else None if result.kind in ("void", "pointer") else 0
+    numbers_out = [k for k, kind in enumerate(kinds) if kind.cname == "double *" and any(before.cname == "double" for before in kinds[:k])]
+
+    def called(*arguments):
+        call = _call_now()
+        if call is None or call.error is None:
+            try:
+                returned = value(*arguments)
+                return None if result.kind == "void" else returned
+            except BaseException as error:
+                _note(type(error), error, error.__traceback__)
+        for k in numbers_out:
+            arguments[k][0] = np.nan
+        for argument in arguments:
+            if isinstance(argument, ffi.CData) and ffi.typeof(argument).cname.endswith("dem_pose *"):
+                argument.shift.x = np.nan
+        return failure if result.kind != "pointer" else ffi.NULL
+
+    return ffi.callback(c_type, called, onerror=_note, **({} if failure is None else {"error": failure}))
+
+
+def _all_tasks(value, what):
+    """A function that runs tasks: those that it has not run when it fails, or forgets, are run here, for C goes on."""
+    def called(user, tasks, task, context):
+        done = set()
+
+        def once(context, index):
+            task(context, index)
+            done.add(index)
+
+        try:
+            value(user, tasks, once, context)
+        finally:
+            left = [k for k in range(tasks) if k not in done]
+            for k in left:
+                task(context, k)
+        if left:
+            raise RuntimeError(f"{what}: the function returned before all tasks had been run")
+
+    return called
 
 
 class Handle:
@@ -358,7 +455,7 @@ class Handle:
         size = getattr(lib, f"size_of_{self._name}")()
         self._memory = ffi.new("char[]", size)
         self._c = ffi.cast(f"{self._name} *", self._memory)
-        self._keep = {}
+        self._keep, self._users = {}, []
 
     def _hold(self, values):
         """Keeps, until it is freed, what C may point to: what these values refer to now."""
@@ -371,6 +468,8 @@ class Handle:
         return self._c
 
     def free(self):
+        if self._users:
+            raise RuntimeError(f"this {self._name} cannot be freed while it runs")
         if self._c is not None and self._free:
             self._before_free()
             getattr(lib, self._free)(self._c)
@@ -400,6 +499,8 @@ class Function:
         inferred = self._inferred()
         self.visible = [p for p in self.parameters if not p.hidden and not p.made and p.name not in inferred]
         self.inferred = inferred
+        steps, _, pieces = _shapes.get(name, "").partition(" ")
+        self.pieces = [p.name for p in self.parameters].index(steps) if pieces == "in pieces" else None
 
     def _inferred(self):
         """Integers that the length of an array tells: parameter -> (array's parameter, axis, what to take off)."""
@@ -450,12 +551,28 @@ class Function:
                 arguments.append(ffi.NULL)
             else:
                 arguments.append(p.number(names[p.name]))
-        value = self.c_function(*arguments)
+        value = self._run(arguments, [value for _, value in keep if isinstance(value, Handle)])
         for p in self.parameters:
             if p.c_name == "def" and p.pointer:  # a simulation copies its definition
                 for handle in [value for _, value in keep if isinstance(value, Handle)]:
                     handle._hold([keep_of(keep, p.name)])
         return self._answer(value, answers, field, [value for _, value in keep])
+
+    def _run(self, arguments, handles):
+        """Calls C; where shapes.txt allows it in pieces of a tenth of a second, between which Ctrl-C and exceptions of functions end it."""
+        if self.pieces is None:
+            with Call(handles):
+                return self.c_function(*arguments)
+        left, piece, value = arguments[self.pieces], 1, 0
+        while True:
+            begun, arguments[self.pieces] = time.monotonic(), min(left, piece)
+            with Call(handles):
+                value = self.c_function(*arguments)
+            left -= piece
+            if value != 0 or left <= 0:
+                return value
+            took = time.monotonic() - begun
+            piece = 2 * piece if took < 0.05 else max(piece // 2, 1) if took > 0.2 else piece
 
     def _bind(self, args, keywords):
         if len(args) > len(self.visible):

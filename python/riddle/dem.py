@@ -80,6 +80,16 @@ class View:
         return f"View({self._now()!r})"
 
 
+def _pose(motion, now):
+    """Where a prescribed motion puts a wall."""
+    returned = motion(now)
+    try:
+        shift, turn = returned
+        return _core.vector(3, shift, "shift"), _core.vector(3, turn, "turn")
+    except (TypeError, ValueError):
+        raise ValueError(f"prescribe: the motion must return ((x, y, z) [m], (rx, ry, rz) [rad]), finite numbers, not {returned!r}") from None
+
+
 class World(_core.Handle):
     """Particles, walls and links of one scene: dem_world. definition: dem.def_, checked by dem_init; the bad field is in the error."""
 
@@ -105,6 +115,15 @@ class World(_core.Handle):
     def _before_free(self):
         for law in self._laws.values():
             law._forget(self)
+
+    def _do(self, function, *arguments):
+        """Calls a function of C that changes the world and returns a status."""
+        try:
+            with _core.Call([self]):
+                status = function(*arguments)
+        finally:
+            self._version += 1
+        self._check(status)
 
     def _check(self, status):
         self._version += 1
@@ -157,8 +176,8 @@ class World(_core.Handle):
         diameters = np.ascontiguousarray(np.broadcast_to(_core._array(diameters, np.float64, "diameters"), (len(centres),)))
         first = self.count
         if len(centres):
-            self._check(lib.dem_add_spheres(self._alive, len(centres), ffi.cast("double *", ffi.from_buffer(np.ascontiguousarray(centres))),
-                                            ffi.cast("double *", ffi.from_buffer(diameters)), material, group))
+            self._do(lib.dem_add_spheres, self._alive, len(centres), ffi.cast("double *", ffi.from_buffer(np.ascontiguousarray(centres))),
+                     ffi.cast("double *", ffi.from_buffer(diameters)), material, group)
         return first
 
     @contextlib.contextmanager
@@ -189,7 +208,7 @@ class World(_core.Handle):
         dt = self.dt
         end = self.step + round(min(duration / dt, 2.0**62)) if duration > 0.0 and np.isfinite(duration) else None
         if end is None:
-            self._check(run(duration))
+            self._do(run, duration)
             return
         steps, stopped = 64, []
         before = None
@@ -202,7 +221,7 @@ class World(_core.Handle):
             while owed > 0.0:
                 span = min(owed, steps * dt) if owed > 1.5 * steps * dt else owed
                 begun = _time.monotonic()
-                self._check(run(span))
+                self._do(run, span)
                 owed = owed - span if span < owed else 0.0
                 if progress is not None:
                     progress(self)
@@ -219,14 +238,14 @@ class World(_core.Handle):
         self._advance(duration, lambda span: law(self, span), progress)
 
     def prescribe(self, wall, centre, motion):
-        """The wall goes where motion(time) says: ((x, y, z) [m], (rx, ry, rz) [rad]). Called in every step: slow from Python."""
+        """The wall goes where motion(time) says: ((x, y, z) [m], (rx, ry, rz) [rad]). Called here, and in every step: slow from Python.
+        An exception in it ends the run in that step and is raised; the world can be read then, but not run on."""
         def pose(_, now, out):
-            shift, turn = motion(now)
-            out.shift = tuple(float(v) for v in shift)
-            out.turn = tuple(float(v) for v in turn)
-        made = ffi.callback("dem_motion_fn", pose)
+            out.shift, out.turn = _pose(motion, now)
+        _pose(motion, self.time)
+        made = _core._callback(ffi.typeof("dem_motion_fn"), pose, "motion")
+        self._do(lib.dem_prescribe, self._alive, _core.number("int", wall, "prescribe: wall"), _core.vector(3, centre, "prescribe: centre"), made, ffi.NULL)
         self._callbacks[wall] = made
-        self._check(lib.dem_prescribe(self._alive, wall, tuple(float(v) for v in centre), made, ffi.NULL))
 
     def add_stl(self, material, source, scale=1e-3, weld=1e-6):
         """A wall from an STL file (its path or its bytes). scale [m per unit of the file]. Returns its index and the report."""
