@@ -311,6 +311,91 @@ class Worlds(unittest.TestCase):
         definition.periodic = [True, False, 1.0]
         self.assertEqual(list(definition.periodic), [1, 0, 1])
 
+    def test_shapes_are_those_of_the_comments(self):
+        world, centres = bed(0), np.arange(18.0).reshape(6, 3)
+        for wrong in (centres.T, centres.ravel(), centres[:, :2], centres[None], [0.0, 0.0], 5.0, [[0, 0, 1], [0, 0]]):
+            with self.assertRaises((ValueError, TypeError)):
+                world.add_spheres(wrong, 1e-3, 0)
+        for wrong in ([1e-3], np.full((6, 1), 1e-3), np.full(5, 1e-3)):
+            with self.assertRaises(ValueError):
+                world.add_spheres(centres, wrong, 0)
+        self.assertEqual(world.count, 0)
+        world.add_spheres((0, 0, 1), 1e-3, 0)
+        world.add_spheres([], [], 0)
+        world.add_spheres(np.asfortranarray(centres), np.full(6, 1e-3), 0)
+        np.testing.assert_array_equal(world.positions()[1:], centres)
+        mesh = dem.mesh(vertices=4, triangles=1, vertex=np.array([[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]), triangle=[[0, 1, 2]])
+        with self.assertRaises(ValueError):
+            world.add_mesh(0, mesh)
+        mesh.vertex = mesh.vertex.T
+        world.add_mesh(0, mesh)
+        definition, time = screen.def_(classes=2, diameters=[3e-3, 5e-3], shares=[0.5, 0.5]), [1.0, 2.0, 4.0, 8.0, 16.0]
+        curves = screen.predict(definition, screen.DONG, screen.published(screen.DONG), screen.operation(amplitude=1e-3, frequency=45.0), time).retained
+
+        def fit(retained):
+            cases = [screen.case(operation=screen.operation(amplitude=a, frequency=45.0), times=5, time=time, retained=retained) for a in (1e-3, 2e-3, 3e-3)]
+            screen.check_cases(definition, cases, 0.0, screen.where())
+        for right in (curves, curves.ravel(), np.asfortranarray(curves)):
+            fit(right)
+        for wrong in (curves.T, curves[None], curves[:, :4], curves.ravel()[:9]):
+            with self.assertRaises(ValueError):
+                fit(wrong)
+        with self.assertRaises(TypeError):
+            screen.fit_options(decks=definition)
+        periodic = dem.def_()
+        for wrong in ([1, 0], [[1, 0, 0]], [1]):
+            with self.assertRaises(ValueError):
+                periodic.periodic = wrong
+        periodic.periodic = True
+        self.assertEqual(list(periodic.periodic), [1, 1, 1])
+
+    def test_vectors_have_as_many_numbers_as_fields(self):
+        definition, world = dem.def_(), bed(0)
+        for wrong in ((0, -9.81), (0, 0, 0, 0), "123", b"123", ("0", "0", "1"), {1, 2, 3}, {0: 1, 1: 2, 2: 3}, 5.0, None, [[0, 0, 1]], np.zeros((3, 1)), (0, None, 1),
+                      np.ma.masked_array([0, 0, 1.0], mask=[0, 0, 1]), np.array([0, 0, 1], "m8[ns]"), (0, 0, 1j)):
+            with self.assertRaises(TypeError):
+                definition.gravity = wrong
+            with self.assertRaises(TypeError):
+                world.add_plane(0, (0, 0, 0), wrong)
+        definition.gravity = np.array([0, 1, -2], np.float32)
+        self.assertEqual(list(definition.gravity), [0.0, 1.0, -2.0])
+        with self.assertRaisesRegex(TypeError, "a dem_sizes is needed"):
+            dem.default_feed().sizes = 5e-3
+        clump = dem.make_clump([[0, 0, 0], [0.005, 0, 0]], [0.01, 0.01])
+        clump.centre = [(0, 0, 1), dem.vec(x=2.0)]
+        self.assertEqual([list(v) for v in clump.centre[:2]], [[0, 0, 1], [2, 0, 0]])
+        for wrong in ([dem.vec()] * 99, [(0, 0)], [dem.cells()], 5, "abc", [dem.vec(), "abc"]):
+            with self.assertRaises(TypeError):
+                clump.centre = wrong
+        self.assertEqual(list(clump.centre[0]), [0, 0, 1])
+
+    def test_numbers_of_fields(self):
+        definition = dem.def_()
+        for wrong in (np.float32(2.7), np.array([2.7]), np.array([2]), 2.5, "2", None, float("nan"), float("inf"), 1 << 40, 2j, np.timedelta64(2, "ns"), np.ma.masked):
+            with self.assertRaises(TypeError):
+                definition.threads = wrong
+            with self.assertRaises((TypeError, OverflowError)):
+                bed(0).add_cylinder(wrong, (0, 0, 0), (0, 0, 1), 1.0, 1)
+        for right in (2, 2.0, np.int64(2), np.float32(2), np.array(2)):
+            definition.threads = right
+            self.assertEqual(definition.threads, 2)
+        for wrong in ("0.3", None, np.array([0.3]), np.timedelta64(1, "s"), 1j):
+            with self.assertRaises(TypeError):
+                definition.dt = wrong
+
+    def test_masked_entries_and_times(self):
+        t, f, definition = np.array([0.0, 5.0, 10.0, 30.0, 60.0]), np.array([1.0, 0.9, 0.85, 0.76, 0.75]), blocking.fit_def()
+        known = blocking.fit(definition, t, f).k
+        with self.assertRaisesRegex(ValueError, "masked"):
+            blocking.fit(definition, t, np.ma.masked_array(f, mask=t == 10))
+        self.assertEqual(blocking.fit(definition, t, np.ma.masked_array(f, mask=False)).k, known)
+        for wrong in (t.astype("m8[s]"), t.astype("M8[s]"), list(t.astype("m8[s]")), [str(v) for v in t], t.astype(complex), np.array([str(v) for v in t], object)):
+            with self.assertRaises(TypeError):
+                blocking.fit(definition, wrong, f)
+        self.assertEqual(blocking.fit(definition, (1000 * t).astype("m8[ms]") / np.timedelta64(1, "s"), f).k, known)
+        for right in (np.repeat(t, 2)[::2], t.astype(">f8"), memoryview(t), t.astype(object)):
+            self.assertEqual(blocking.fit(definition, right, f).k, known)
+
     def test_ctrl_c_stops_between_steps(self):
         world = bed(200)
         threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()

@@ -68,31 +68,56 @@ def number(c_type, value, what):
         raise TypeError(f"{what}: a number is needed, not {type(value).__name__}")
     if c_type in ("double", "float"):
         return float(value)
-    if isinstance(value, float) and not value.is_integer():
+    if not isinstance(value, numbers.Integral) and (not math.isfinite(value) or value != int(value)):
         raise TypeError(f"{what}: a whole number is needed, not {value}")
     return int(value)
 
 
+def _parts(n, value, what, names=""):
+    """The n parts of a sequence; text, a set and another number of parts are refused."""
+    if isinstance(value, (str, bytes, bytearray, dict, set, frozenset)) or not hasattr(value, "__len__") or np.shape(value)[:1] != (n,):
+        raise TypeError(f"{what}: {n} numbers are needed{names}, not {value!r}")
+    return list(value)
+
+
 def vector(n, value, what):
     """n finite numbers as a tuple."""
-    if isinstance(value, (str, bytes, dict, set)) or len(value) != n:
-        raise TypeError(f"{what}: {n} numbers are needed, not {value!r}")
-    made = tuple(number("double", v, what) for v in value)
+    made = tuple(number("double", v, what) for v in _parts(n, value, what))
     if not all(map(math.isfinite, made)):
         raise ValueError(f"{what}: finite numbers are needed, not {value!r}")
     return made
 
 
 def _array(value, dtype, what):
+    if np.ma.isMaskedArray(value) and np.ma.getmaskarray(value).any():
+        raise ValueError(f"{what}: entries are masked; leave them out, as in a[~numpy.ma.getmaskarray(a)].data, and what belongs to them")
     try:
         given = np.asarray(value)
+        if given.dtype.kind in "mM":
+            raise TypeError(_TIMES)
+        if given.dtype.kind not in "biufO" or given.dtype.kind == "O" and any(isinstance(v, (str, bytes, np.datetime64, np.timedelta64)) for v in given.flat):
+            raise TypeError("text, complex numbers and records are none")
         with np.errstate(all="ignore"):
-            made = np.ascontiguousarray(given).astype(dtype, copy=False)
+            made = np.asarray(given, order="C").astype(dtype, copy=False)
     except (TypeError, ValueError, OverflowError) as error:
         raise TypeError(f"{what}: numbers are needed, not {type(value).__name__} ({error})") from None
     if made.dtype.kind in "iu" and not np.array_equal(made.ravel(), given.ravel()):
         raise ValueError(f"{what}: whole numbers from {np.iinfo(dtype).min} to {np.iinfo(dtype).max} are needed")
     return made
+
+
+def _fits(array, dims):
+    """Has an array this shape, or are its numbers given flat, row by row?"""
+    return array.shape == tuple(dims) or array.ndim == 1 and array.size == int(np.prod(dims))
+
+
+def _struct(c_type, value, what):
+    """A new structure of C from its numbers: as many as it has fields."""
+    names = [name for name, _ in c_type.fields]
+    if any(field.type.kind not in ("primitive", "enum") for _, field in c_type.fields):
+        raise TypeError(f"{what}: a {_named(c_type)} is needed, not {type(value).__name__}")
+    given = _parts(len(names), value, what, f" ({', '.join(names)})")
+    return ffi.new(ffi.getctype(c_type, "*"), tuple(number(field.type.cname, v, f"{what}.{name}") for (name, field), v in zip(c_type.fields, given)))
 
 
 class Shape:
@@ -261,25 +286,42 @@ class Structure:
                 raise TypeError(f"{what}: a {_named(c_type)} is needed, not a {value._name}")
             getattr(self, name)._become(value)
         elif c_type.kind == "struct":
-            setattr(self._c, name, tuple(value))
+            setattr(self._c, name, _struct(c_type, value, what)[0])
+            self._kept.pop(f"{name} part", None)
         elif c_type.kind == "array":
             view = getattr(self, name)
-            if isinstance(view, str):
+            if isinstance(view, str) or isinstance(view, list) and isinstance(view[0], list):
                 raise TypeError(f"{what} cannot be set")
             if isinstance(view, list):
-                for part, new in zip(view, value):
-                    part._become(new)
+                self._set_parts(view, value, what)
             else:
-                view[...] = _array(value, view.dtype, what)
+                array = _array(value, view.dtype, what)
+                if array.ndim > 0 and not _fits(array, view.shape):
+                    raise ValueError(f"{what}: shape {array.shape} given, {view.shape} needed")
+                view[...] = array.reshape(view.shape) if array.ndim > 0 else array
         elif c_type.kind in ("pointer", "function"):
             self._set_pointer(name, about, c_type, value, what)
         else:
             try:
-                setattr(self._c, name, value)
-            except (TypeError, OverflowError) as error:
+                setattr(self._c, name, number(c_type.cname, value, what))
+            except OverflowError as error:
                 raise TypeError(f"{what}: {error}") from None
 
+    def _set_parts(self, parts, value, what):
+        """The first elements of an array of structures: structures, or the numbers of each."""
+        if isinstance(value, (str, bytes, dict, set)) or not hasattr(value, "__len__") or len(value) > len(parts):
+            raise TypeError(f"{what}: a list of at most {len(parts)} {parts[0]._name} is needed" + (f", not of {len(value)}" if isinstance(value, (list, tuple, np.ndarray)) else ""))
+        made = []
+        for k, new in enumerate(value):
+            if isinstance(new, Structure) and new._name != parts[k]._name:
+                raise TypeError(f"{what}[{k}]: a {parts[k]._name} is needed, not a {new._name}")
+            made.append(new if isinstance(new, Structure) else parts[k]._of(_struct(ffi.typeof(parts[k]._c).item, new, f"{what}[{k}]")[0]))
+        for part, new in zip(parts, made):
+            part._become(new)
+
     def _set_pointer(self, name, about, c_type, value, what):
+        if _shapes.get(what, "").startswith("C only"):
+            raise TypeError(f"{what} cannot be set from Python")
         if value is None:
             setattr(self._c, name, ffi.NULL)
             self._kept.pop(name, None)
@@ -313,10 +355,9 @@ class Structure:
             names.update(scope or {})
             dims = shape.of(names, f"{self._name}.{name}")
             array = self._kept.get(name)
-            size = int(np.prod(dims))
-            if array is None and (getattr(self._c, name) == ffi.NULL) and (shape.optional or size == 0):
+            if array is None and (getattr(self._c, name) == ffi.NULL) and (shape.optional or 0 in dims):
                 continue
-            if array is None or array.size != size:
+            if array is None or not _fits(array, dims):
                 raise ValueError(f"{self._name}.{name}: {'not set' if array is None else array.shape}, but {dims} is needed")
         for name, field in ffi.typeof(self._c).item.fields:
             if field.type.kind == "struct" and _named(field.type) in _classes and _points(field.type):
@@ -661,11 +702,7 @@ class Parameter:
                 if value._name != self.type:
                     raise TypeError(f"{self.function.name}: {self.name}: a {self.type} is needed, not a {value._name}")
                 return value._c[0]
-            try:
-                made = ffi.new(f"{self.type} *", tuple(float(v) for v in value))
-            except (TypeError, ValueError, IndexError) as error:
-                raise TypeError(f"{self.function.name}: {self.name}: a {self.type} is needed ({error})") from None
-            return made[0]
+            return _struct(ffi.typeof(self.type), value, f"{self.function.name}: {self.name}")[0]
         if self.callback or "_fn" in c_type or c_type.endswith(("_function", "_kernel")):
             return ffi.NULL if value is None else _callback(ffi.typeof(c_type), value, self.name)
         return number(self.type, value, f"{self.function.name}: {self.name}")
@@ -696,7 +733,7 @@ class Parameter:
         if self.dtype is None:
             raise TypeError(f"{what} cannot be given from Python")
         if self.shape is not None and self.shape.inout:
-            if not (isinstance(value, np.ndarray) and value.dtype == self.dtype and value.flags.c_contiguous and value.flags.writeable):
+            if not (isinstance(value, np.ndarray) and not np.ma.isMaskedArray(value) and value.dtype == self.dtype and value.flags.c_contiguous and value.flags.writeable):
                 raise TypeError(f"{what}: a writable, contiguous numpy array of {np.dtype(self.dtype)} is needed; it is changed")
             array = value
         else:
@@ -713,7 +750,7 @@ class Parameter:
                 raise ValueError(f"{what}: {len(kept)} given, {self.shape.of(names, what)[0]} needed")
         elif self.shape is not None and self.shape.dims:
             dims = self.shape.of(names, what)
-            if kept.shape != dims and not (kept.size == int(np.prod(dims)) and kept.ndim == 1):
+            if not _fits(kept, dims):
                 raise ValueError(f"{what}: shape {kept.shape} given, {dims} needed")
 
     def make(self, names, keep):

@@ -171,9 +171,15 @@ class World(_core.Handle):
     # ---- changing ----
 
     def add_spheres(self, centres, diameters, material, group=0):
-        """Adds spheres at rest. centres: [n][3] [m]; diameters: [n] [m] or one number. Returns the index of the first."""
-        centres = _core._array(centres, np.float64, "centres").reshape(-1, 3) if np.size(centres) else np.empty((0, 3))
-        diameters = np.ascontiguousarray(np.broadcast_to(_core._array(diameters, np.float64, "diameters"), (len(centres),)))
+        """Adds spheres at rest. centres: [n][3] [m], or [3] for one; diameters: [n] [m] or one number. Returns the index of the first."""
+        centres, diameters = _core._array(centres, np.float64, "centres"), _core._array(diameters, np.float64, "diameters")
+        centres = centres.reshape(1, 3) if centres.shape == (3,) else centres if centres.size else np.empty((0, 3))
+        if centres.ndim != 2 or centres.shape[1] != 3:
+            raise ValueError(f"add_spheres: centres: shape {centres.shape} given, (n, 3) needed" + ("; transpose it" if centres.shape[:1] == (3,) else ""))
+        if diameters.shape not in ((), (len(centres),)):
+            raise ValueError(f"add_spheres: diameters: shape {diameters.shape} given, ({len(centres)},) or one number needed")
+        diameters = np.ascontiguousarray(np.broadcast_to(diameters, (len(centres),)))
+        material, group = _core.number("int", material, "add_spheres: material"), _core.number("int", group, "add_spheres: group")
         first = self.count
         if len(centres):
             self._do(lib.dem_add_spheres, self._alive, len(centres), ffi.cast("double *", ffi.from_buffer(np.ascontiguousarray(centres))),
