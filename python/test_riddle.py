@@ -18,6 +18,7 @@ import tempfile
 import threading
 import time
 import unittest
+import warnings
 
 here = os.path.dirname(os.path.abspath(__file__))
 root = os.path.dirname(here)
@@ -260,6 +261,105 @@ class Worlds(unittest.TestCase):
         with self.assertRaises((ValueError, TypeError)):
             fresh[0] = 7
 
+    def test_views_serve_as_arrays(self):
+        world = bed(20)
+        world.remove_region(dem.box_region((0, 0, 0), (0.025, 0.05, 0.1)))
+        present = world.present()
+        self.assertEqual(present.dtype, np.bool_)
+        here_now = present.sum()
+        self.assertTrue(0 < here_now < 20)
+        np.testing.assert_array_equal(world.positions()[present], world.positions()[np.flatnonzero(present)])
+        self.assertEqual(world.positions()[present & (world.groups() == 0)].shape, (here_now, 3))
+        self.assertEqual(world.positions()[(world.positions()[:, 0] > -1.0) & present].shape, (here_now, 3))
+        self.assertEqual((~present).sum(), 20 - here_now)
+        self.assertEqual(len(world.ids()[present]), here_now)
+        self.assertEqual(np.bincount(world.groups()[present])[0], here_now)
+        self.assertEqual((world.ids() > 4).sum(), 15)
+        self.assertEqual((world.ids() + world.ids()).max(), 38)
+        ids = world.ids()
+        for change in (lambda: ids.sort(), lambda: ids.__iadd__(1), lambda: np.add(ids, 1, out=ids), lambda: ids.fill(0)):
+            with self.assertRaises((ValueError, TypeError)):
+                change()
+        world.run(1e-4, LAW)
+        for use in (lambda: present.sum(), lambda: present & present, lambda: world.positions()[present], lambda: ids > 3, lambda: ids.dtype):
+            with self.assertRaises((RuntimeError, IndexError)):
+                use()
+
+    def test_errors_travel(self):
+        definition = dem.default_def()
+        for density in (2500.0, 7800.0):
+            dem.add_material(definition, density, 1e7, 0.3)
+        world = dem.World(definition)
+        world.add_plane(1, (0, 0, 0), (0, 0, 1))
+        world.add_spheres([[0, 0, 0.004]], 0.01, 0)
+        with self.assertRaises(riddle.Error) as caught:
+            world.run(0.1, dem.LINEAR)
+        error = caught.exception
+        for twin in (pickle.loads(pickle.dumps(error)), copy.copy(error), copy.deepcopy(error)):
+            self.assertEqual((str(twin), twin.status, twin.name, twin.text, twin.field, twin.materials, twin.particle),
+                             (str(error), error.status, "DEM_PAIR_NOT_SET", error.text, error.field, (0, 1), 0))
+        with self.assertRaises(riddle.Error) as caught:
+            dem.World(dem.def_(dt=-1.0))
+        self.assertEqual((caught.exception.materials, caught.exception.particle), (None, None))
+
+    def test_copies(self):
+        class Named(dem.World):
+            def __init__(self, definition, name):
+                super().__init__(definition)
+                self.name = name
+
+        globals()["Named"] = Named
+        Named.__qualname__ = "Named"
+        definition = dem.def_(dt=1e-5)
+        dem.add_material(definition, 2500.0, 5e10, 0.2)
+        world = Named(definition, ["mine"])
+        world.add_spheres([[0, 0, 1]], 1e-3, 0)
+        for twin in (copy.copy(world), copy.deepcopy(world), pickle.loads(pickle.dumps(world))):
+            self.assertIs(type(twin), Named)
+            self.assertEqual((twin.name, twin.hash()), (["mine"], world.hash()))
+            twin.run(1e-3, LAW)
+        self.assertEqual(world.step, 0)
+        sim = granulation.sim_init(granulation.def_(seed=1))
+        for use in (copy.copy, copy.deepcopy, pickle.dumps):
+            with self.assertRaisesRegex(TypeError, "cannot be copied"):
+                use(sim)
+
+    def test_what_has_no_definition(self):
+        for wrong in ((), (None,), (5,), (granulation.def_(),)):
+            with self.assertRaisesRegex(TypeError, "a dem.def_ is needed"):
+                dem.World(*wrong)
+        with self.assertRaisesRegex(ValueError, "freed"):
+            dem.World.__new__(dem.World).run(0.1, LAW)
+        with self.assertRaisesRegex(TypeError, "granulation.sim_init"):
+            granulation.sim()
+        with self.assertRaisesRegex(TypeError, "classifier.init"):
+            classifier.model()
+
+    def test_materials(self):
+        definition = dem.def_()
+        self.assertEqual([dem.add_material(definition, 2500.0, 5e10, 0.2) for _ in range(8)], list(range(8)))
+        with self.assertRaises(riddle.Error) as caught:
+            dem.add_material(definition, 2500.0, 5e10, 0.2)
+        self.assertEqual(caught.exception.name, "DEM_TOO_MANY")
+        definition = dem.def_()
+        dem.add_material(definition, 2500.0, 5e10, 0.2)
+        for wrong in ((0, 5), (-1, 0), (0, 1), (1, 0)):
+            with self.assertRaises(IndexError):
+                dem.pair(definition, *wrong)
+        with self.assertRaises(TypeError):
+            dem.pair(definition, "0", 0)
+
+    def test_a_fill_that_places_nothing(self):
+        world, feed = bed(0), dem.default_feed()
+        feed.sizes = dem.one_size(5.0)
+        with self.assertWarnsRegex(UserWarning, "none of 5"):
+            world.fill(feed, 5)
+        feed.sizes = dem.one_size(5e-3)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            world.fill(feed, 5)
+        self.assertGreater(world.count, 0)
+
     def test_pickles_go_on_with_the_same_bits(self):
         world = bed()
         world.run(0.02, LAW)
@@ -422,6 +522,15 @@ class Worlds(unittest.TestCase):
         for count in (10**9, 1e9, 2 * 10**8):
             with self.assertRaisesRegex((MemoryError, riddle.Error), "GB|too many|counts"):
                 world.fill(feed, count)
+        for given in ((np.int64(10**9),), (np.float32(1e9),), (np.array(10**9),)):
+            with self.assertRaises(MemoryError):
+                world.fill(feed, *given)
+        with self.assertRaises(MemoryError):
+            world.fill(feed, count=10**9)
+        with self.assertRaises(MemoryError):
+            world.fill(count=10**9, feed=feed)
+        with self.assertRaises(TypeError):
+            world.fill(feed, 10, count=10)
         feed.sizes = dem.lognormal_sizes(1e-6, 0.5, 1e-7, 1e-5, 1)
         with self.assertRaisesRegex(MemoryError, "fill_mass: .* GB are free"):
             world.fill_mass(feed, 1e-2)

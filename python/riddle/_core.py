@@ -37,11 +37,17 @@ _shapes = api["shapes"]
 
 
 class Error(RuntimeError):
-    """A status other than ok. status: its number; name: DEM_BAD_ARGUMENT ...; field: what was wrong, where that is known."""
+    """A status other than ok. status: its number; name: DEM_BAD_ARGUMENT ...; text: its meaning; field: what was wrong; particle: its id;
+    materials: two of them; None where that is not known."""
+
+    particle = materials = None
 
     def __init__(self, status, name, text, field=None):
         super().__init__(f"{text} ({name})" + (f": {field}" if field else ""))
-        self.status, self.name, self.field = status, name, field
+        self.status, self.name, self.text, self.field = status, name, text, field
+
+    def __reduce__(self):
+        return type(self), (self.status, self.name, self.text, self.field), dict(self.__dict__)
 
 
 def _base(c_type):
@@ -491,12 +497,34 @@ class Handle:
 
     _name = None
     _free = None
+    _c = None
 
     def __init__(self):
-        size = getattr(lib, f"size_of_{self._name}")()
-        self._memory = ffi.new("char[]", size)
+        lower = _types_of[self._name][0]
+        makers = [name[len(lower) + 1:] for name, about in api["headers"][lower]["functions"].items()
+                  if name.endswith("_init") and _base(about["parameters"][0]["type"]) == self._name]
+        raise TypeError(f"a {self._name} is made by {lower}.{' or '.join(makers)}")
+
+    @classmethod
+    def _new(cls):
+        """One that C will fill."""
+        made = cls.__new__(cls)
+        made._begin()
+        return made
+
+    def _begin(self):
+        self._memory = ffi.new("char[]", getattr(lib, f"size_of_{self._name}")())
         self._c = ffi.cast(f"{self._name} *", self._memory)
         self._keep, self._users = {}, []
+
+    def __copy__(self):
+        raise TypeError(f"a {self._name} cannot be copied or pickled: make another one in the same way")
+
+    def __deepcopy__(self, memo):
+        return self.__copy__()
+
+    def __reduce__(self):
+        return self.__copy__()
 
     def _hold(self, values):
         """Keeps, until it is freed, what C may point to: what these values refer to now."""
@@ -509,7 +537,7 @@ class Handle:
         return self._c
 
     def free(self):
-        if self._users:
+        if self._c is not None and self._users:
             raise RuntimeError(f"this {self._name} cannot be freed while it runs")
         if self._c is not None and self._free:
             self._before_free()
@@ -521,7 +549,7 @@ class Handle:
         pass
 
     def __del__(self):
-        if getattr(self, "_c", None) is not None:
+        if self._c is not None:
             self.free()
 
 
@@ -535,7 +563,8 @@ class Function:
         self.constants = _constants[lower]
         self.parameters = [Parameter(self, p) for p in about["parameters"]]
         self.returns = _base(about["returns"])
-        self.index = _shapes.get(name) == "index"
+        role = re.fullmatch(r"index(?: or (\w+))?", _shapes.get(name, ""))
+        self.index, self.refusal = bool(role), role and role[1] and self.constants[role[1]]
         self.status = self.returns == f"{lower}_status" and not name.endswith("_text")
         inferred = self._inferred()
         self.visible = [p for p in self.parameters if not p.hidden and not p.made and p.name not in inferred]
@@ -635,7 +664,7 @@ class Function:
 
     def _answer(self, value, answers, field, given):
         if self.status and value != 0 or self.index and value < 0:
-            status = int(value) if self.status else -int(value)
+            status = int(value) if self.status else self.refusal or -int(value)
             raise status_error(self.lower, status, None if field is None or field[0] == ffi.NULL else ffi.string(field[0]).decode())
         made = [(name, answer() if callable(answer) else answer) for name, answer in answers]
         if not self.status and self.about["returns"] != "void":
@@ -757,7 +786,7 @@ class Parameter:
         """Room for an answer: C's pointer, and how to make Python's value of it."""
         what = f"{self.function.name}: {self.name}"
         if self.opaque:
-            handle = _classes[self.type]()
+            handle = _classes[self.type]._new()
             handle._hold(value for _, value in keep)  # C may point to them
             return handle._c, handle
         if self.structure:

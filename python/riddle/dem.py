@@ -16,11 +16,14 @@ Functions that take a world are methods of World. Ctrl-C stops a run between ste
 usable. A world can be pickled.
 """
 import contextlib
+import copy
+import numbers
 import os
 import signal
 import sys
 import threading
 import time as _time
+import warnings
 
 import numpy as np
 
@@ -50,8 +53,9 @@ def _need_memory(what, spheres):
         raise MemoryError(f"{what}: {spheres:.3g} particles take about {1e-9 * spheres * BYTES_OF_A_SPHERE:.3g} GB of memory, of which {1e-9 * free:.3g} GB are free")
 
 
-class View:
-    """What a world stores, as it is read: a sequence of integers that raises once the world has changed. Copy it with numpy.array()."""
+class View(np.lib.mixins.NDArrayOperatorsMixin):
+    """What a world stores, as it is read: it serves as a read-only array of numpy, and raises once the world has changed. Copy it with
+    numpy.array()."""
 
     def __init__(self, world, values):
         self._world, self._values, self._version = world, values, world._version
@@ -64,17 +68,24 @@ class View:
     def __array__(self, dtype=None, copy=None):
         return np.array(self._now(), dtype=dtype)
 
+    def __array_ufunc__(self, ufunc, method, *inputs, **keywords):
+        if any(isinstance(out, View) for out in keywords.get("out", ())):
+            raise TypeError("what a world stores cannot be changed through a view")
+        return getattr(ufunc, method)(*[value._now() if isinstance(value, View) else value for value in inputs], **keywords)
+
+    def __getattr__(self, name):
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return getattr(self._now(), name)
+
     def __len__(self):
         return len(self._now())
 
     def __getitem__(self, index):
-        return self._now()[index]
+        return self._now()[index._now() if isinstance(index, View) else index]
 
     def __iter__(self):
         return iter(self._now())
-
-    def __eq__(self, other):
-        return self._now() == np.asarray(other)
 
     def __repr__(self):
         return f"View({self._now()!r})"
@@ -95,22 +106,22 @@ class World(_core.Handle):
 
     _name = "dem_world"
     _free = "dem_free"
+    _OWN = ("_memory", "_c", "_keep", "_users", "_version", "_callbacks", "_laws")  # what a subclass adds is kept in copies
 
     def __init__(self, definition=None):
-        super().__init__()
-        self._version = 0
-        self._callbacks, self._laws = {}, {}
-        if definition is None:
-            return
         if not isinstance(definition, Structure) or definition._name != "dem_def":
-            self._c = None
-            raise TypeError("World: a dem.def_ is needed")
+            raise TypeError(f"World: a dem.def_ is needed, not {type(definition).__name__}")
+        self._begin()
         self._hold([definition])  # its functions
         field = ffi.new("const char **")
         status = lib.dem_init(self._c, definition._c, field)
         if status != 0:
             self._c = None
             raise _core.status_error("dem", status, ffi.string(field[0]).decode() if field[0] != ffi.NULL else None)
+
+    def _begin(self):
+        super()._begin()
+        self._version, self._callbacks, self._laws = 0, {}, {}
 
     def _before_free(self):
         for law in self._laws.values():
@@ -165,6 +176,8 @@ class World(_core.Handle):
         values = np.empty(self.count, dtype=np.int64)
         if values.size:
             lib.riddle_records(self._alive, _RECORDS[name], ffi.cast("int64_t *", ffi.from_buffer(values)))
+        if name == "present":
+            values = values != 0
         values.flags.writeable = False
         return View(self, values)
 
@@ -292,15 +305,28 @@ class World(_core.Handle):
     @classmethod
     def load(cls, data):
         """A world from save(). Prescribed motions (Python functions) must be set again."""
-        world = cls()
+        world = cls._new()
         status = lib.dem_load(world._c, bytes(data), len(data), ffi.NULL)
         if status != 0:
             world._c = None
             raise _core.status_error("dem", status)
         return world
 
+    def _more(self):
+        return {name: value for name, value in self.__dict__.items() if name not in self._OWN}
+
     def __reduce__(self):
-        return (World.load, (self.save(),))
+        return type(self).load, (self.save(),), self._more() or None
+
+    def __copy__(self):
+        made = type(self).load(self.save())
+        made.__dict__.update(self._more())
+        return made
+
+    def __deepcopy__(self, memo):
+        made = type(self).load(self.save())
+        made.__dict__.update(copy.deepcopy(self._more(), memo))
+        return made
 
 
 for _name in _STATES:
@@ -323,9 +349,10 @@ def pair(definition, a, b):
     """The parameters of a pair of materials in a definition, to be edited."""
     if not isinstance(definition, Structure) or definition._name != "dem_def":
         raise TypeError("pair: a dem.def_ is needed")
-    found = lib.dem_pair(definition._c, a, b)
+    a, b = _core.number("int", a, "pair: a"), _core.number("int", b, "pair: b")
+    found = lib.dem_pair(definition._c, a, b) if 0 <= min(a, b) <= max(a, b) < definition.materials else ffi.NULL
     if found == ffi.NULL:
-        raise IndexError(f"pair: no materials {a}, {b}")
+        raise IndexError(f"pair: no materials {a}, {b}: the definition has {definition.materials}")
     return _core._classes["dem_pair_def"]._of(found, definition)
 
 
@@ -411,12 +438,19 @@ def _number_of(world, feed, mass):
 def _placing(method, name):
     """A method that looks for places: told at once where memory does not suffice, and stopped by Ctrl-C."""
     def call(self, *args, **keywords):
-        feed, amount = (list(args) + [keywords.get("feed"), keywords.get("count", keywords.get("mass"))])[:2]
-        if name.startswith("dem_fill") and isinstance(feed, Structure) and feed._name == "dem_feed" and isinstance(amount, (int, float)):
+        given = dict(zip(("feed", "count" if name == "dem_fill" else "mass"), args), **keywords)
+        feed, amount = given.get("feed"), given.get("count", given.get("mass"))
+        fills = name.startswith("dem_fill") and isinstance(feed, Structure) and feed._name == "dem_feed" and isinstance(amount, (numbers.Real, np.ndarray))
+        if fills:
+            amount = _core.number("double", amount, f"{method.__name__}: {'count' if name == 'dem_fill' else 'mass'}")
             number = amount if name == "dem_fill" else _number_of(self, feed, amount)
             _need_memory(method.__name__, number * (1 if feed.clump is None else feed.clump.spheres))
+            before = feed.placed, feed.missed
         with self._stoppable():
-            return method(self, *args, **keywords)
+            answer = method(self, *args, **keywords)
+        if fills and feed.placed == before[0] and feed.missed > before[1]:
+            warnings.warn(f"{method.__name__}: none of {feed.missed - before[1]} bodies found a place in the region: are all lengths in metres?", stacklevel=2)
+        return answer
 
     call.__name__, call.__doc__, call.c_name = method.__name__, method.__doc__ + "\n\nCtrl-C ends it; nothing has changed then.", method.c_name
     return call
