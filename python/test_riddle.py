@@ -217,6 +217,9 @@ class Values(unittest.TestCase):
         image = filtration.image(n=[8, 8, 8], edge=1e-6, solid=voxels, reach=4)
         self.assertGreater(filtration.image_distance(image, (4.5e-6, 4.5e-6, 6e-6)), 0.5e-6)
         self.assertLess(filtration.image_distance(image, (4.5e-6, 4.5e-6, 2e-6)), -0.5e-6)
+        for use in (lambda image: filtration.image_distance(image, (0, 0, 0)), filtration.image_solid):
+            with self.assertRaises(riddle.Error):  # C would divide by 0
+                use(filtration.image(n=[0, 0, 0], edge=1e-6, reach=4))
         definition = filtration.fluid_def(nodes=[16, 16, 16], voxel=5e-6, solid=filtration.bed_solid(bed_of_one))
         fluid = filtration.fluid_init(definition)
         filtration.fluid_set_body_force(fluid, [0.0, 0.0, 1e3])

@@ -120,7 +120,7 @@ dem_status law_run(dem_world *world, double duration) {
     }
     const wet_books *books = all_books;
     while (books && !(books->world == world && world->user == &books->scene)) books = books->next;
-    if (!books) return DEM_LAW_MISMATCH;                    /* another law's world */
+    if (!books) return DEM_LAW_MISMATCH;                     /* another law's world */
     if (ids_of(world) > books->ids) return DEM_BAD_ARGUMENT; /* particles that came later have no films */
     const dem_status status = wet_run(world, duration, 0);
     int count = 0;

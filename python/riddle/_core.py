@@ -135,6 +135,7 @@ class Shape:
         rest = text.replace("inout", "", 1).replace("optional", "", 1).strip()
         self.scalar = rest == "scalar"
         self.any = rest == "any"
+        self.checked = rest[len("checked by "):] if rest.startswith("checked by ") else None
         self.dims = None
         self.bare = []
         if rest.startswith("["):
@@ -777,6 +778,10 @@ class Parameter:
                 item._check_arrays(names, f"{self.function.name}.{self.c_name}")
             if isinstance(kept, list) and self.shape.of(names, what) != (len(kept),):
                 raise ValueError(f"{what}: {len(kept)} given, {self.shape.of(names, what)[0]} needed")
+            if self.shape is not None and self.shape.checked:
+                status = getattr(lib, self.shape.checked)(kept._c)
+                if status != 0:
+                    raise status_error(self.function.lower, status, self.name)
         elif self.shape is not None and self.shape.dims:
             dims = self.shape.of(names, what)
             if not _fits(kept, dims):
