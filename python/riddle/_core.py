@@ -55,6 +55,16 @@ def _base(c_type):
     return re.sub(r"\bconst\b|\bstruct\b|\*|\[.*", "", c_type).strip()
 
 
+_fields = {}
+
+
+def _fields_of(c_type):
+    """The fields of a structure of C by name."""
+    if c_type not in _fields:
+        _fields[c_type] = dict(c_type.fields or ())
+    return _fields[c_type]
+
+
 def _named(c_type):
     return c_type.cname[7:] if c_type.cname.startswith("struct ") else c_type.cname
 
@@ -64,6 +74,8 @@ _TIMES = "times need a unit: divide by it, as in t / numpy.timedelta64(1, 's')"
 
 def number(c_type, value, what):
     """A number for C, of a type that is no array and no text; whole where C's type is."""
+    if type(value) is float and c_type == "double" or type(value) is int and c_type not in ("double", "float"):  # most often
+        return value
     if isinstance(value, np.ndarray) and value.ndim == 0 and not np.ma.isMaskedArray(value):
         value = value[()]
     if isinstance(value, np.generic):
@@ -81,14 +93,25 @@ def number(c_type, value, what):
 
 def _parts(n, value, what, names=""):
     """The n parts of a sequence; text, a set and another number of parts are refused."""
-    if isinstance(value, (str, bytes, bytearray, dict, set, frozenset)) or not hasattr(value, "__len__") or np.shape(value)[:1] != (n,):
+    if type(value) not in (tuple, list):
+        wrong = isinstance(value, (str, bytes, bytearray, dict, set, frozenset)) or not hasattr(value, "__len__") or np.ndim(value) == 0
+        given = value.tolist() if type(value) is np.ndarray and value.dtype.kind in "iuf" else value
+    else:
+        wrong, given = False, value
+    if wrong or len(given) != n:
         raise TypeError(f"{what}: {n} numbers are needed{names}, not {value!r}")
-    return list(value)
+    return given
+
+
+_PLAIN = frozenset((int, float))
 
 
 def vector(n, value, what):
     """n finite numbers as a tuple."""
-    made = tuple(number("double", v, what) for v in _parts(n, value, what))
+    if type(value) is tuple and len(value) == n and _PLAIN.issuperset(map(type, value)):
+        made = value
+    else:
+        made = tuple([number("double", v, what) for v in _parts(n, value, what)])
     if not all(map(math.isfinite, made)):
         raise ValueError(f"{what}: finite numbers are needed, not {value!r}")
     return made
@@ -119,11 +142,11 @@ def _fits(array, dims):
 
 def _struct(c_type, value, what):
     """A new structure of C from its numbers: as many as it has fields."""
-    names = [name for name, _ in c_type.fields]
-    if any(field.type.kind not in ("primitive", "enum") for _, field in c_type.fields):
+    fields = _fields_of(c_type)
+    if any(field.type.kind not in ("primitive", "enum") for field in fields.values()):
         raise TypeError(f"{what}: a {_named(c_type)} is needed, not {type(value).__name__}")
-    given = _parts(len(names), value, what, f" ({', '.join(names)})")
-    return ffi.new(ffi.getctype(c_type, "*"), tuple(number(field.type.cname, v, f"{what}.{name}") for (name, field), v in zip(c_type.fields, given)))
+    given = _parts(len(fields), value, what, f" ({', '.join(fields)})")
+    return ffi.new(ffi.getctype(c_type, "*"), tuple([number(field.type.cname, v, f"{what}.{name}") for (name, field), v in zip(fields.items(), given)]))
 
 
 class Shape:
@@ -203,7 +226,7 @@ def _points(c_type):
     if c_type.kind != "struct":
         return c_type.kind in ("pointer", "function")
     if c_type.cname not in _pointing:
-        _pointing[c_type.cname] = any(_points(field.type) for _, field in c_type.fields or ())
+        _pointing[c_type.cname] = any(_points(field.type) for field in _fields_of(c_type).values())
     return _pointing[c_type.cname]
 
 
@@ -255,8 +278,7 @@ class Structure:
             raise AttributeError(f"{self._name} has no field {name}; it has {', '.join(self._fields())}")
         if name in self._kept:
             return self._kept[name]
-        kind = ffi.typeof(self._c).item.fields
-        c_type = dict(kind)[name].type
+        c_type = _fields_of(ffi.typeof(self._c).item)[name].type
         value = getattr(self._c, name)
         if c_type.kind == "struct":
             part = ffi.addressof(self._c[0], name)
@@ -286,7 +308,7 @@ class Structure:
         about = _types_of[self._name][1]["fields"].get(name)
         if about is None or "__" in name:
             raise AttributeError(f"{self._name} has no field {name}; it has {', '.join(self._fields())}")
-        c_type = dict(ffi.typeof(self._c).item.fields)[name].type
+        c_type = _fields_of(ffi.typeof(self._c).item)[name].type
         what = f"{self._name}.{name}"
         if isinstance(value, Structure) and c_type.kind == "struct":
             if _named(c_type) != value._name:
@@ -366,7 +388,7 @@ class Structure:
                 continue
             if array is None or not _fits(array, dims):
                 raise ValueError(f"{self._name}.{name}: {'not set' if array is None else array.shape}, but {dims} is needed")
-        for name, field in ffi.typeof(self._c).item.fields:
+        for name, field in _fields_of(ffi.typeof(self._c).item).items():
             if field.type.kind == "struct" and _named(field.type) in _classes and _points(field.type):
                 getattr(self, name)._check_arrays(above=above)
         for kept in (*self._kept.values(), *self._kept.get("arguments", ())):
@@ -412,7 +434,10 @@ class Call:
         self.error, self.handles = None, handles
 
     def __enter__(self):
-        _thread.__dict__.setdefault("calls", []).append(self)
+        try:
+            _thread.calls.append(self)
+        except AttributeError:
+            _thread.calls = [self]
         _open.append(self)
         for handle in self.handles:
             handle._users.append(self)
@@ -570,6 +595,8 @@ class Function:
         inferred = self._inferred()
         self.visible = [p for p in self.parameters if not p.hidden and not p.made and p.name not in inferred]
         self.inferred = inferred
+        self.guarded = any(p.changes or p.callback or "_fn" in p.about["type"] or p.structure and _points(ffi.typeof(p.type)) for p in self.parameters)
+        self.defined = any(p.c_name == "def" and p.pointer for p in self.parameters)
         steps, _, pieces = _shapes.get(name, "").partition(" ")
         self.pieces = [p.name for p in self.parameters].index(steps) if pieces == "in pieces" else None
 
@@ -623,14 +650,15 @@ class Function:
             else:
                 arguments.append(p.number(names[p.name]))
         value = self._run(arguments, [value for _, value in keep if isinstance(value, Handle)])
-        for p in self.parameters:
-            if p.c_name == "def" and p.pointer:  # a simulation copies its definition
-                for handle in [value for _, value in keep if isinstance(value, Handle)]:
-                    handle._hold([keep_of(keep, p.name)])
+        if self.defined:  # a simulation copies its definition
+            for handle in [value for _, value in keep if isinstance(value, Handle)]:
+                handle._hold([keep_of(keep, "definition")])
         return self._answer(value, answers, field, [value for _, value in keep])
 
     def _run(self, arguments, handles):
         """Calls C; where shapes.txt allows it in pieces of a tenth of a second, between which Ctrl-C and exceptions of functions end it."""
+        if not self.guarded:
+            return self.c_function(*arguments)
         if self.pieces is None:
             with Call(handles):
                 return self.c_function(*arguments)
@@ -672,7 +700,7 @@ class Function:
             made.insert(0, ("value", self._value(value)))
         for _, answer in made:  # C may have put pointers to its arguments into them
             for structure in answer if isinstance(answer, list) else [answer]:
-                if isinstance(structure, Structure) and _points(ffi.typeof(structure._c).item):
+                if isinstance(structure, Structure) and given and _points(ffi.typeof(structure._c).item):
                     structure._kept["arguments"] = held(given)
         if len(made) <= 1:
             return made[0][1] if made else None
@@ -714,6 +742,7 @@ class Parameter:
         self.shape = _shape(f"{function.name}.{self.c_name}", function.constants)
         self.opaque = base in _types_of and _types_of[base][1]["opaque"]
         self.structure = base in _types_of and not self.opaque
+        self.changes = self.opaque and "const" not in about["type"]
         self.field = about["deep"] and base == "char"  # names what is wrong: field, reason
         self.void = self.pointer and base == "void"
         self.hidden = self.field or self.void or base.endswith(("_memory", "_allocator"))
