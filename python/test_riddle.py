@@ -696,6 +696,7 @@ class Kept(unittest.TestCase):
         taken = [dem.def_() for _ in range(50)], self.fresh()
         self.assertEqual(list(periodic), [1, 0, 1])
         self.assertEqual(pair.restitution, 0.8)
+        self.assertLess(len(repr(dem.def_())), 3000)
         del taken
 
     def test_a_definition_that_changes(self):

@@ -262,7 +262,7 @@ class Structure:
             c[0] = value
         object.__setattr__(made, "_c", c)
         object.__setattr__(made, "_parent", parent)
-        object.__setattr__(made, "_kept", {} if part is None else parent._kept.setdefault(part, {}))
+        object.__setattr__(made, "_kept", {} if part is None or not _points(ffi.typeof(c).item) else parent._kept.setdefault(part, {}))
         return made
 
     def _become(self, other):
@@ -399,7 +399,9 @@ class Structure:
         return self._fields()
 
     def __repr__(self):
-        return f"{self._name}({', '.join(f'{n}={getattr(self, n)!r}' for n in self._fields())})"
+        def text(value):
+            return "[...]" if isinstance(value, list) and isinstance(value[0], list) else repr(value)
+        return f"{self._name}({', '.join(f'{n}={text(getattr(self, n))}' for n in self._fields())})"
 
     def __iter__(self):
         return iter([getattr(self, n) for n in self._fields()])
@@ -500,7 +502,11 @@ def _callback(c_type, value, what):
 def _all_tasks(value, what):
     """A function that runs tasks: those that it has not run when it fails, or forgets, are run here, for C goes on."""
     def called(user, tasks, task, context):
-        done = set()
+        done, call = set(), _call_now()
+        if call is not None and call.error is not None:
+            for k in range(tasks):
+                task(context, k)
+            return
 
         def once(context, index):
             task(context, index)
