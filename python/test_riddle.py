@@ -1,7 +1,12 @@
 #!/usr/bin/env python3
 """Tests of the Python binding: python/test_riddle.py [--seconds N]. Prints "N passed, N failed"."""
+import contextlib
+import copy
+import gc
+import io
 import json
 import os
+import pathlib
 import pickle
 import random
 import re
@@ -13,6 +18,7 @@ import tempfile
 import threading
 import time
 import unittest
+import warnings
 
 here = os.path.dirname(os.path.abspath(__file__))
 root = os.path.dirname(here)
@@ -20,7 +26,7 @@ sys.path.insert(0, here)
 import numpy as np
 
 import riddle
-from riddle import _core, blocking, bridge, classifier, dem, granulation, screen
+from riddle import _core, blocking, bridge, classifier, dem, filtration, granulation, screen
 
 SECONDS = float(sys.argv[sys.argv.index("--seconds") + 1]) if "--seconds" in sys.argv else 5.0
 LAW = dem.LINEAR | dem.FRICTION
@@ -58,6 +64,19 @@ class Complete(unittest.TestCase):
                     self.assertIn(name, module.functions)
                 else:
                     self.assertRegex(_core.api["shapes"][name], r"^C only \(.+\)$", name)
+
+    def test_every_function_can_be_called(self):
+        """Whatever a function takes or makes is something that the binding can give to C."""
+        never = []
+        for lower, header in _core.api["headers"].items():
+            for name, about in header["functions"].items():
+                if not _core.in_python(name) or _core._is_hook(about):
+                    continue
+                for p in _core.Function(lower, name, about).parameters:
+                    known = p.hidden or p.opaque or p.structure or p.dtype is not None and (not p.made or p.shape is not None)
+                    if p.pointer and not p.callback and not known:
+                        never.append(f"{name}: {p.name}")
+        self.assertEqual(never, [])
 
     def test_the_description_is_that_of_the_headers(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -147,6 +166,74 @@ class Values(unittest.TestCase):
         self.assertGreater(granulation.sim_mean(sim, 4, 3), 0.0)
 
 
+    def test_polyhedra(self):
+        brick = dem.make_brick((0.01, 0.02, 0.03), 0.03)
+        self.assertAlmostEqual(brick.volume, 6e-6, 15)
+        corners = [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.0, 0.01]]
+        self.assertAlmostEqual(dem.make_convex(corners, 0.03).volume, 1e-6 / 6.0, 15)
+        faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+        self.assertAlmostEqual(dem.make_convex_mesh(dem.mesh(vertices=4, triangles=4, vertex=corners, triangle=faces), 0.03).volume, 1e-6 / 6.0, 15)
+        with self.assertRaises(riddle.Error) as raised:
+            dem.make_convex([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]], 0.03)
+        self.assertIn("plane", raised.exception.field)
+        world = bed(0)
+        world.add_convex(world.add_shape(brick), [[0.0, 0.0, 0.05]], None, 0, 0)
+        self.assertAlmostEqual(world.masses().sum(), 2500.0 * 6e-6, 9)
+        self.assertTrue((dem.shape_of_drag(0.8, 0.8, 0.8) > 0.0).all())
+        self.assertTrue(np.isnan(dem.shape_of_drag(2.0, 0.8, 0.8)).all())
+
+    def test_vectors_of_granulation_and_classifier(self):
+        sim, granule = granulation.sim_init(granulation.def_(seed=1)), granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12)
+        granulation.sim_put(sim, granule, (1e-4, 0.0, 0.0), (0.0, 0.0, 0.5))
+        granulation.sim_put(sim, granule, [2e-4, 3e-4, 1e-4], np.array([0.0, 0.1, 0.5]))
+        totals = granulation.sim_totals(sim)
+        self.assertAlmostEqual(totals.volumes.s, 1.04e-12, 20)
+        self.assertAlmostEqual(totals.momentum[2] / totals.momentum[1], 10.0, 9)
+        self.assertEqual(totals.momentum[0], 0.0)
+        self.assertAlmostEqual(totals.kinetic / totals.momentum[2], 0.51 / 2.0, 9)
+        granulation.sim_impeller(sim, [0.0, 0.0, 3.0], [0.1, 0.1, 0.1], True)
+        self.assertGreater(abs(granulation.sim_totals(sim).momentum[2]), 2.0 * totals.momentum[2])
+        with self.assertRaises(ValueError):
+            granulation.sim_put(sim, granule, (1e-4, 0.0), (0.0, 0.0, 0.5))
+        definition = classifier.paper_def(classifier.LIMESTONE, 3000.0).value
+        model = classifier.init(definition)
+        cases = classifier.tromp_cases(model, classifier.quantile(model, 0.5))
+        self.assertTrue(((cases >= 0.0) & (cases <= 1.0)).all() and cases.shape == (3,) and cases.min() < 0.5 < cases.max(), cases)
+        speed = 3000.0 / 60.0 * 2.0 * np.pi
+        straight = classifier.approach(definition.wheel, speed, 0.1, 1.0, 1.0)
+        heavy = classifier.approach_in_gas(definition, classifier.stokes(), 1.0, 0.1, 1.0, 1.0)
+        self.assertTrue(straight.hit and heavy.hit)
+        self.assertAlmostEqual(heavy.radius / straight.radius, 1.0, 3)
+
+    def test_vectors_of_filtration(self):
+        cloth = filtration.cloth_make(10e-6, 20e-6, filtration.PLAIN_WEAVE, 40e-6)
+        above = (15e-6, 15e-6, 60e-6)  # a wire above the crossing
+        self.assertAlmostEqual(filtration.cloth_distance(cloth, above), 10e-6, 10)
+        self.assertAlmostEqual(filtration.solid_cut(filtration.cloth_solid(cloth), above, (15e-6, 15e-6, 45e-6)), 2.0 / 3.0, 6)
+        bed_of_one = filtration.bed_init([[40e-6, 40e-6, 40e-6]], None, [15e-6], [80e-6] * 3, [1, 1, 1], 20e-6)
+        self.assertAlmostEqual(filtration.bed_distance(bed_of_one, (60e-6, 40e-6, 40e-6)), 5e-6, 12)
+        voxels = np.zeros((8, 8, 8), np.uint8)
+        voxels[:4] = 1
+        image = filtration.image(n=[8, 8, 8], edge=1e-6, solid=voxels, reach=4)
+        self.assertGreater(filtration.image_distance(image, (4.5e-6, 4.5e-6, 6e-6)), 0.5e-6)
+        self.assertLess(filtration.image_distance(image, (4.5e-6, 4.5e-6, 2e-6)), -0.5e-6)
+        for use in (lambda image: filtration.image_distance(image, (0, 0, 0)), filtration.image_solid):
+            with self.assertRaises(riddle.Error):  # C would divide by 0
+                use(filtration.image(n=[0, 0, 0], edge=1e-6, reach=4))
+        definition = filtration.fluid_def(nodes=[16, 16, 16], voxel=5e-6, solid=filtration.bed_solid(bed_of_one))
+        fluid = filtration.fluid_init(definition)
+        filtration.fluid_set_body_force(fluid, [0.0, 0.0, 1e3])
+        filtration.fluid_run(fluid, 400)
+        velocity, force = filtration.fluid_mean_velocity(fluid), filtration.fluid_solid_force(fluid)
+        self.assertGreater(velocity[2], 1e-7)
+        self.assertLess(np.abs(velocity[:2]).max(), 1e-6 * velocity[2])
+        self.assertTrue(0.6 < force[2] / (1e3 * (80e-6) ** 3) < filtration.fluid_porosity(fluid))  # the rest still accelerates it
+        sheared = filtration.fluid_init(filtration.fluid_def(nodes=[8, 8, 8], face=[0, 0, 0, 0, filtration.WALL, filtration.WALL]))
+        filtration.fluid_set_face_velocity(sheared, filtration.HIGH_Z, [1e-3, 0.0, 0.0])
+        filtration.fluid_run(sheared, 400)
+        self.assertAlmostEqual(filtration.fluid_mean_velocity(sheared)[0], 0.5e-3, 5)
+
+
 class Worlds(unittest.TestCase):
     def test_runs_have_the_bits_of_one_call(self):
         in_pieces, whole = bed(), bed()
@@ -176,6 +263,105 @@ class Worlds(unittest.TestCase):
         fresh = world.ids()
         with self.assertRaises((ValueError, TypeError)):
             fresh[0] = 7
+
+    def test_views_serve_as_arrays(self):
+        world = bed(20)
+        world.remove_region(dem.box_region((0, 0, 0), (0.025, 0.05, 0.1)))
+        present = world.present()
+        self.assertEqual(present.dtype, np.bool_)
+        here_now = present.sum()
+        self.assertTrue(0 < here_now < 20)
+        np.testing.assert_array_equal(world.positions()[present], world.positions()[np.flatnonzero(present)])
+        self.assertEqual(world.positions()[present & (world.groups() == 0)].shape, (here_now, 3))
+        self.assertEqual(world.positions()[(world.positions()[:, 0] > -1.0) & present].shape, (here_now, 3))
+        self.assertEqual((~present).sum(), 20 - here_now)
+        self.assertEqual(len(world.ids()[present]), here_now)
+        self.assertEqual(np.bincount(world.groups()[present])[0], here_now)
+        self.assertEqual((world.ids() > 4).sum(), 15)
+        self.assertEqual((world.ids() + world.ids()).max(), 38)
+        ids = world.ids()
+        for change in (lambda: ids.sort(), lambda: ids.__iadd__(1), lambda: np.add(ids, 1, out=ids), lambda: ids.fill(0)):
+            with self.assertRaises((ValueError, TypeError)):
+                change()
+        world.run(1e-4, LAW)
+        for use in (lambda: present.sum(), lambda: present & present, lambda: world.positions()[present], lambda: ids > 3, lambda: ids.dtype):
+            with self.assertRaises((RuntimeError, IndexError)):
+                use()
+
+    def test_errors_travel(self):
+        definition = dem.default_def()
+        for density in (2500.0, 7800.0):
+            dem.add_material(definition, density, 1e7, 0.3)
+        world = dem.World(definition)
+        world.add_plane(1, (0, 0, 0), (0, 0, 1))
+        world.add_spheres([[0, 0, 0.004]], 0.01, 0)
+        with self.assertRaises(riddle.Error) as caught:
+            world.run(0.1, dem.LINEAR)
+        error = caught.exception
+        for twin in (pickle.loads(pickle.dumps(error)), copy.copy(error), copy.deepcopy(error)):
+            self.assertEqual((str(twin), twin.status, twin.name, twin.text, twin.field, twin.materials, twin.particle),
+                             (str(error), error.status, "DEM_PAIR_NOT_SET", error.text, error.field, (0, 1), 0))
+        with self.assertRaises(riddle.Error) as caught:
+            dem.World(dem.def_(dt=-1.0))
+        self.assertEqual((caught.exception.materials, caught.exception.particle), (None, None))
+
+    def test_copies(self):
+        class Named(dem.World):
+            def __init__(self, definition, name):
+                super().__init__(definition)
+                self.name = name
+
+        globals()["Named"] = Named
+        Named.__qualname__ = "Named"
+        definition = dem.def_(dt=1e-5)
+        dem.add_material(definition, 2500.0, 5e10, 0.2)
+        world = Named(definition, ["mine"])
+        world.add_spheres([[0, 0, 1]], 1e-3, 0)
+        for twin in (copy.copy(world), copy.deepcopy(world), pickle.loads(pickle.dumps(world))):
+            self.assertIs(type(twin), Named)
+            self.assertEqual((twin.name, twin.hash()), (["mine"], world.hash()))
+            twin.run(1e-3, LAW)
+        self.assertEqual(world.step, 0)
+        sim = granulation.sim_init(granulation.def_(seed=1))
+        for use in (copy.copy, copy.deepcopy, pickle.dumps):
+            with self.assertRaisesRegex(TypeError, "cannot be copied"):
+                use(sim)
+
+    def test_what_has_no_definition(self):
+        for wrong in ((), (None,), (5,), (granulation.def_(),)):
+            with self.assertRaisesRegex(TypeError, "a dem.def_ is needed"):
+                dem.World(*wrong)
+        with self.assertRaisesRegex(ValueError, "freed"):
+            dem.World.__new__(dem.World).run(0.1, LAW)
+        with self.assertRaisesRegex(TypeError, "granulation.sim_init"):
+            granulation.sim()
+        with self.assertRaisesRegex(TypeError, "classifier.init"):
+            classifier.model()
+
+    def test_materials(self):
+        definition = dem.def_()
+        self.assertEqual([dem.add_material(definition, 2500.0, 5e10, 0.2) for _ in range(8)], list(range(8)))
+        with self.assertRaises(riddle.Error) as caught:
+            dem.add_material(definition, 2500.0, 5e10, 0.2)
+        self.assertEqual(caught.exception.name, "DEM_TOO_MANY")
+        definition = dem.def_()
+        dem.add_material(definition, 2500.0, 5e10, 0.2)
+        for wrong in ((0, 5), (-1, 0), (0, 1), (1, 0)):
+            with self.assertRaises(IndexError):
+                dem.pair(definition, *wrong)
+        with self.assertRaises(TypeError):
+            dem.pair(definition, "0", 0)
+
+    def test_a_fill_that_places_nothing(self):
+        world, feed = bed(0), dem.default_feed()
+        feed.sizes = dem.one_size(5.0)
+        with self.assertWarnsRegex(UserWarning, "none of 5"):
+            world.fill(feed, 5)
+        feed.sizes = dem.one_size(5e-3)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            world.fill(feed, 5)
+        self.assertGreater(world.count, 0)
 
     def test_pickles_go_on_with_the_same_bits(self):
         world = bed()
@@ -228,6 +414,91 @@ class Worlds(unittest.TestCase):
         definition.periodic = [True, False, 1.0]
         self.assertEqual(list(definition.periodic), [1, 0, 1])
 
+    def test_shapes_are_those_of_the_comments(self):
+        world, centres = bed(0), np.arange(18.0).reshape(6, 3)
+        for wrong in (centres.T, centres.ravel(), centres[:, :2], centres[None], [0.0, 0.0], 5.0, [[0, 0, 1], [0, 0]]):
+            with self.assertRaises((ValueError, TypeError)):
+                world.add_spheres(wrong, 1e-3, 0)
+        for wrong in ([1e-3], np.full((6, 1), 1e-3), np.full(5, 1e-3)):
+            with self.assertRaises(ValueError):
+                world.add_spheres(centres, wrong, 0)
+        self.assertEqual(world.count, 0)
+        world.add_spheres((0, 0, 1), 1e-3, 0)
+        world.add_spheres([], [], 0)
+        world.add_spheres(np.asfortranarray(centres), np.full(6, 1e-3), 0)
+        np.testing.assert_array_equal(world.positions()[1:], centres)
+        mesh = dem.mesh(vertices=4, triangles=1, vertex=np.array([[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]), triangle=[[0, 1, 2]])
+        with self.assertRaises(ValueError):
+            world.add_mesh(0, mesh)
+        mesh.vertex = mesh.vertex.T
+        world.add_mesh(0, mesh)
+        definition, time = screen.def_(classes=2, diameters=[3e-3, 5e-3], shares=[0.5, 0.5]), [1.0, 2.0, 4.0, 8.0, 16.0]
+        curves = screen.predict(definition, screen.DONG, screen.published(screen.DONG), screen.operation(amplitude=1e-3, frequency=45.0), time).retained
+
+        def fit(retained):
+            cases = [screen.case(operation=screen.operation(amplitude=a, frequency=45.0), times=5, time=time, retained=retained) for a in (1e-3, 2e-3, 3e-3)]
+            screen.check_cases(definition, cases, 0.0, screen.where())
+        for right in (curves, curves.ravel(), np.asfortranarray(curves)):
+            fit(right)
+        for wrong in (curves.T, curves[None], curves[:, :4], curves.ravel()[:9]):
+            with self.assertRaises(ValueError):
+                fit(wrong)
+        with self.assertRaises(TypeError):
+            screen.fit_options(decks=definition)
+        periodic = dem.def_()
+        for wrong in ([1, 0], [[1, 0, 0]], [1]):
+            with self.assertRaises(ValueError):
+                periodic.periodic = wrong
+        periodic.periodic = True
+        self.assertEqual(list(periodic.periodic), [1, 1, 1])
+
+    def test_vectors_have_as_many_numbers_as_fields(self):
+        definition, world = dem.def_(), bed(0)
+        for wrong in ((0, -9.81), (0, 0, 0, 0), "123", b"123", ("0", "0", "1"), {1, 2, 3}, {0: 1, 1: 2, 2: 3}, 5.0, None, [[0, 0, 1]], np.zeros((3, 1)), (0, None, 1),
+                      np.ma.masked_array([0, 0, 1.0], mask=[0, 0, 1]), np.array([0, 0, 1], "m8[ns]"), (0, 0, 1j)):
+            with self.assertRaises(TypeError):
+                definition.gravity = wrong
+            with self.assertRaises(TypeError):
+                world.add_plane(0, (0, 0, 0), wrong)
+        definition.gravity = np.array([0, 1, -2], np.float32)
+        self.assertEqual(list(definition.gravity), [0.0, 1.0, -2.0])
+        with self.assertRaisesRegex(TypeError, "a dem_sizes is needed"):
+            dem.default_feed().sizes = 5e-3
+        clump = dem.make_clump([[0, 0, 0], [0.005, 0, 0]], [0.01, 0.01])
+        clump.centre = [(0, 0, 1), dem.vec(x=2.0)]
+        self.assertEqual([list(v) for v in clump.centre[:2]], [[0, 0, 1], [2, 0, 0]])
+        for wrong in ([dem.vec()] * 99, [(0, 0)], [dem.cells()], 5, "abc", [dem.vec(), "abc"]):
+            with self.assertRaises(TypeError):
+                clump.centre = wrong
+        self.assertEqual(list(clump.centre[0]), [0, 0, 1])
+
+    def test_numbers_of_fields(self):
+        definition = dem.def_()
+        for wrong in (np.float32(2.7), np.array([2.7]), np.array([2]), 2.5, "2", None, float("nan"), float("inf"), 1 << 40, 2j, np.timedelta64(2, "ns"), np.ma.masked):
+            with self.assertRaises(TypeError):
+                definition.threads = wrong
+            with self.assertRaises((TypeError, OverflowError)):
+                bed(0).add_cylinder(wrong, (0, 0, 0), (0, 0, 1), 1.0, 1)
+        for right in (2, 2.0, np.int64(2), np.float32(2), np.array(2)):
+            definition.threads = right
+            self.assertEqual(definition.threads, 2)
+        for wrong in ("0.3", None, np.array([0.3]), np.timedelta64(1, "s"), 1j):
+            with self.assertRaises(TypeError):
+                definition.dt = wrong
+
+    def test_masked_entries_and_times(self):
+        t, f, definition = np.array([0.0, 5.0, 10.0, 30.0, 60.0]), np.array([1.0, 0.9, 0.85, 0.76, 0.75]), blocking.fit_def()
+        known = blocking.fit(definition, t, f).k
+        with self.assertRaisesRegex(ValueError, "masked"):
+            blocking.fit(definition, t, np.ma.masked_array(f, mask=t == 10))
+        self.assertEqual(blocking.fit(definition, t, np.ma.masked_array(f, mask=False)).k, known)
+        for wrong in (t.astype("m8[s]"), t.astype("M8[s]"), list(t.astype("m8[s]")), [str(v) for v in t], t.astype(complex), np.array([str(v) for v in t], object)):
+            with self.assertRaises(TypeError):
+                blocking.fit(definition, wrong, f)
+        self.assertEqual(blocking.fit(definition, (1000 * t).astype("m8[ms]") / np.timedelta64(1, "s"), f).k, known)
+        for right in (np.repeat(t, 2)[::2], t.astype(">f8"), memoryview(t), t.astype(object)):
+            self.assertEqual(blocking.fit(definition, right, f).k, known)
+
     def test_ctrl_c_stops_between_steps(self):
         world = bed(200)
         threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
@@ -254,6 +525,15 @@ class Worlds(unittest.TestCase):
         for count in (10**9, 1e9, 2 * 10**8):
             with self.assertRaisesRegex((MemoryError, riddle.Error), "GB|too many|counts"):
                 world.fill(feed, count)
+        for given in ((np.int64(10**9),), (np.float32(1e9),), (np.array(10**9),)):
+            with self.assertRaises(MemoryError):
+                world.fill(feed, *given)
+        with self.assertRaises(MemoryError):
+            world.fill(feed, count=10**9)
+        with self.assertRaises(MemoryError):
+            world.fill(count=10**9, feed=feed)
+        with self.assertRaises(TypeError):
+            world.fill(feed, 10, count=10)
         feed.sizes = dem.lognormal_sizes(1e-6, 0.5, 1e-7, 1e-5, 1)
         with self.assertRaisesRegex(MemoryError, "fill_mass: .* GB are free"):
             world.fill_mass(feed, 1e-2)
@@ -284,11 +564,309 @@ class Worlds(unittest.TestCase):
     def test_a_law_from_c(self):
         with tempfile.TemporaryDirectory() as folder:
             library = os.path.join(folder, "magnets.so")
-            subprocess.run([os.environ.get("CC", "cc"), "-O1", "-ffp-contract=off", "-fPIC", "-shared", "-I", root, os.path.join(here, "laws", "magnets.c"),
+            subprocess.run([os.environ.get("CC", "cc"), "-O0", "-ffp-contract=off", "-fPIC", "-shared", "-I", root, os.path.join(here, "laws", "magnets.c"),
                             "-lm", "-o", library], check=True)
-            world = bed(20)
-            world.run_law(0.05, dem.Law(library))
+            world, law = bed(20), dem.Law(library)
+            world.run_law(0.05, law)
             self.assertGreater(world.step, 4000)
+            for use in (lambda: law.set("pull", 1.0), lambda: law.get("pull"), lambda: dem.Law(os.path.join(here, "laws", "magnets.c")), lambda: dem.Law(_core.__file__ + "x")):
+                with self.assertRaises((ValueError, ImportError)):
+                    use()
+
+
+class Wet(unittest.TestCase):
+    """python/laws/wet.c."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.library = pathlib.Path(cls.folder.name) / "wet.so"
+        subprocess.run([os.environ.get("CC", "cc"), "-O0", "-ffp-contract=off", "-fPIC", "-shared", "-I", root, os.path.join(here, "laws", "wet.c"), "-lm", "-o", cls.library], check=True)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def scene(self, law, moisture):
+        definition = dem.def_(dt=2e-5)
+        glass, steel = dem.add_material(definition, 2534.1, 5e10, 0.2), dem.add_material(definition, 7850.0, 2e11, 0.3)
+        for other in (glass, steel):
+            contact = dem.pair(definition, glass, other)
+            contact.stiffness, contact.restitution, contact.friction = 5e3, 0.7, 0.3
+        world, feed = dem.World(definition), dem.default_feed()
+        deck = world.add_screen(steel, dem.screen(aperture=8e-3, wire=2e-3, half_x=0.02, half_y=0.02, circular=1, normal=(0, 0, 1), direction=(1, 0, 0)))
+        world.add_cylinder(steel, (0, 0, 0), (0, 0, 1), 0.02, 1)
+        feed.region = dem.cylinder_region((0, 0, 0.006), (0, 0, 1), 0.02, 0.018)
+        for group, (diameter, number) in enumerate([(5e-3, 20), (7e-3, 6), (10e-3, 4)]):
+            feed.sizes, feed.group = dem.one_size(diameter), group
+            world.fill(feed, number)
+        law.set("moisture", moisture)
+        law.set("deck", deck)
+        return world
+
+    def test_worlds_have_their_own_books(self):
+        law, alone = dem.Law(self.library), []
+        for moisture in (0.0, 0.05, 0.02):
+            world = self.scene(law, moisture)
+            world.run_law(0.04, law)
+            world.run_law(0.04, law)
+            alone.append((world.hash(), law.get("bridges"), law.get("liquid")))
+            world.free()
+            self.assertEqual(law.get("bridges"), alone[-1][1])
+        self.assertEqual(alone[0][1:], (0.0, 0.0))
+        self.assertGreater(alone[1][1], 5)
+        self.assertAlmostEqual(alone[1][2] / alone[2][2], 2.5, 6)
+        worlds = []
+        for moisture in (0.0, 0.05, 0.02):
+            worlds.append(self.scene(law, moisture))
+            worlds[-1].run_law(0.04, law)
+        for world, (bits, bridges, liquid) in zip(worlds, alone):
+            world.run_law(0.04, law)
+            self.assertEqual((world.hash(), law.get("bridges"), law.get("liquid")), (bits, bridges, liquid))
+        feed = dem.default_feed()
+        feed.region, feed.sizes = dem.cylinder_region((0, 0, 0.1), (0, 0, 1), 0.05, 0.015), dem.one_size(5e-3)
+        worlds[0].fill(feed, 2)
+        with self.assertRaises(riddle.Error):  # they have no films
+            worlds[0].run_law(0.01, law)
+        with self.assertRaises(riddle.Error):  # its films are not saved
+            pickle.loads(pickle.dumps(worlds[1])).run_law(0.01, law)
+        law.set("deck", 7)
+        with self.assertRaises(riddle.Error):
+            bed(3).run_law(0.01, law)
+
+    def test_names_and_numbers(self):
+        law, here_now = dem.Law(self.library), os.getcwd()
+        for name, value in (("moistur", 0.05), ("moisture", -0.05), ("moisture", 1.5), ("moisture", float("nan")), ("deck", -1), ("deck", 0.5), ("deck", 32)):
+            with self.assertRaises(ValueError):
+                law.set(name, value)
+        for value in ("2 %", None, [0.1], np.timedelta64(1, "ns")):
+            with self.assertRaises(TypeError):
+                law.set("moisture", value)
+        for name in ("moistur", "", "m\u00f6isture"):
+            with self.assertRaises(ValueError):
+                law.get(name)
+        law.set("moisture", 0.03)
+        self.assertEqual(law.get("moisture"), 0.03)
+        os.chdir(self.folder.name)
+        try:
+            self.assertEqual(dem.Law("wet.so").get("moisture"), 0.03)
+        finally:
+            os.chdir(here_now)
+
+
+class Kept(unittest.TestCase):
+    """What C points to lives as long as what points to it."""
+
+    def fresh(self):
+        """Memory that was freed is used again."""
+        gc.collect()
+        return [dem.mesh(vertices=1, triangles=1) for _ in range(300)], [np.random.rand(24) for _ in range(300)], [filtration.cloth(wire=1.0, opening=1.0) for _ in range(300)]
+
+    def test_solids_and_regions(self):
+        definition = filtration.fluid_def(nodes=[24, 24, 32], solid=filtration.cloth_solid(filtration.cloth_make(10e-6, 20e-6, 0, 16 * 2.5e-6)))
+        taken = self.fresh()
+        self.assertAlmostEqual(filtration.fluid_porosity(filtration.fluid_init(definition)), 0.9288194444, 9)
+        corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], float) * 0.05
+        faces = [(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5)]
+        world, feed, mesh = bed(0), dem.default_feed(), dem.mesh(vertices=8, triangles=12, vertex=corners, triangle=faces)
+        feed.sizes = dem.one_size(4e-3)
+        feed.region = dem.mesh_region(mesh)
+        other = dem.default_feed()
+        other.region, other.sizes = copy.copy(feed).region, feed.sizes
+        mesh.vertices = 10**6
+        with self.assertRaises(ValueError):
+            world.fill(feed, 5)
+        mesh.vertices = 8
+        del mesh, feed
+        taken += self.fresh()
+        world.fill(other, 50)
+        self.assertEqual(world.count, 50)
+        self.assertTrue((world.positions() < 0.05).all())
+        del taken
+
+    def test_functions_of_parts(self):
+        definition = filtration.fluid_def(nodes=[16, 16, 16], voxel=1e-5)
+        definition.solid.distance = lambda _, point: point[2] - 40e-6
+        taken = self.fresh()
+        self.assertAlmostEqual(filtration.fluid_porosity(filtration.fluid_init(definition)), 0.75, 1)
+        del taken
+
+    def test_arrays_of_fields(self):
+        periodic, pair = dem.def_(periodic=[1, 0, 1]).periodic, dem.def_().pair[1][2]
+        taken = [dem.def_() for _ in range(50)], self.fresh()
+        self.assertEqual(list(periodic), [1, 0, 1])
+        self.assertEqual(pair.restitution, 0.8)
+        self.assertLess(len(repr(dem.def_())), 3000)
+        del taken
+
+    def test_a_definition_that_changes(self):
+        definition, granule, counts, sims = granulation.def_(seed=1), granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12), [], []
+        for _ in range(2):
+            count = [0]
+            counts.append(count)
+            definition.on_collision = lambda user, event, count=count: count.__setitem__(0, count[0] + 1)
+            sims.append(granulation.sim_init(definition))
+            granulation.sim_add(sims[-1], granule, 100)
+        definition.on_collision = None
+        taken = self.fresh()
+        for sim in sims:
+            granulation.sim_run(sim, 4)
+        self.assertEqual(counts[0], counts[1])
+        self.assertGreater(counts[0][0], 0)
+        balance = granulation.balance_def(selection=lambda g, user: counts[0].append(1) or 0.1, kernel=granulation.collision_kernel,
+                                          kernel_user=granulation.kernel_data(laws=granulation.def_().laws, speed=0.3, rate=1e-9))
+        state = granulation.balance_init(balance, np.geomspace(1e-13, 1e-11, 11), None)
+        granulation.balance_add(state, granule, 100.0)
+        balance.selection = balance.kernel = balance.kernel_user = None
+        taken += self.fresh()
+        granulation.balance_run(state, 1e-3)
+        self.assertGreater(len(counts[0]), 1)
+        parts = dem.def_(parallel=lambda user, tasks, task, context: [task(context, k) for k in range(tasks)] and None, threads=2, dt=1e-5)
+        dem.add_material(parts, 2500.0, 5e10, 0.2)
+        world = dem.World(parts)
+        parts.parallel = None
+        taken += self.fresh()
+        world.add_spheres(np.mgrid[0:10, 0:10, 0:10].reshape(3, -1).T * 5e-3, 6e-3, 0)
+        world.run(1e-4, LAW)
+        self.assertTrue(np.isfinite(world.positions()).all())
+        del taken
+
+
+class Mistake(Exception):
+    pass
+
+
+class Functions(unittest.TestCase):
+    """An exception in a function that C calls is raised by the call, which ends early."""
+
+    def failing(self, answer, at):
+        """A function that fails in its call of this number."""
+        calls = []
+
+        def function(*arguments):
+            calls.append(arguments)
+            if len(calls) >= at:
+                raise Mistake(len(calls))
+            return answer
+        return function, calls
+
+    def raises(self, use):
+        with contextlib.redirect_stderr(io.StringIO()) as printed:
+            with self.assertRaises(Mistake) as raised:
+                use()
+        self.assertEqual(printed.getvalue(), "")
+        return raised.exception.args[0]
+
+    def test_a_motion(self):
+        world = bed(5)
+        motion, calls = self.failing(((0, 0, 0), (0, 0, 0)), 40)
+        world.prescribe(0, (0, 0, 0), motion)
+        self.assertEqual(self.raises(lambda: world.run(1.0, LAW)), len(calls))
+        self.assertLess(world.step, 40)
+        self.assertEqual(world.positions().shape, (5, 3))
+        for wrong in ((0, 0, 0), None, ((0, 0, 1),), ((0, 0), (0, 0, 0)), ((0, 0, float("nan")), (0, 0, 0)), ((0, 0, "x"), (0, 0, 0)), ("123", "001"), 5.0, np.zeros((3, 2))):
+            world = bed(2)
+            with self.assertRaises(ValueError):
+                world.prescribe(0, (0, 0, 0), lambda now: wrong)
+            world.prescribe(0, (0, 0, 0), lambda now: wrong if now > 5e-5 else np.zeros((2, 3)))
+            with self.assertRaisesRegex(ValueError, "motion must return"):
+                world.run(1e-2, LAW)
+        world = bed(2)
+        world.prescribe(0, (0, 0, 0), lambda now: ((0, 0, 0), (0, 0, 0)))
+        with self.assertRaises(riddle.Error):
+            world.prescribe(7, (0, 0, 0), lambda now: ((0, 0, 0), (0, 0, 0)))
+        with self.assertRaises(TypeError):
+            world.prescribe(0, (0, 0), lambda now: ((0, 0, 0), (0, 0, 0)))
+        gc.collect()
+        world.run(1e-3, LAW)
+        world.prescribe(0, (0, 0, 0), lambda now: world.free() if now > 2e-3 else ((0, 0, 0), (0, 0, 0)))
+        with self.assertRaisesRegex(RuntimeError, "while it runs"):
+            world.run(1e-2, LAW)
+
+    def test_collisions(self):
+        definition, granule = granulation.def_(seed=1), granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12)
+        definition.on_collision, calls = self.failing(None, 3)
+        sim = granulation.sim_init(definition)
+        granulation.sim_add(sim, granule, 200)
+        self.assertEqual(self.raises(lambda: granulation.sim_run(sim, 10**6)), 3)
+        self.assertEqual(len(calls), 3)
+        whole, pieces = (granulation.sim_init(granulation.def_(seed=1)) for _ in range(2))
+        for sim in (whole, pieces):
+            granulation.sim_add(sim, granule, 200)
+        _core.lib.granulation_sim_run(whole._c, 40)
+        granulation.sim_run(pieces, 40)
+        self.assertEqual(granulation.sim_mean(whole, 4, 3), granulation.sim_mean(pieces, 4, 3))
+        with self.assertRaises(riddle.Error):
+            granulation.sim_run(pieces, -1)
+        threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        begun = time.monotonic()
+        with self.assertRaises(KeyboardInterrupt):
+            granulation.sim_run(pieces, 10**6)
+        self.assertLess(time.monotonic() - begun, 30.0)
+
+    def test_stop_and_parallel(self):
+        definition = dem.def_(dt=1e-5)
+        dem.add_material(definition, 2500.0, 5e10, 0.2)
+        definition.stop, calls = self.failing(0, 2)
+        world, feed = dem.World(definition), dem.default_feed()
+        self.assertEqual(self.raises(lambda: world.fill(feed, 20000)), 2)
+        self.assertEqual((world.count, len(calls)), (0, 2))
+        hashes = []
+        for parallel in (None, self.failing(None, 1)[0], lambda user, tasks, task, context: None, lambda user, tasks, task, context: [task(context, k) for k in range(tasks)]):
+            definition = dem.def_(dt=1e-5, threads=2, parallel=parallel)
+            dem.add_material(definition, 2500.0, 5e10, 0.2)
+            world = dem.World(definition)
+            world.add_spheres(np.mgrid[0:10, 0:10, 0:10].reshape(3, -1).T * 5e-3, 6e-3, 0)
+            try:
+                world.run(2e-5, LAW)
+            except (Mistake, RuntimeError) as error:
+                self.assertIn(len(hashes), (1, 2), error)
+            else:
+                self.assertIn(len(hashes), (0, 3))
+            hashes.append(world.hash())
+        self.assertEqual(len(set(hashes)), 1)  # what failed has been run all the same
+
+    def test_laws(self):
+        granule, edges = granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12), np.geomspace(1e-13, 1e-11, 11)
+        for name, answer in (("selection", 0.1), ("kernel", 1e-9)):
+            function, calls = self.failing(answer, 5)
+            balance = granulation.balance_init(granulation.balance_def(**{name: function}), edges, None)
+            granulation.balance_add(balance, granule, 100.0)
+            self.assertEqual(self.raises(lambda: granulation.balance_run(balance, 1.0)), 5)
+            self.assertEqual(len(calls), 5)
+
+        def rates(user, now, k1, k2):
+            k1[0], k2[0] = 0.1, 0.2
+            if now > 2.0:
+                raise Mistake(now)
+        self.raises(lambda: blocking.integrate(blocking.ode_def(rates=rates), [0.0, 1.0, 5.0]))
+        definition = filtration.fluid_def(nodes=[8, 8, 8])
+        definition.solid.distance, calls = self.failing(1e-5, 3)
+        self.raises(lambda: filtration.fluid_init(definition))
+        definition.solid.distance = lambda self, point: "far"
+        with self.assertRaises(TypeError):
+            filtration.fluid_init(definition)
+
+    def test_two_threads(self):
+        """Each call raises what its own function raised."""
+        def use(number, raised):
+            def motion(now):
+                if now > 1e-3:
+                    raise Mistake(number)
+                return (0, 0, 0), (0, 0, 0)
+            world = bed(5)
+            world.prescribe(0, (0, 0, 0), motion)
+            try:
+                world.run(1.0, LAW)
+            except Mistake as error:
+                raised[number] = error.args[0]
+        raised = {}
+        threads = [threading.Thread(target=use, args=(number, raised)) for number in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(raised, {0: 0, 1: 1, 2: 2})
 
 
 class Hostile(unittest.TestCase):

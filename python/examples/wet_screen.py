@@ -47,10 +47,9 @@ start = np.bincount(groups, minlength=3)
 times, retained = [], []
 while world.time < DURATION:
     world.run_law(0.05, wet)
-    present = np.array(world.present()).astype(bool)
-    above = present & (world.positions()[:, 2] > 0.0)
+    above = world.present() & (world.positions()[:, 2] > 0.0)
     times.append(world.time)
-    retained.append(np.bincount(np.array(world.groups())[above], minlength=3) / start)
+    retained.append(np.bincount(world.groups()[above], minlength=3) / start)
 print(f"{int(wet.get('bridges'))} bridges; retained after {world.time:.2f} s:", np.round(retained[-1], 3))
 figure, axes = plt.subplots(figsize=(6, 4))
 for group, (diameter, _) in enumerate(CLASSES):

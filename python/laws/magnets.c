@@ -1,4 +1,7 @@
-/* magnets.c - a contact law of one's own for Python (dem.Law): linear springs with friction, and an attraction while bodies touch. */
+/* magnets.c - a contact law of one's own for Python (dem.Law): linear springs with friction, and an attraction while bodies touch. From the
+   repository's root:
+
+   cc -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math -fPIC -shared -I. python/laws/magnets.c -lm -o magnets.so */
 #include "dem.h"
 
 static const double PULL = 2e-3; /* [N] */

@@ -1,8 +1,13 @@
 """Calls the headers' functions: checks and converts arguments, makes answers, raises errors. What there is comes from api.json, which
 python/generate.py reads off the headers; nothing here knows a particular function."""
 import json
+import math
+import numbers
 import os
 import re
+import sys
+import threading
+import time
 import types
 
 import numpy as np
@@ -32,31 +37,116 @@ _shapes = api["shapes"]
 
 
 class Error(RuntimeError):
-    """A status other than ok. status: its number; name: DEM_BAD_ARGUMENT ...; field: what was wrong, where that is known."""
+    """A status other than ok. status: its number; name: DEM_BAD_ARGUMENT ...; text: its meaning; field: what was wrong; particle: its id;
+    materials: two of them; None where that is not known."""
+
+    particle = materials = None
 
     def __init__(self, status, name, text, field=None):
         super().__init__(f"{text} ({name})" + (f": {field}" if field else ""))
-        self.status, self.name, self.field = status, name, field
+        self.status, self.name, self.text, self.field = status, name, text, field
+
+    def __reduce__(self):
+        return type(self), (self.status, self.name, self.text, self.field), dict(self.__dict__)
 
 
 def _base(c_type):
-    return c_type.replace("const", "").replace("*", "").strip()
+    """The type of one number or structure: that of what a pointer or an array has."""
+    return re.sub(r"\bconst\b|\bstruct\b|\*|\[.*", "", c_type).strip()
+
+
+_fields = {}
+
+
+def _fields_of(c_type):
+    """The fields of a structure of C by name."""
+    if c_type not in _fields:
+        _fields[c_type] = dict(c_type.fields or ())
+    return _fields[c_type]
 
 
 def _named(c_type):
     return c_type.cname[7:] if c_type.cname.startswith("struct ") else c_type.cname
 
 
+_TIMES = "times need a unit: divide by it, as in t / numpy.timedelta64(1, 's')"
+
+
+def number(c_type, value, what):
+    """A number for C, of a type that is no array and no text; whole where C's type is."""
+    if type(value) is float and c_type == "double" or type(value) is int and c_type not in ("double", "float"):  # most often
+        return value
+    if isinstance(value, np.ndarray) and value.ndim == 0 and not np.ma.isMaskedArray(value):
+        value = value[()]
+    if isinstance(value, np.generic):
+        if value.dtype.kind in "mM":
+            raise TypeError(f"{what}: {_TIMES}")
+        value = float(value) if value.dtype.kind == "f" else value.item()
+    if not isinstance(value, numbers.Real):
+        raise TypeError(f"{what}: a number is needed, not {type(value).__name__}")
+    if c_type in ("double", "float"):
+        return float(value)
+    if not isinstance(value, numbers.Integral) and (not math.isfinite(value) or value != int(value)):
+        raise TypeError(f"{what}: a whole number is needed, not {value}")
+    return int(value)
+
+
+def _parts(n, value, what, names=""):
+    """The n parts of a sequence; text, a set and another number of parts are refused."""
+    if type(value) not in (tuple, list):
+        wrong = isinstance(value, (str, bytes, bytearray, dict, set, frozenset)) or not hasattr(value, "__len__") or np.ndim(value) == 0
+        given = value.tolist() if type(value) is np.ndarray and value.dtype.kind in "iuf" else value
+    else:
+        wrong, given = False, value
+    if wrong or len(given) != n:
+        raise TypeError(f"{what}: {n} numbers are needed{names}, not {value!r}")
+    return given
+
+
+_PLAIN = frozenset((int, float))
+
+
+def vector(n, value, what):
+    """n finite numbers as a tuple."""
+    if type(value) is tuple and len(value) == n and _PLAIN.issuperset(map(type, value)):
+        made = value
+    else:
+        made = tuple([number("double", v, what) for v in _parts(n, value, what)])
+    if not all(map(math.isfinite, made)):
+        raise ValueError(f"{what}: finite numbers are needed, not {value!r}")
+    return made
+
+
 def _array(value, dtype, what):
+    if np.ma.isMaskedArray(value) and np.ma.getmaskarray(value).any():
+        raise ValueError(f"{what}: entries are masked; leave them out, as in a[~numpy.ma.getmaskarray(a)].data, and what belongs to them")
     try:
         given = np.asarray(value)
+        if given.dtype.kind in "mM":
+            raise TypeError(_TIMES)
+        if given.dtype.kind not in "biufO" or given.dtype.kind == "O" and any(isinstance(v, (str, bytes, np.datetime64, np.timedelta64)) for v in given.flat):
+            raise TypeError("text, complex numbers and records are none")
         with np.errstate(all="ignore"):
-            made = np.ascontiguousarray(given).astype(dtype, copy=False)
+            made = np.asarray(given, order="C").astype(dtype, copy=False)
     except (TypeError, ValueError, OverflowError) as error:
         raise TypeError(f"{what}: numbers are needed, not {type(value).__name__} ({error})") from None
     if made.dtype.kind in "iu" and not np.array_equal(made.ravel(), given.ravel()):
         raise ValueError(f"{what}: whole numbers from {np.iinfo(dtype).min} to {np.iinfo(dtype).max} are needed")
     return made
+
+
+def _fits(array, dims):
+    """Has an array this shape, or are its numbers given flat, row by row?"""
+    return array.shape == tuple(dims) or array.ndim == 1 and array.size == int(np.prod(dims))
+
+
+def _struct(c_type, value, what):
+    """A new structure of C from its numbers: as many as it has fields."""
+    fields = _fields_of(c_type)
+    if any(field.type.kind not in ("primitive", "enum") for field in fields.values()):
+        raise TypeError(f"{what}: a {_named(c_type)} is needed, not {type(value).__name__}")
+    given = _parts(len(fields), value, what, f" ({', '.join(fields)})")
+    return ffi.new(ffi.getctype(c_type, "*"), tuple([number(field.type.cname, v, f"{what}.{name}") for (name, field), v in zip(fields.items(), given)]))
 
 
 class Shape:
@@ -68,6 +158,7 @@ class Shape:
         rest = text.replace("inout", "", 1).replace("optional", "", 1).strip()
         self.scalar = rest == "scalar"
         self.any = rest == "any"
+        self.checked = rest[len("checked by "):] if rest.startswith("checked by ") else None
         self.dims = None
         self.bare = []
         if rest.startswith("["):
@@ -104,30 +195,82 @@ for _lower, _h in api["headers"].items():
     _constants[_lower] = _values
 
 
+def held(values):
+    """All that these values refer to now: arrays, functions, structures. Kept by what C makes of the values and points to them."""
+    found, todo = {}, list(values)
+    while todo:
+        value = todo.pop()
+        if value is None or id(value) in found:
+            continue
+        found[id(value)] = value
+        if isinstance(value, Structure):
+            todo += [value._kept, value._parent]
+        elif isinstance(value, dict):
+            todo += value.values()
+        elif isinstance(value, (list, tuple)):
+            todo += value
+    return list(found.values())
+
+
+def _copied(kept):
+    return {name: _copied(value) if isinstance(value, dict) else value for name, value in kept.items()}
+
+
+_pointing = {}
+
+
+def _points(c_type):
+    """Whether a type of C has pointers, to data or to functions."""
+    if c_type.kind == "array":
+        return _points(c_type.item)
+    if c_type.kind != "struct":
+        return c_type.kind in ("pointer", "function")
+    if c_type.cname not in _pointing:
+        _pointing[c_type.cname] = any(_points(field.type) for field in _fields_of(c_type).values())
+    return _pointing[c_type.cname]
+
+
+class _Memory:
+    """A part of a structure's memory, for an array that keeps the structure."""
+
+    def __init__(self, owner, c, dtype, dims):
+        self.owner = owner
+        self.__array_interface__ = {"version": 3, "data": (int(ffi.cast("uintptr_t", c)), False), "typestr": np.dtype(dtype).str, "shape": tuple(dims)}
+
+
 class Structure:
     """A structure of the headers: the same fields. Made with its defaults where the header has some; fields by keyword."""
 
     _name = None
+    _parent = None  # the structure that this one is a part of
 
     def __init__(self, **fields):
         default = _default_of(self._name)
         object.__setattr__(self, "_c", ffi.new(f"{self._name} *"))
-        object.__setattr__(self, "_kept", {})
+        object.__setattr__(self, "_kept", {})  # what its pointers point to, by field; that of its parts in dictionaries
         if default:
             self._c[0] = getattr(lib, default)()
         for name, value in fields.items():
             setattr(self, name, value)
 
     @classmethod
-    def _of(cls, c, parent=None):
-        """A structure around C's: a copy of a value, or a part of another one (parent keeps it)."""
+    def _of(cls, c, parent=None, part=None):
+        """A structure around C's: a copy of a value, or a part of another one, under whose name that keeps what the part points to."""
         made = cls.__new__(cls)
         if parent is None:
             c, value = ffi.new(f"{cls._name} *"), c
             c[0] = value
         object.__setattr__(made, "_c", c)
-        object.__setattr__(made, "_kept", {"parent": parent} if parent is not None else {})
+        object.__setattr__(made, "_parent", parent)
+        object.__setattr__(made, "_kept", {} if part is None or not _points(ffi.typeof(c).item) else parent._kept.setdefault(part, {}))
         return made
+
+    def _become(self, other):
+        """Takes the fields of another one, and keeps what they point to."""
+        kept = _copied(other._kept)
+        self._c[0] = other._c[0]
+        self._kept.clear()
+        self._kept.update(kept)
 
     def __getattr__(self, name):
         field = _types_of[self._name][1]["fields"].get(name)
@@ -135,12 +278,11 @@ class Structure:
             raise AttributeError(f"{self._name} has no field {name}; it has {', '.join(self._fields())}")
         if name in self._kept:
             return self._kept[name]
-        kind = ffi.typeof(self._c).item.fields
-        c_type = dict(kind)[name].type
+        c_type = _fields_of(ffi.typeof(self._c).item)[name].type
         value = getattr(self._c, name)
         if c_type.kind == "struct":
             part = ffi.addressof(self._c[0], name)
-            return _classes[_named(c_type)]._of(part, self) if _named(c_type) in _classes else part
+            return _classes[_named(c_type)]._of(part, self, f"{name} part") if _named(c_type) in _classes else part
         if c_type.kind == "array":
             return self._array_field(name, c_type, value)
         if c_type.kind == "pointer":
@@ -153,44 +295,62 @@ class Structure:
             dims.append(item.length)
             item = item.item
         if item.kind == "struct":
-            return [_classes[_named(item)]._of(ffi.addressof(self._c[0], name, k), self) for k in range(dims[0])] if len(dims) == 1 else value
+            def parts(*at):
+                if len(at) < len(dims):
+                    return [parts(*at, k) for k in range(dims[len(at)])]
+                return _classes[_named(item)]._of(ffi.addressof(self._c[0], name, *at), self, f"{name} part {at}")
+            return parts()
         if item.cname == "char":
             return ffi.string(value).decode(errors="replace")
-        dtype = DTYPES.get(item.cname, np.intc)
-        view = np.frombuffer(ffi.buffer(value), dtype=dtype).reshape(dims)
-        return view
+        return np.asarray(_Memory(self, value, DTYPES.get(item.cname, np.intc), dims))
 
     def __setattr__(self, name, value):
         about = _types_of[self._name][1]["fields"].get(name)
         if about is None or "__" in name:
             raise AttributeError(f"{self._name} has no field {name}; it has {', '.join(self._fields())}")
-        c_type = dict(ffi.typeof(self._c).item.fields)[name].type
+        c_type = _fields_of(ffi.typeof(self._c).item)[name].type
         what = f"{self._name}.{name}"
         if isinstance(value, Structure) and c_type.kind == "struct":
             if _named(c_type) != value._name:
                 raise TypeError(f"{what}: a {_named(c_type)} is needed, not a {value._name}")
-            setattr(self._c, name, value._c[0])
-            self._kept[name + " parts"] = value
+            getattr(self, name)._become(value)
         elif c_type.kind == "struct":
-            setattr(self._c, name, tuple(value))
+            setattr(self._c, name, _struct(c_type, value, what)[0])
+            self._kept.pop(f"{name} part", None)
         elif c_type.kind == "array":
             view = getattr(self, name)
-            if isinstance(view, str):
+            if isinstance(view, str) or isinstance(view, list) and isinstance(view[0], list):
                 raise TypeError(f"{what} cannot be set")
             if isinstance(view, list):
-                for part, new in zip(view, value):
-                    part._c[0] = new._c[0]
+                self._set_parts(view, value, what)
             else:
-                view[...] = _array(value, view.dtype, what)
+                array = _array(value, view.dtype, what)
+                if array.ndim > 0 and not _fits(array, view.shape):
+                    raise ValueError(f"{what}: shape {array.shape} given, {view.shape} needed")
+                view[...] = array.reshape(view.shape) if array.ndim > 0 else array
         elif c_type.kind in ("pointer", "function"):
             self._set_pointer(name, about, c_type, value, what)
         else:
             try:
-                setattr(self._c, name, value)
-            except (TypeError, OverflowError) as error:
+                setattr(self._c, name, number(c_type.cname, value, what))
+            except OverflowError as error:
                 raise TypeError(f"{what}: {error}") from None
 
+    def _set_parts(self, parts, value, what):
+        """The first elements of an array of structures: structures, or the numbers of each."""
+        if isinstance(value, (str, bytes, dict, set)) or not hasattr(value, "__len__") or len(value) > len(parts):
+            raise TypeError(f"{what}: a list of at most {len(parts)} {parts[0]._name} is needed" + (f", not of {len(value)}" if isinstance(value, (list, tuple, np.ndarray)) else ""))
+        made = []
+        for k, new in enumerate(value):
+            if isinstance(new, Structure) and new._name != parts[k]._name:
+                raise TypeError(f"{what}[{k}]: a {parts[k]._name} is needed, not a {new._name}")
+            made.append(new if isinstance(new, Structure) else parts[k]._of(_struct(ffi.typeof(parts[k]._c).item, new, f"{what}[{k}]")[0]))
+        for part, new in zip(parts, made):
+            part._become(new)
+
     def _set_pointer(self, name, about, c_type, value, what):
+        if _shapes.get(what, "").startswith("C only"):
+            raise TypeError(f"{what} cannot be set from Python")
         if value is None:
             setattr(self._c, name, ffi.NULL)
             self._kept.pop(name, None)
@@ -211,7 +371,7 @@ class Structure:
     def _fields(self):
         return [name for name in _types_of[self._name][1]["fields"] if "__" not in name]
 
-    def _check_arrays(self, scope=None, prefix=None):
+    def _check_arrays(self, scope=None, prefix=None, above=()):
         """Are the arrays that fields point to as long as the structure says?"""
         lower, kind = _types_of[self._name]
         for name, about in kind["fields"].items():
@@ -224,28 +384,31 @@ class Structure:
             names.update(scope or {})
             dims = shape.of(names, f"{self._name}.{name}")
             array = self._kept.get(name)
-            size = int(np.prod(dims))
-            if array is None and (getattr(self._c, name) == ffi.NULL) and (shape.optional or size == 0):
+            if array is None and (getattr(self._c, name) == ffi.NULL) and (shape.optional or 0 in dims):
                 continue
-            if array is None or array.size != size:
+            if array is None or not _fits(array, dims):
                 raise ValueError(f"{self._name}.{name}: {'not set' if array is None else array.shape}, but {dims} is needed")
-        for name in self._fields():
-            part = self._kept.get(name + " parts")
-            if isinstance(part, Structure):
-                part._check_arrays()
+        for name, field in _fields_of(ffi.typeof(self._c).item).items():
+            if field.type.kind == "struct" and _named(field.type) in _classes and _points(field.type):
+                getattr(self, name)._check_arrays(above=above)
+        for kept in (*self._kept.values(), *self._kept.get("arguments", ())):
+            if isinstance(kept, Structure) and not any(kept is other for other in above):
+                kept._check_arrays(above=(*above, kept))
 
     def __dir__(self):
         return self._fields()
 
     def __repr__(self):
-        return f"{self._name}({', '.join(f'{n}={getattr(self, n)!r}' for n in self._fields())})"
+        def text(value):
+            return "[...]" if isinstance(value, list) and isinstance(value[0], list) else repr(value)
+        return f"{self._name}({', '.join(f'{n}={text(getattr(self, n))}' for n in self._fields())})"
 
     def __iter__(self):
         return iter([getattr(self, n) for n in self._fields()])
 
     def __copy__(self):
         made = type(self)._of(self._c[0])
-        made._kept.update(self._kept)
+        made._kept.update(_copied(self._kept))
         return made
 
     def __reduce__(self):
@@ -261,14 +424,104 @@ def _default_of(name):
     return None
 
 
+_thread = threading.local()
+_open = []  # calls of C in progress, of all threads
+
+
+class Call:
+    """Around a call of C: the first exception in a Python function that C calls ends what can be ended, and is raised when C returns.
+    The handles that C works on cannot be freed meanwhile."""
+
+    def __init__(self, handles=()):
+        self.error, self.handles = None, handles
+
+    def __enter__(self):
+        try:
+            _thread.calls.append(self)
+        except AttributeError:
+            _thread.calls = [self]
+        _open.append(self)
+        for handle in self.handles:
+            handle._users.append(self)
+        return self
+
+    def __exit__(self, kind, error, trace):
+        _thread.calls.remove(self)
+        _open.remove(self)
+        for handle in self.handles:
+            handle._users.remove(self)
+        if self.error is not None:
+            raise self.error
+
+
+def _call_now():
+    """The call of C in which this thread is; a thread that C made belongs to the newest one."""
+    calls = getattr(_thread, "calls", None) or _open
+    return calls[-1] if calls else None
+
+
+def _note(kind, error, trace):
+    call = _call_now()
+    if call is None:
+        sys.excepthook(kind, error, trace)
+    elif call.error is None:
+        call.error = error
+
+
 def _callback(c_type, value, what):
-    """A C function for a Python one, or the address of one of the headers' own."""
+    """A C function for a Python one, or the address of one of the headers' own. When it has failed, C gets NaN, or what stops it."""
     symbol = getattr(value, "c_symbol", None)
     if symbol:
         return ffi.cast(c_type, ffi.addressof(lib, symbol))
     if not callable(value):
         raise TypeError(f"{what}: a function is needed, not {type(value).__name__}")
-    return ffi.callback(c_type, value)
+    kinds, result = c_type.args, c_type.result
+    if len(kinds) == 4 and kinds[2].kind == "function":
+        return ffi.callback(c_type, _all_tasks(value, what), onerror=_note)
+    failure = np.nan if result.cname in ("double", "float") else 1 if what.endswith("stop") else None if result.kind in ("void", "pointer") else 0
+    numbers_out = [k for k, kind in enumerate(kinds) if kind.cname == "double *" and any(before.cname == "double" for before in kinds[:k])]
+
+    def called(*arguments):
+        call = _call_now()
+        if call is None or call.error is None:
+            try:
+                returned = value(*arguments)
+                return None if result.kind == "void" else returned
+            except BaseException as error:
+                _note(type(error), error, error.__traceback__)
+        for k in numbers_out:
+            arguments[k][0] = np.nan
+        for argument in arguments:
+            if isinstance(argument, ffi.CData) and ffi.typeof(argument).cname.endswith("dem_pose *"):
+                argument.shift.x = np.nan
+        return failure if result.kind != "pointer" else ffi.NULL
+
+    return ffi.callback(c_type, called, onerror=_note, **({} if failure is None else {"error": failure}))
+
+
+def _all_tasks(value, what):
+    """A function that runs tasks: those that it has not run when it fails, or forgets, are run here, for C goes on."""
+    def called(user, tasks, task, context):
+        done, call = set(), _call_now()
+        if call is not None and call.error is not None:
+            for k in range(tasks):
+                task(context, k)
+            return
+
+        def once(context, index):
+            task(context, index)
+            done.add(index)
+
+        try:
+            value(user, tasks, once, context)
+        finally:
+            left = [k for k in range(tasks) if k not in done]
+            for k in left:
+                task(context, k)
+        if left:
+            raise RuntimeError(f"{what}: the function returned before all tasks had been run")
+
+    return called
 
 
 class Handle:
@@ -276,12 +529,38 @@ class Handle:
 
     _name = None
     _free = None
+    _c = None
 
     def __init__(self):
-        size = getattr(lib, f"size_of_{self._name}")()
-        self._memory = ffi.new("char[]", size)
+        lower = _types_of[self._name][0]
+        makers = [name[len(lower) + 1:] for name, about in api["headers"][lower]["functions"].items()
+                  if name.endswith("_init") and _base(about["parameters"][0]["type"]) == self._name]
+        raise TypeError(f"a {self._name} is made by {lower}.{' or '.join(makers)}")
+
+    @classmethod
+    def _new(cls):
+        """One that C will fill."""
+        made = cls.__new__(cls)
+        made._begin()
+        return made
+
+    def _begin(self):
+        self._memory = ffi.new("char[]", getattr(lib, f"size_of_{self._name}")())
         self._c = ffi.cast(f"{self._name} *", self._memory)
-        self._keep = []
+        self._keep, self._users = {}, []
+
+    def __copy__(self):
+        raise TypeError(f"a {self._name} cannot be copied or pickled: make another one in the same way")
+
+    def __deepcopy__(self, memo):
+        return self.__copy__()
+
+    def __reduce__(self):
+        return self.__copy__()
+
+    def _hold(self, values):
+        """Keeps, until it is freed, what C may point to: what these values refer to now."""
+        self._keep.update((id(value), value) for value in held(values))
 
     @property
     def _alive(self):
@@ -290,12 +569,19 @@ class Handle:
         return self._c
 
     def free(self):
+        if self._c is not None and self._users:
+            raise RuntimeError(f"this {self._name} cannot be freed while it runs")
         if self._c is not None and self._free:
+            self._before_free()
             getattr(lib, self._free)(self._c)
         self._c = None
+        self._keep = {}
+
+    def _before_free(self):
+        pass
 
     def __del__(self):
-        if getattr(self, "_c", None) is not None:
+        if self._c is not None:
             self.free()
 
 
@@ -309,11 +595,16 @@ class Function:
         self.constants = _constants[lower]
         self.parameters = [Parameter(self, p) for p in about["parameters"]]
         self.returns = _base(about["returns"])
-        self.index = _shapes.get(name) == "index"
+        role = re.fullmatch(r"index(?: or (\w+))?", _shapes.get(name, ""))
+        self.index, self.refusal = bool(role), role and role[1] and self.constants[role[1]]
         self.status = self.returns == f"{lower}_status" and not name.endswith("_text")
         inferred = self._inferred()
         self.visible = [p for p in self.parameters if not p.hidden and not p.made and p.name not in inferred]
         self.inferred = inferred
+        self.guarded = any(p.changes or p.callback or "_fn" in p.about["type"] or p.structure and _points(ffi.typeof(p.type)) for p in self.parameters)
+        self.defined = any(p.c_name == "def" and p.pointer for p in self.parameters)
+        steps, _, pieces = _shapes.get(name, "").partition(" ")
+        self.pieces = [p.name for p in self.parameters].index(steps) if pieces == "in pieces" else None
 
     def _inferred(self):
         """Integers that the length of an array tells: parameter -> (array's parameter, axis, what to take off)."""
@@ -335,6 +626,8 @@ class Function:
         for p in self.parameters:
             if p.name in given and not p.pointer:
                 names[p.name] = given[p.name]
+                if isinstance(given[p.name], Structure):
+                    keep.append((p.name, given[p.name]))
         for p in self.parameters:
             if p.name in given and p.pointer:
                 converted[p.name] = p.take(given[p.name], keep)
@@ -362,8 +655,29 @@ class Function:
                 arguments.append(ffi.NULL)
             else:
                 arguments.append(p.number(names[p.name]))
-        value = self.c_function(*arguments)
-        return self._answer(value, answers, field)
+        value = self._run(arguments, [value for _, value in keep if isinstance(value, Handle)])
+        if self.defined:  # a simulation copies its definition
+            for handle in [value for _, value in keep if isinstance(value, Handle)]:
+                handle._hold([keep_of(keep, "definition")])
+        return self._answer(value, answers, field, [value for _, value in keep])
+
+    def _run(self, arguments, handles):
+        """Calls C; where shapes.txt allows it in pieces of a tenth of a second, between which Ctrl-C and exceptions of functions end it."""
+        if not self.guarded:
+            return self.c_function(*arguments)
+        if self.pieces is None:
+            with Call(handles):
+                return self.c_function(*arguments)
+        left, piece, value = arguments[self.pieces], 1, 0
+        while True:
+            begun, arguments[self.pieces] = time.monotonic(), min(left, piece)
+            with Call(handles):
+                value = self.c_function(*arguments)
+            left -= piece
+            if value != 0 or left <= 0:
+                return value
+            took = time.monotonic() - begun
+            piece = 2 * piece if took < 0.05 else max(piece // 2, 1) if took > 0.2 else piece
 
     def _bind(self, args, keywords):
         if len(args) > len(self.visible):
@@ -383,13 +697,17 @@ class Function:
                 del given[p.name]
         return given
 
-    def _answer(self, value, answers, field):
+    def _answer(self, value, answers, field, given):
         if self.status and value != 0 or self.index and value < 0:
-            status = int(value) if self.status else -int(value)
+            status = int(value) if self.status else self.refusal or -int(value)
             raise status_error(self.lower, status, None if field is None or field[0] == ffi.NULL else ffi.string(field[0]).decode())
         made = [(name, answer() if callable(answer) else answer) for name, answer in answers]
         if not self.status and self.about["returns"] != "void":
             made.insert(0, ("value", self._value(value)))
+        for _, answer in made:  # C may have put pointers to its arguments into them
+            for structure in answer if isinstance(answer, list) else [answer]:
+                if isinstance(structure, Structure) and given and _points(ffi.typeof(structure._c).item):
+                    structure._kept["arguments"] = held(given)
         if len(made) <= 1:
             return made[0][1] if made else None
         return types.SimpleNamespace(**dict(made))
@@ -430,7 +748,8 @@ class Parameter:
         self.shape = _shape(f"{function.name}.{self.c_name}", function.constants)
         self.opaque = base in _types_of and _types_of[base][1]["opaque"]
         self.structure = base in _types_of and not self.opaque
-        self.field = about["deep"] and self.name == "field"
+        self.changes = self.opaque and "const" not in about["type"]
+        self.field = about["deep"] and base == "char"  # names what is wrong: field, reason
         self.void = self.pointer and base == "void"
         self.hidden = self.field or self.void or base.endswith(("_memory", "_allocator"))
         inout = self.shape is not None and (self.shape.inout or self.shape.optional)
@@ -442,30 +761,16 @@ class Parameter:
         self.dtype = DTYPES.get(base)
 
     def number(self, value):
-        if isinstance(value, np.generic):
-            value = value.item()
         c_type = self.about["type"]
         if self.structure:
             if isinstance(value, Structure):
                 if value._name != self.type:
                     raise TypeError(f"{self.function.name}: {self.name}: a {self.type} is needed, not a {value._name}")
                 return value._c[0]
-            try:
-                made = ffi.new(f"{self.type} *", tuple(float(v) for v in value))
-            except (TypeError, ValueError, IndexError) as error:
-                raise TypeError(f"{self.function.name}: {self.name}: a {self.type} is needed ({error})") from None
-            return made[0]
+            return _struct(ffi.typeof(self.type), value, f"{self.function.name}: {self.name}")[0]
         if self.callback or "_fn" in c_type or c_type.endswith(("_function", "_kernel")):
             return ffi.NULL if value is None else _callback(ffi.typeof(c_type), value, self.name)
-        if isinstance(value, bool):
-            value = int(value)
-        if not isinstance(value, (int, float)):
-            raise TypeError(f"{self.function.name}: {self.name}: a number is needed, not {type(value).__name__}")
-        if self.type not in ("double", "float"):
-            if isinstance(value, float) and not value.is_integer():
-                raise TypeError(f"{self.function.name}: {self.name}: a whole number is needed, not {value}")
-            value = int(value)
-        return value
+        return number(self.type, value, f"{self.function.name}: {self.name}")
 
     def take(self, value, keep):
         """Converts what the caller gave for a pointer."""
@@ -493,7 +798,7 @@ class Parameter:
         if self.dtype is None:
             raise TypeError(f"{what} cannot be given from Python")
         if self.shape is not None and self.shape.inout:
-            if not (isinstance(value, np.ndarray) and value.dtype == self.dtype and value.flags.c_contiguous and value.flags.writeable):
+            if not (isinstance(value, np.ndarray) and not np.ma.isMaskedArray(value) and value.dtype == self.dtype and value.flags.c_contiguous and value.flags.writeable):
                 raise TypeError(f"{what}: a writable, contiguous numpy array of {np.dtype(self.dtype)} is needed; it is changed")
             array = value
         else:
@@ -508,17 +813,21 @@ class Parameter:
                 item._check_arrays(names, f"{self.function.name}.{self.c_name}")
             if isinstance(kept, list) and self.shape.of(names, what) != (len(kept),):
                 raise ValueError(f"{what}: {len(kept)} given, {self.shape.of(names, what)[0]} needed")
+            if self.shape is not None and self.shape.checked:
+                status = getattr(lib, self.shape.checked)(kept._c)
+                if status != 0:
+                    raise status_error(self.function.lower, status, self.name)
         elif self.shape is not None and self.shape.dims:
             dims = self.shape.of(names, what)
-            if kept.shape != dims and not (kept.size == int(np.prod(dims)) and kept.ndim == 1):
+            if not _fits(kept, dims):
                 raise ValueError(f"{what}: shape {kept.shape} given, {dims} needed")
 
     def make(self, names, keep):
         """Room for an answer: C's pointer, and how to make Python's value of it."""
         what = f"{self.function.name}: {self.name}"
         if self.opaque:
-            handle = _classes[self.type]()
-            handle._keep += [value for _, value in keep]  # C may point to them
+            handle = _classes[self.type]._new()
+            handle._hold(value for _, value in keep)  # C may point to them
             return handle._c, handle
         if self.structure:
             count = self.shape.of(names, what)[0] if self.shape and self.shape.dims else None
@@ -539,7 +848,7 @@ def ffi_of_law():
     import cffi
     made = cffi.FFI()
     made.cdef("size_t law_world_size(void); int law_run(void *world, double duration);"
-              "void law_set(const char *name, double value); double law_get(const char *name);")
+              "int law_set(const char *name, double value); double law_get(const char *name); void law_forget(const void *world);")
     return made
 
 

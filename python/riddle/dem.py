@@ -16,10 +16,14 @@ Functions that take a world are methods of World. Ctrl-C stops a run between ste
 usable. A world can be pickled.
 """
 import contextlib
+import copy
+import numbers
+import os
 import signal
 import sys
 import threading
 import time as _time
+import warnings
 
 import numpy as np
 
@@ -49,8 +53,9 @@ def _need_memory(what, spheres):
         raise MemoryError(f"{what}: {spheres:.3g} particles take about {1e-9 * spheres * BYTES_OF_A_SPHERE:.3g} GB of memory, of which {1e-9 * free:.3g} GB are free")
 
 
-class View:
-    """What a world stores, as it is read: a sequence of integers that raises once the world has changed. Copy it with numpy.array()."""
+class View(np.lib.mixins.NDArrayOperatorsMixin):
+    """What a world stores, as it is read: it serves as a read-only array of numpy, and raises once the world has changed. Copy it with
+    numpy.array()."""
 
     def __init__(self, world, values):
         self._world, self._values, self._version = world, values, world._version
@@ -63,20 +68,37 @@ class View:
     def __array__(self, dtype=None, copy=None):
         return np.array(self._now(), dtype=dtype)
 
+    def __array_ufunc__(self, ufunc, method, *inputs, **keywords):
+        if any(isinstance(out, View) for out in keywords.get("out", ())):
+            raise TypeError("what a world stores cannot be changed through a view")
+        return getattr(ufunc, method)(*[value._now() if isinstance(value, View) else value for value in inputs], **keywords)
+
+    def __getattr__(self, name):
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return getattr(self._now(), name)
+
     def __len__(self):
         return len(self._now())
 
     def __getitem__(self, index):
-        return self._now()[index]
+        return self._now()[index._now() if isinstance(index, View) else index]
 
     def __iter__(self):
         return iter(self._now())
 
-    def __eq__(self, other):
-        return self._now() == np.asarray(other)
-
     def __repr__(self):
         return f"View({self._now()!r})"
+
+
+def _pose(motion, now):
+    """Where a prescribed motion puts a wall."""
+    returned = motion(now)
+    try:
+        shift, turn = returned
+        return _core.vector(3, shift, "shift"), _core.vector(3, turn, "turn")
+    except (TypeError, ValueError):
+        raise ValueError(f"prescribe: the motion must return ((x, y, z) [m], (rx, ry, rz) [rad]), finite numbers, not {returned!r}") from None
 
 
 class World(_core.Handle):
@@ -84,22 +106,35 @@ class World(_core.Handle):
 
     _name = "dem_world"
     _free = "dem_free"
+    _OWN = ("_memory", "_c", "_keep", "_users", "_version", "_callbacks", "_laws")  # what a subclass adds is kept in copies
 
     def __init__(self, definition=None):
-        super().__init__()
-        self._version = 0
-        self._callbacks = {}
-        if definition is None:
-            return
         if not isinstance(definition, Structure) or definition._name != "dem_def":
-            self._c = None
-            raise TypeError("World: a dem.def_ is needed")
-        self._keep.append(definition)  # its functions
+            raise TypeError(f"World: a dem.def_ is needed, not {type(definition).__name__}")
+        self._begin()
+        self._hold([definition])  # its functions
         field = ffi.new("const char **")
         status = lib.dem_init(self._c, definition._c, field)
         if status != 0:
             self._c = None
             raise _core.status_error("dem", status, ffi.string(field[0]).decode() if field[0] != ffi.NULL else None)
+
+    def _begin(self):
+        super()._begin()
+        self._version, self._callbacks, self._laws = 0, {}, {}
+
+    def _before_free(self):
+        for law in self._laws.values():
+            law._forget(self)
+
+    def _do(self, function, *arguments):
+        """Calls a function of C that changes the world and returns a status."""
+        try:
+            with _core.Call([self]):
+                status = function(*arguments)
+        finally:
+            self._version += 1
+        self._check(status)
 
     def _check(self, status):
         self._version += 1
@@ -141,19 +176,27 @@ class World(_core.Handle):
         values = np.empty(self.count, dtype=np.int64)
         if values.size:
             lib.riddle_records(self._alive, _RECORDS[name], ffi.cast("int64_t *", ffi.from_buffer(values)))
+        if name == "present":
+            values = values != 0
         values.flags.writeable = False
         return View(self, values)
 
     # ---- changing ----
 
     def add_spheres(self, centres, diameters, material, group=0):
-        """Adds spheres at rest. centres: [n][3] [m]; diameters: [n] [m] or one number. Returns the index of the first."""
-        centres = _core._array(centres, np.float64, "centres").reshape(-1, 3) if np.size(centres) else np.empty((0, 3))
-        diameters = np.ascontiguousarray(np.broadcast_to(_core._array(diameters, np.float64, "diameters"), (len(centres),)))
+        """Adds spheres at rest. centres: [n][3] [m], or [3] for one; diameters: [n] [m] or one number. Returns the index of the first."""
+        centres, diameters = _core._array(centres, np.float64, "centres"), _core._array(diameters, np.float64, "diameters")
+        centres = centres.reshape(1, 3) if centres.shape == (3,) else centres if centres.size else np.empty((0, 3))
+        if centres.ndim != 2 or centres.shape[1] != 3:
+            raise ValueError(f"add_spheres: centres: shape {centres.shape} given, (n, 3) needed" + ("; transpose it" if centres.shape[:1] == (3,) else ""))
+        if diameters.shape not in ((), (len(centres),)):
+            raise ValueError(f"add_spheres: diameters: shape {diameters.shape} given, ({len(centres)},) or one number needed")
+        diameters = np.ascontiguousarray(np.broadcast_to(diameters, (len(centres),)))
+        material, group = _core.number("int", material, "add_spheres: material"), _core.number("int", group, "add_spheres: group")
         first = self.count
         if len(centres):
-            self._check(lib.dem_add_spheres(self._alive, len(centres), ffi.cast("double *", ffi.from_buffer(np.ascontiguousarray(centres))),
-                                            ffi.cast("double *", ffi.from_buffer(diameters)), material, group))
+            self._do(lib.dem_add_spheres, self._alive, len(centres), ffi.cast("double *", ffi.from_buffer(np.ascontiguousarray(centres))),
+                     ffi.cast("double *", ffi.from_buffer(diameters)), material, group)
         return first
 
     @contextlib.contextmanager
@@ -184,7 +227,7 @@ class World(_core.Handle):
         dt = self.dt
         end = self.step + round(min(duration / dt, 2.0**62)) if duration > 0.0 and np.isfinite(duration) else None
         if end is None:
-            self._check(run(duration))
+            self._do(run, duration)
             return
         steps, stopped = 64, []
         before = None
@@ -197,7 +240,7 @@ class World(_core.Handle):
             while owed > 0.0:
                 span = min(owed, steps * dt) if owed > 1.5 * steps * dt else owed
                 begun = _time.monotonic()
-                self._check(run(span))
+                self._do(run, span)
                 owed = owed - span if span < owed else 0.0
                 if progress is not None:
                     progress(self)
@@ -214,14 +257,14 @@ class World(_core.Handle):
         self._advance(duration, lambda span: law(self, span), progress)
 
     def prescribe(self, wall, centre, motion):
-        """The wall goes where motion(time) says: ((x, y, z) [m], (rx, ry, rz) [rad]). Called in every step: slow from Python."""
+        """The wall goes where motion(time) says: ((x, y, z) [m], (rx, ry, rz) [rad]). Called here, and in every step: slow from Python.
+        An exception in it ends the run in that step and is raised; the world can be read then, but not run on."""
         def pose(_, now, out):
-            shift, turn = motion(now)
-            out.shift = tuple(float(v) for v in shift)
-            out.turn = tuple(float(v) for v in turn)
-        made = ffi.callback("dem_motion_fn", pose)
+            out.shift, out.turn = _pose(motion, now)
+        _pose(motion, self.time)
+        made = _core._callback(ffi.typeof("dem_motion_fn"), pose, "motion")
+        self._do(lib.dem_prescribe, self._alive, _core.number("int", wall, "prescribe: wall"), _core.vector(3, centre, "prescribe: centre"), made, ffi.NULL)
         self._callbacks[wall] = made
-        self._check(lib.dem_prescribe(self._alive, wall, tuple(float(v) for v in centre), made, ffi.NULL))
 
     def add_stl(self, material, source, scale=1e-3, weld=1e-6):
         """A wall from an STL file (its path or its bytes). scale [m per unit of the file]. Returns its index and the report."""
@@ -262,15 +305,28 @@ class World(_core.Handle):
     @classmethod
     def load(cls, data):
         """A world from save(). Prescribed motions (Python functions) must be set again."""
-        world = cls()
+        world = cls._new()
         status = lib.dem_load(world._c, bytes(data), len(data), ffi.NULL)
         if status != 0:
             world._c = None
             raise _core.status_error("dem", status)
         return world
 
+    def _more(self):
+        return {name: value for name, value in self.__dict__.items() if name not in self._OWN}
+
     def __reduce__(self):
-        return (World.load, (self.save(),))
+        return type(self).load, (self.save(),), self._more() or None
+
+    def __copy__(self):
+        made = type(self).load(self.save())
+        made.__dict__.update(self._more())
+        return made
+
+    def __deepcopy__(self, memo):
+        made = type(self).load(self.save())
+        made.__dict__.update(copy.deepcopy(self._more(), memo))
+        return made
 
 
 for _name in _STATES:
@@ -293,9 +349,10 @@ def pair(definition, a, b):
     """The parameters of a pair of materials in a definition, to be edited."""
     if not isinstance(definition, Structure) or definition._name != "dem_def":
         raise TypeError("pair: a dem.def_ is needed")
-    found = lib.dem_pair(definition._c, a, b)
+    a, b = _core.number("int", a, "pair: a"), _core.number("int", b, "pair: b")
+    found = lib.dem_pair(definition._c, a, b) if 0 <= min(a, b) <= max(a, b) < definition.materials else ffi.NULL
     if found == ffi.NULL:
-        raise IndexError(f"pair: no materials {a}, {b}")
+        raise IndexError(f"pair: no materials {a}, {b}: the definition has {definition.materials}")
     return _core._classes["dem_pair_def"]._of(found, definition)
 
 
@@ -305,24 +362,55 @@ class Law:
         cc -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math -fPIC -shared -I. python/laws/magnets.c -lm -o magnets.so
 
     The file includes dem.h, defines the law and its kernel, and two functions: size_t law_world_size(void), which returns
-    sizeof(dem_world), and dem_status law_run(dem_world *world, double duration). It must be of the same version of dem.h as the binding."""
+    sizeof(dem_world), and dem_status law_run(dem_world *world, double duration). It must be of the same version of dem.h as the binding.
+    It may have three more, which wet.c shows: law_set and law_get for its numbers, law_forget for what it keeps of a world."""
 
     def __init__(self, path):
+        self._path = os.path.abspath(os.fspath(path))
         self._ffi = _core.ffi_of_law()
-        self._lib = self._ffi.dlopen(path)
-        if self._lib.law_world_size() != lib.size_of_dem_world():
-            raise ImportError(f"{path}: made with another version of dem.h")
+        try:
+            self._lib = self._ffi.dlopen(self._path)
+            size = self._lib.law_world_size()
+        except (OSError, AttributeError) as error:
+            raise ImportError(f"{self._path}: no law in a shared library ({error})") from None
+        if size != lib.size_of_dem_world():
+            raise ImportError(f"{self._path}: made with another version of dem.h")
+
+    def _function(self, name):
+        try:
+            return getattr(self._lib, name)
+        except AttributeError:
+            return None
 
     def set(self, name, value):
-        """Sets a number of the law, if its file has void law_set(const char *name, double value)."""
-        self._lib.law_set(name.encode(), float(value))
+        """Sets a number of the law, if its file has int law_set(const char *name, double value), which returns 0; 1: there is no such
+        number; 2: the value is outside its range."""
+        function, number = self._function("law_set"), _core.number("double", value, f"law: {name}")
+        refused = function(name.encode(), number) if function else 1
+        if refused:
+            raise ValueError(f"{self._path}: " + (f"{name} cannot be {number}" if refused == 2 else f"the law has no number {name!r} to be set"))
 
     def get(self, name):
-        """A number of the law, if its file has double law_get(const char *name)."""
-        return self._lib.law_get(name.encode())
+        """A number of the law, if its file has double law_get(const char *name), which returns NaN where there is no such number."""
+        function = self._function("law_get")
+        value = function(name.encode()) if function else np.nan
+        if np.isnan(value):
+            raise ValueError(f"{self._path}: the law has no number {name!r}")
+        return value
+
+    def _address(self, world):
+        return self._ffi.cast("void *", int(ffi.cast("uintptr_t", world._alive)))
+
+    def _forget(self, world):
+        function = self._function("law_forget")
+        if function:
+            function(self._address(world))
 
     def __call__(self, world, duration):
-        return self._lib.law_run(self._ffi.cast("void *", int(ffi.cast("uintptr_t", world._alive))), duration)
+        if not isinstance(world, World):
+            raise TypeError(f"law: a World is needed, not {type(world).__name__}")
+        world._laws[self._path] = self
+        return self._lib.law_run(self._address(world), duration)
 
 
 def _method(function):
@@ -350,12 +438,19 @@ def _number_of(world, feed, mass):
 def _placing(method, name):
     """A method that looks for places: told at once where memory does not suffice, and stopped by Ctrl-C."""
     def call(self, *args, **keywords):
-        feed, amount = (list(args) + [keywords.get("feed"), keywords.get("count", keywords.get("mass"))])[:2]
-        if name.startswith("dem_fill") and isinstance(feed, Structure) and feed._name == "dem_feed" and isinstance(amount, (int, float)):
+        given = dict(zip(("feed", "count" if name == "dem_fill" else "mass"), args), **keywords)
+        feed, amount = given.get("feed"), given.get("count", given.get("mass"))
+        fills = name.startswith("dem_fill") and isinstance(feed, Structure) and feed._name == "dem_feed" and isinstance(amount, (numbers.Real, np.ndarray))
+        if fills:
+            amount = _core.number("double", amount, f"{method.__name__}: {'count' if name == 'dem_fill' else 'mass'}")
             number = amount if name == "dem_fill" else _number_of(self, feed, amount)
             _need_memory(method.__name__, number * (1 if feed.clump is None else feed.clump.spheres))
+            before = feed.placed, feed.missed
         with self._stoppable():
-            return method(self, *args, **keywords)
+            answer = method(self, *args, **keywords)
+        if fills and feed.placed == before[0] and feed.missed > before[1]:
+            warnings.warn(f"{method.__name__}: none of {feed.missed - before[1]} bodies found a place in the region: are all lengths in metres?", stacklevel=2)
+        return answer
 
     call.__name__, call.__doc__, call.c_name = method.__name__, method.__doc__ + "\n\nCtrl-C ends it; nothing has changed then.", method.c_name
     return call
