@@ -277,7 +277,8 @@ static int read_value(tree_file *file, const tree *v, const scene_field *f, void
     case FIELD_NUMBER:
     case FIELD_WHOLE: return read_number(file, v, f->key, f, at);
     case FIELD_YES: return read_yes(file, v, f, at);
-    case FIELD_TEXT: return read_text(file, v, f, at);
+    case FIELD_TEXT:
+    case FIELD_FILE: return read_text(file, v, f, at);
     case FIELD_TWO: return read_two(file, v, f, at);
     case FIELD_CHOICE: return read_choice(file, v, f, at);
     case FIELD_VECTOR: return read_vector(file, v, f, at);
@@ -360,7 +361,8 @@ static const char *type_text(const scene_field *f, char *text, size_t size) {
                  range_of(f, range, sizeof range));
         break;
     case FIELD_YES: snprintf(text, size, "yes, no"); break;
-    case FIELD_TEXT: snprintf(text, size, "text"); break;
+    case FIELD_TEXT:
+    case FIELD_FILE: snprintf(text, size, "text"); break;
     case FIELD_TWO: snprintf(text, size, "[name, name]"); break;
     case FIELD_CHOICE: {
         size_t used = 0;

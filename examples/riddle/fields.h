@@ -36,6 +36,7 @@ typedef enum field_kind {
     FIELD_WHOLE,  /* double, a whole number */
     FIELD_YES,    /* int: yes or no */
     FIELD_TEXT,   /* const char * */
+    FIELD_FILE,   /* the same, the name of a file, relative to the folder of this one */
     FIELD_TWO,    /* const char *[2] */
     FIELD_CHOICE, /* int: which of choices, "linear|hertz" */
     FIELD_VECTOR, /* double[3] */

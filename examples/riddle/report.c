@@ -23,6 +23,7 @@ struct report {
     double looked;                  /* time of it [s] */
     double *frame;                  /* times of the frames [s] */
     int frames, frame_room;
+    double next_frame; /* is due at this number of intervals */
     dem_io_series series;
     picture_def look;
     world_movie film;
@@ -190,9 +191,9 @@ static int open_series(report *r) {
 static void add_frames(report *r) {
     const output_def *o = &r->s->def->output;
     const double now = scene_time(r->s), soon = now + 1e-9 * r->s->tick;
-    if (o->frames > 0.0 && soon >= r->frames * o->frames) {
+    if (o->frames > 0.0 && soon >= r->next_frame * o->frames) {
         if (open_series(r) || make_room(&r->frame, r->frames, &r->frame_room, sizeof *r->frame)) return;
-        r->frame[r->frames++] = r->s->world.time;
+        r->frame[r->frames++] = r->s->world.time, r->next_frame += 1.0;
         dem_io_add(&r->series, &r->s->world);
     }
     if (!r->drawn && soon >= o->picture) draw_world(&r->s->world, &r->look, r->folder, "scene.png"), r->drawn = 1;
@@ -263,13 +264,16 @@ void report_json(const report *r, json *j) {
 }
 
 int report_exchange(report *r, scene_state *io) {
-    double counts[] = {r->rows, r->frames, r->looked, r->drawn};
+    const output_def *o = &r->s->def->output;
+    double counts[] = {r->rows, r->frames, r->looked, r->drawn, r->next_frame, o->frames};
     state_same(io, r->columns);
-    state_numbers(io, counts, 4);
+    state_numbers(io, counts, 6);
     if (io->failed || !(counts[0] >= 0.0 && counts[0] < 1e9 && counts[1] >= 0.0 && counts[1] < 1e9)) return io->failed = 1, -1;
     if (io->reading) {
         r->rows = r->frames = 0;
-        r->looked = counts[2], r->drawn = counts[3] != 0.0;
+        r->looked = counts[2], r->drawn = counts[3] != 0.0 && scene_time(r->s) >= o->picture;
+        r->next_frame =
+            counts[5] == o->frames ? counts[4] : floor(scene_time(r->s) / o->frames + 1e-9) + 1.0; /* at other times than before */
     }
     while (r->rows < (int)counts[0] && !io->failed) { /* as many as the save really holds */
         if (make_room(&r->row, r->rows, &r->room, (size_t)r->columns * sizeof *r->row)) return io->failed = 1, -1;

@@ -9,6 +9,7 @@
 #include "common.h"
 #include "report.h"
 #include "scene.h"
+#include "scene_same.h"
 
 static const char *const templates[] = {"hopper", "screen", "drum", "box", "shapes"};
 static const char state_name[] = "scene.state";
@@ -23,6 +24,7 @@ typedef struct job {
     tree_file tree;
     scene_def def;
     scene s;
+    char *keys; /* of the scene, which a save has, too */
     report *r;
 } job;
 
@@ -75,11 +77,25 @@ static int read_scene(job *j, bool seed_given) {
     if (scene_make(&j->s, &j->def, &j->tree, seed_given ? j->self.seed : (uint64_t)j->def.seed, j->self.threads))
         return refuse(j->tree.message);
     j->r = report_open(&j->s, j->self.out);
-    return j->r ? 0 : refuse(j->tree.message);
+    j->keys = scene_keys(&j->s);
+    return j->r && j->keys ? 0 : refuse(j->tree.message);
+}
+
+/* The keys of the scene of a save against those of this one. */
+static int exchange_keys(job *j, scene_state *io) {
+    uint64_t size = strlen(j->keys) + 1;
+    char *saved = j->keys;
+    state_whole(io, &size);
+    if (io->reading && !io->failed) saved = size > 0 && size <= io->size - io->at ? tree_memory(&j->tree, (size_t)size) : NULL;
+    if (!saved) io->failed = 1;
+    state_bytes(io, saved, (size_t)size);
+    if (!io->reading || io->failed) return io->failed;
+    saved[size - 1] = '\0';
+    return scene_same(&j->s, j->keys, saved);
 }
 
 static int exchange(job *j, scene_state *io) {
-    const int failed = scene_exchange(&j->s, io) || report_exchange(j->r, io);
+    const int failed = exchange_keys(j, io) || scene_exchange(&j->s, io) || report_exchange(j->r, io);
     return state_finish(io) || failed ? -1 : 0;
 }
 
@@ -90,10 +106,12 @@ static int read_state(job *j) {
     unsigned char *bytes =
         (unsigned char *)input_read(output_path(path, sizeof path, j->self.out, state_name), &size, message, sizeof message);
     if (!bytes) return refuse(message);
-    const int failed = state_begin_reading(&io, bytes, size) || exchange(j, &io);
+    const int begun = state_begin_reading(&io, bytes, size), failed = begun || exchange(j, &io);
     state_free(&io);
     if (!failed) return 0;
-    snprintf(message, sizeof message, "--continue: %.300s: no whole save, or the scene now has other walls, feeds, regions or times", path);
+    if (j->tree.message[0]) return refuse(j->tree.message);
+    snprintf(message, sizeof message, "--continue: %.300s: %s", path,
+             begun == 1 ? "a save of another version of riddle run, which alone goes on from it" : "no whole save");
     return refuse(message);
 }
 

@@ -20,6 +20,8 @@
     { #member, FIELD_VECTOR, unit, offsetof(type, member), ANY, fallback, 0, NO_WORDS, help }
 #define TEXT(type, member, fallback, help)                                                                                                 \
     { #member, FIELD_TEXT, UNIT_NONE, offsetof(type, member), ANY, fallback, 0, NO_WORDS, help }
+#define FILE_NAME(type, member, help)                                                                                                      \
+    { #member, FIELD_FILE, UNIT_NONE, offsetof(type, member), ANY, MUST, 0, NO_WORDS, help }
 #define CHOICE(type, member, words, fallback, help)                                                                                        \
     { #member, FIELD_CHOICE, UNIT_NONE, offsetof(type, member), ANY, fallback, 0, words, NULL, help }
 #define PART(type, member, below, fallback, group, help)                                                                                   \
@@ -103,7 +105,7 @@ static const scene_field screen_fields[] = {
 };
 SECTION(screen, screen_shape, "screen", "A woven wire screen with square apertures.");
 static const scene_field mesh_fields[] = {
-    TEXT(mesh_shape, file, MUST, "an STL file, text or binary; its name is relative to the scene's folder"),
+    FILE_NAME(mesh_shape, file, "an STL file, text or binary; its name is relative to the scene's folder"),
     NUMBER(mesh_shape, unit, UNIT_LENGTH, POSITIVE, "1e-3", "length of one unit of the file; 1 mm as CAD writes it"),
     NUMBER(mesh_shape, weld, UNIT_LENGTH, AT_LEAST_0, "0", "corners nearer than this become one"),
     VECTOR(mesh_shape, centre, UNIT_LENGTH, "[0, 0, 0]", "where the origin of the file is put"),
@@ -184,7 +186,7 @@ static const scene_field shape_sphere_fields[] = {
 };
 SECTION(shape_sphere, shape_sphere, "sphere of a shape", "Spheres may overlap: the body is their union, of one density.");
 static const scene_field shape_mesh_fields[] = {
-    TEXT(shape_mesh, file, MUST, "an STL file of a closed convex surface; its name is relative to the scene's folder"),
+    FILE_NAME(shape_mesh, file, "an STL file of a closed convex surface; its name is relative to the scene's folder"),
     NUMBER(shape_mesh, unit, UNIT_LENGTH, POSITIVE, "1e-3", "length of one unit of the file; 1 mm as CAD writes it"),
     NUMBER(shape_mesh, weld, UNIT_LENGTH, AT_LEAST_0, "0", "corners nearer than this become one"),
 };
@@ -256,7 +258,7 @@ SECTION(rosin, rosin_sizes, "rosin_rammler", "Rosin & Rammler (1933).");
 static const scene_field sizes_fields[] = {
     ONE_NUMBER(sizes_def, diameter, FIELD_NUMBER, UNIT_LENGTH, POSITIVE, 1, "one size"),
     {"classes", FIELD_LIST, UNIT_NONE, offsetof(sizes_def, classes), 1, 1000, false, "", 1, NULL, &class_section, "any number of sizes"},
-    {"file", FIELD_TEXT, UNIT_NONE, offsetof(sizes_def, file), ANY, "", 1, NO_WORDS,
+    {"file", FIELD_FILE, UNIT_NONE, offsetof(sizes_def, file), ANY, "", 1, NO_WORDS,
      "CSV with columns `size_mm` (or `size_um`, `size_m`) and `passing` (0 to 1, a sieve curve: a class between two rows has even sizes) "
      "or `share`"},
     PART(sizes_def, uniform, even, "", 1, "even sizes"),
@@ -377,9 +379,10 @@ const scene_table scene_section = {"scene", "The whole file.", scene_fields, (in
 int scene_read(tree_file *file, scene_def *scene) {
     if (fields_read(file, file->root, &scene_section, scene)) return -1;
     tree none = {TREE_MAP, 1, 1, NULL, 0, 0, 0, 0, NULL, NULL}; /* what is not given has its defaults all the same */
-    if (!scene->measure.part.where && fields_read(file, &none, &measure_section, &scene->measure)) return -1;
-    if (!scene->output.part.where && fields_read(file, &none, &output_section, &scene->output)) return -1;
-    scene->measure.part.where = scene->output.part.where = NULL;
+    const tree *measure = scene->measure.part.where, *output = scene->output.part.where;
+    if (!measure && fields_read(file, &none, &measure_section, &scene->measure)) return -1;
+    if (!output && fields_read(file, &none, &output_section, &scene->output)) return -1;
+    scene->measure.part.where = measure, scene->output.part.where = output;
     if (!(scene->measure.every > 0.0)) scene->measure.every = scene->duration / 100.0;
     return 0;
 }

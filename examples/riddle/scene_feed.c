@@ -57,10 +57,8 @@ static int add_share(scene *s, size_shares *list, const tree *at, dem_sizes size
 static int read_csv(scene *s, const sizes_def *def, size_shares *list) {
     char path[1000], message[300];
     const tree *at = fields_where(&def->part, "file");
-    const char *slash = strrchr(s->file->name, '/');
-    const int folder = slash && def->file[0] != '/' ? (int)(slash - s->file->name) + 1 : 0;
     csv_data data;
-    snprintf(path, sizeof path, "%.*s%s", folder, s->file->name, def->file);
+    tree_beside(s->file, def->file, path, sizeof path);
     if (csv_read(path, &data, message, sizeof message)) return tree_fail(s->file, at, "file: %s", message);
     const bool curve = csv_column(&data, "passing") >= 0;
     double before = 0.0, smaller = 0.0;

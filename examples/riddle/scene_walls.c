@@ -119,11 +119,8 @@ static int add_lifters(scene *s, int material, const lifters_shape *l) {
 
 int scene_read_stl(tree_file *file, const tree *at, const char *name, double unit, double weld, dem_mesh *mesh) {
     char path[1000], message[300];
-    const char *slash = strrchr(file->name, '/');
-    const int folder = slash && name[0] != '/' ? (int)(slash - file->name) + 1 : 0;
     size_t size;
-    snprintf(path, sizeof path, "%.*s%s", folder, file->name, name);
-    char *bytes = input_read(path, &size, message, sizeof message);
+    char *bytes = input_read(tree_beside(file, name, path, sizeof path), &size, message, sizeof message);
     if (!bytes) return tree_fail(file, at, "file: %s", message);
     const dem_status status = dem_read_stl(bytes, size, unit, weld, NULL, mesh, NULL);
     free(bytes);

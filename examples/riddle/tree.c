@@ -59,6 +59,13 @@ const tree *tree_find(const tree *map, const char *key) {
     return NULL;
 }
 
+const char *tree_beside(const tree_file *file, const char *name, char *path, size_t size) {
+    const char *slash = strrchr(file->name, '/');
+    const int folder = slash && name[0] != '/' ? (int)(slash - file->name) + 1 : 0;
+    snprintf(path, size, "%.*s%s", folder, file->name, name);
+    return path;
+}
+
 static char *copied(tree_file *file, const char *text, size_t length) {
     char *copy = tree_memory(file, length + 1);
     if (copy) memcpy(copy, text, length);

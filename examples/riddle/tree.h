@@ -32,6 +32,8 @@ int tree_read(tree_file *file, const char *name, const char *bytes, size_t size)
 void tree_free(tree_file *file);
 /* The value of a key, or NULL. */
 const tree *tree_find(const tree *map, const char *key);
+/* The path of a file whose name is relative to the folder of this one. */
+const char *tree_beside(const tree_file *file, const char *name, char *path, size_t size);
 /* Zeroed memory that lives as long as the file; NULL with a message. */
 void *tree_memory(tree_file *file, size_t size);
 /* Keeps the first message, "file:line:column: ...", and returns -1. at may be NULL: the file as a whole. */
