@@ -189,7 +189,8 @@ static int run_scene(job *j, bool seed_given) {
     int failed = read_scene(j, seed_given);
     if (!failed && j->again) failed = read_state(j);
     if (!failed && j->check)
-        common_print("%s: walls: %d, feeds: %d, time step: %.3g s\n", j->file, j->s.world.walls, j->s.sources, j->s.world.def.dt);
+        common_print("%s: walls: %d, feeds: %d, time step: %.3g s\n", j->file, j->s.world.walls, j->s.sources, j->s.world.def.dt),
+            common_print("%s", j->tree.notes);
     else if (!failed) {
         const stop_def *stop = run(j);
         if (common_exit_status() != 1 && !j->halfway) write_state(j);

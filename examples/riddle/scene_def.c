@@ -105,7 +105,9 @@ static const scene_field screen_fields[] = {
 };
 SECTION(screen, screen_shape, "screen", "A woven wire screen with square apertures.");
 static const scene_field mesh_fields[] = {
-    FILE_NAME(mesh_shape, file, "an STL file, text or binary; its name is relative to the scene's folder"),
+    FILE_NAME(mesh_shape, file,
+              "an STL file, text or binary; its name is relative to the scene's folder. Refused if triangles are missing; `--check` counts "
+              "open edges"),
     NUMBER(mesh_shape, unit, UNIT_LENGTH, POSITIVE, "1e-3", "length of one unit of the file; 1 mm as CAD writes it"),
     NUMBER(mesh_shape, weld, UNIT_LENGTH, AT_LEAST_0, "0", "corners nearer than this become one"),
     VECTOR(mesh_shape, centre, UNIT_LENGTH, "[0, 0, 0]", "where the origin of the file is put"),

@@ -228,7 +228,8 @@ int scene_same(scene *s, const char *keys, const char *saved) {
             continue;
         }
         const tree *at = place_of(s->file->root, next_key ? now.key : before.key);
-        if (same_key) return tree_fail(s->file, at, "--continue: %s is %.80s, in the save %.80s: %s", now.key, now.said, before.said, allowed);
+        if (same_key)
+            return tree_fail(s->file, at, "--continue: %s is %.80s, in the save %.80s: %s", now.key, now.said, before.said, allowed);
         if (next_key && !has_key(saved, now.key))
             return tree_fail(s->file, at, "--continue: %s is %.80s, in the save it is not given: %s", now.key, now.said, allowed);
         at = place_of(s->file->root, before.key);
