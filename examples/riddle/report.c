@@ -10,7 +10,7 @@
 #include "scene_shapes.h"
 #include "scene_wet.h"
 
-enum { NAME = 96, FIXED = 4, OF_REGION = 8, CURVES = 8, FRAMES_A_SECOND = 25 };
+enum { NAME = 96, FIXED = 5, OVERLAP = 4, OF_REGION = 8, CURVES = 8, FRAMES_A_SECOND = 25 };
 
 struct report {
     scene *s;
@@ -39,7 +39,7 @@ static const char *const of_region[OF_REGION] = {"count",  "mass_kg", "solid_fra
                                                  "vx_m_s", "vy_m_s",  "vz_m_s",         "pressure_Pa"};
 
 static void name_columns(report *r) {
-    static const char *const fixed[FIXED] = {"time_s", "particles", "mass_kg", "kinetic_J"};
+    static const char *const fixed[FIXED] = {"time_s", "particles", "mass_kg", "kinetic_J", "largest_overlap"};
     const scene_def *def = r->s->def;
     const wall_def *w = def->walls.item;
     const measured_region *m = def->measure.regions.item;
@@ -130,6 +130,24 @@ static double left_of(const size_group *g) {
     return left < 1e-12 ? 0.0 : left;
 }
 
+static double diameter_of(const dem_world *world, ptrdiff_t i) {
+    return dem_shape_of(world, i) >= 0 ? dem_get_body(world, i).diameter : 2.0 * dem_radius(world, i);
+}
+
+/* Of all contacts that are there now, over the smaller particle's diameter; of a clump that of its spheres, of a polyhedron that of the
+   sphere of its volume. */
+static double largest_overlap(const dem_world *world) {
+    double largest = 0.0;
+    for (ptrdiff_t k = 0; k < dem_contact_count(world); k++) {
+        const dem_contact_info c = dem_get_contact(world, k);
+        if (!(c.gap < 0.0)) continue;
+        double smaller = diameter_of(world, c.i);
+        if (c.j >= 0) smaller = fmin(smaller, diameter_of(world, c.j));
+        largest = fmax(largest, -c.gap / smaller);
+    }
+    return largest;
+}
+
 static void measure(report *r) {
     const scene *s = r->s;
     const dem_world *world = &s->world;
@@ -140,7 +158,7 @@ static void measure(report *r) {
     for (ptrdiff_t i = 0; i < world->count; i++)
         if (world->alive[i] && (!r->bodies || dem_get_body(world, i).first == i)) count += 1.0, mass += dem_mass(world, i);
     const dem_energy_ledger energy = dem_energy(world);
-    *at++ = now, *at++ = count, *at++ = mass, *at++ = energy.kinetic + energy.rotational;
+    *at++ = now, *at++ = count, *at++ = mass, *at++ = energy.kinetic + energy.rotational, *at++ = largest_overlap(world);
     for (int g = 0; g < s->groups; g++) *at++ = left_of(&s->group[g]);
     for (int k = 0; k < s->def->walls.n; k++) {
         const int wall = s->wall_of[k];
@@ -239,6 +257,12 @@ static void draw_curves(const report *r) {
     }
     plot_write(p, r->folder, "curves.svg");
     free(x);
+}
+
+double report_overlap(const report *r) {
+    double largest = 0.0;
+    for (int k = 0; k < r->rows; k++) largest = fmax(largest, r->row[(size_t)k * (size_t)r->columns + OVERLAP]);
+    return largest;
 }
 
 int report_write(report *r) {

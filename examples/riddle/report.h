@@ -10,6 +10,7 @@ typedef struct report report;
 report *report_open(scene *s, const char *folder);
 /* To be called between two ticks: measures, writes frames. The condition that ends the run, or NULL. */
 const stop_def *report_look(report *r);
+double report_overlap(const report *r); /* the largest of all rows, over a diameter */
 /* CSV, curves, picture; 0, or -1 after a printed line. */
 int report_write(report *r);
 void report_json(const report *r, json *j);

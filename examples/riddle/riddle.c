@@ -2,6 +2,7 @@
 
    The file (YAML, or JSON, which is a part of it) says what there is: materials, walls and how they move, shapes, feeds, liquid, what is
    measured, when to stop. docs/scene_files.md lists every key. `riddle run --template screen` writes one to begin with. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +14,7 @@
 
 static const char *const templates[] = {"hopper", "screen", "drum", "box", "shapes"};
 static const char state_name[] = "scene.state";
+static const double OVERLAP_MAX = 0.1; /* of a diameter: beyond it contacts are no contacts any more */
 static const char usage[] =
     "usage: riddle run FILE [options]; riddle run --template hopper|screen|drum|box|shapes; riddle keys; riddle run --help";
 
@@ -181,6 +183,9 @@ static void tell(const job *j, const stop_def *stop) {
     json_close(out);
     if (stop) common_print("stopped at %g s: %s\n", scene_time(&j->s), stop->column);
     if (missed_mass > 0.0) common_print("%g kg found no place: a larger region, a longer way or more speed gives it one\n", missed_mass);
+    if (report_overlap(j->r) > OVERLAP_MAX)
+        common_print("overlap reached %.0f %% of a diameter: %s\n", 100.0 * report_overlap(j->r),
+                     isnan(j->def.time_step) ? "the stiffness is too small" : "the stiffness is too small, or the time step too large");
     common_print("%g s in steps of %.3g s; %s has measured.csv, curves.svg, scene.png, %s\n", scene_time(&j->s), j->s.world.def.dt,
                  j->self.out, state_name);
 }

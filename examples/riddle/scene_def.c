@@ -42,7 +42,7 @@ SECTION(material, material_def, "material", "A material of particles or walls. A
 static const scene_field contact_fields[] = {
     {"between", FIELD_TWO, UNIT_NONE, offsetof(contact_def, between), ANY, MUST, 0, NO_WORDS, "names of two materials, or of one twice"},
     NUMBER(contact_def, stiffness, UNIT_STIFFNESS, POSITIVE, "1e5",
-           "normal; `law: linear` only. Overlaps should stay below 1 % of a diameter"),
+           "normal; `law: linear` only. Overlaps (column `largest_overlap`) should stay below 1 % of a diameter"),
     {"tangential_ratio", FIELD_NUMBER, UNIT_NONE, offsetof(contact_def, tangential_ratio), 0.0, 1.0, false, "0.2857142857142857", 0,
      NO_WORDS, "tangential over normal stiffness; `law: linear` only"},
     {"restitution", FIELD_NUMBER, UNIT_NONE, offsetof(contact_def, restitution), 0.0, 1.0, true, "0.8", 0, NO_WORDS,
@@ -318,7 +318,9 @@ static const scene_field measure_fields[] = {
 };
 SECTION(
     measure, measure_def, "measure",
-    "`measured.csv` always has `time_s`, `particles`, `mass_kg`, `kinetic_J`, of each class `left_<class>` (share of its fed mass that has "
+    "`measured.csv` always has `time_s`, `particles`, `mass_kg`, `kinetic_J`, `largest_overlap` (of all contacts at that time, over the "
+    "diameter of the smaller particle, of a clump's sphere, or of the sphere of a polyhedron's volume), of each class `left_<class>` "
+    "(share of its fed mass that has "
     "passed no exit), of each exit `<exit>_kg`, of each other wall `<wall>_Fx_N`, `_Fy_N`, `_Fz_N` (mean since the row before); with "
     "liquid `bridges`, `liquid_kg`; with polyhedra `core_overlaps`, pairs pressed deeper than their rounding: 0 is right, else contacts "
     "are "
