@@ -27,7 +27,8 @@ struct report {
     dem_io_series series;
     picture_def look;
     world_movie film;
-    int filmed, drawn;
+    int filmed, drawn, pictured; /* pictured: and it is there */
+    char written[60];
     int bodies; /* 1: a particle may have several spheres */
 };
 
@@ -206,6 +207,8 @@ static int open_series(report *r) {
     return r->series.particles ? 0 : common_fail("%s: the series could not be begun", r->folder);
 }
 
+static void draw_picture(report *r) { r->pictured = draw_world(&r->s->world, &r->look, r->folder, "scene.png") == 0, r->drawn = 1; }
+
 static void add_frames(report *r) {
     const output_def *o = &r->s->def->output;
     const double now = scene_time(r->s), soon = now + 1e-9 * r->s->tick;
@@ -214,7 +217,7 @@ static void add_frames(report *r) {
         r->frame[r->frames++] = r->s->world.time, r->next_frame += 1.0;
         dem_io_add(&r->series, &r->s->world);
     }
-    if (!r->drawn && soon >= o->picture) draw_world(&r->s->world, &r->look, r->folder, "scene.png"), r->drawn = 1;
+    if (!r->drawn && soon >= o->picture) draw_picture(r);
     if (!o->movie) return;
     if (!r->film.film && !r->filmed) {
         char name[40];
@@ -233,9 +236,17 @@ const stop_def *report_look(report *r) {
     return row && r->rows ? stopped(r) : NULL;
 }
 
+const stop_def *report_end(report *r) {
+    if (r->rows && !(r->looked < scene_time(r->s))) return NULL;
+    measure(r);
+    add_frames(r);
+    return r->rows ? stopped(r) : NULL;
+}
+
 /* ---- the end ---- */
 
-static void draw_curves(const report *r) {
+/* 0, or not, after a printed line. */
+static int draw_curves(const report *r) {
     const scene *s = r->s;
     plot *p = plot_new(s->def->title, 1, 2);
     double *x = malloc(((size_t)r->rows + 1) * 2 * sizeof *x), *y = x + r->rows;
@@ -255,8 +266,14 @@ static void draw_curves(const report *r) {
         for (int k = 0; k < r->rows; k++) y[k] = r->row[(size_t)k * (size_t)r->columns + (size_t)c];
         plot_line(p, c == 2 ? "particles" : r->column[c], x, y, r->rows);
     }
-    plot_write(p, r->folder, "curves.svg");
+    const int failed = plot_write(p, r->folder, "curves.svg") != RIDDLE_IO_OK;
     free(x);
+    return failed;
+}
+
+static void add_name(report *r, const char *name) {
+    const size_t used = strlen(r->written);
+    snprintf(r->written + used, sizeof r->written - used, "%s%s", used ? ", " : "", name);
 }
 
 double report_overlap(const report *r) {
@@ -265,17 +282,18 @@ double report_overlap(const report *r) {
     return largest;
 }
 
-int report_write(report *r) {
+const char *report_write(report *r) {
     csv *table_file = output_open(r->folder, "measured.csv");
     for (int c = 0; c < r->columns; c++) output_print(table_file, "%s%s", c ? "," : "", r->column[c]);
     output_print(table_file, "\n");
     for (int k = 0; k < r->rows; k++) csv_row(table_file, r->row + (size_t)k * (size_t)r->columns, r->columns);
-    const int failed = csv_close(table_file) != RIDDLE_IO_OK;
-    if (r->rows > 1) draw_curves(r);
-    if (!r->drawn) draw_world(&r->s->world, &r->look, r->folder, "scene.png");
+    if (csv_close(table_file) == RIDDLE_IO_OK) add_name(r, "measured.csv");
+    if (r->rows > 1 && draw_curves(r) == 0) add_name(r, "curves.svg");
+    if (!r->drawn) draw_picture(r);
+    if (r->pictured) add_name(r, "scene.png");
     if (r->series.particles) dem_io_close(&r->series);
     if (r->film.film) world_movie_close(&r->film);
-    return failed ? -1 : 0;
+    return r->written;
 }
 
 void report_json(const report *r, json *j) {
@@ -295,7 +313,7 @@ int report_exchange(report *r, scene_state *io) {
     if (io->failed || !(counts[0] >= 0.0 && counts[0] < 1e9 && counts[1] >= 0.0 && counts[1] < 1e9)) return io->failed = 1, -1;
     if (io->reading) {
         r->rows = r->frames = 0;
-        r->looked = counts[2], r->drawn = counts[3] != 0.0 && scene_time(r->s) >= o->picture;
+        r->looked = counts[2], r->drawn = r->pictured = counts[3] != 0.0 && scene_time(r->s) >= o->picture;
         r->next_frame =
             counts[5] == o->frames ? counts[4] : floor(scene_time(r->s) / o->frames + 1e-9) + 1.0; /* at other times than before */
     }

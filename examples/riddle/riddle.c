@@ -22,7 +22,8 @@ typedef struct job {
     const char *file;
     program self;
     bool again, check;
-    bool halfway; /* stopped while feeds looked for places: not a state to go on from */
+    bool halfway; /* stopped while feeds looked for places, or failed: not a state to go on from */
+    double saved; /* time of the save that this run has written last [s]; NaN: none */
     tree_file tree;
     scene_def def;
     scene s;
@@ -126,6 +127,7 @@ static int write_state(job *j) {
         output *file = output_open(j->self.out, state_name);
         output_write(file, io.bytes, io.size);
         failed = output_close(file) != RIDDLE_IO_OK;
+        if (!failed) j->saved = scene_time(&j->s);
     }
     state_free(&io);
     return failed;
@@ -143,31 +145,48 @@ static void fail_run(const job *j, dem_status status) {
     else common_fail("t = %.6g s: %s (particle %llu)", w->time, dem_status_text(status), (unsigned long long)w->failed_id);
 }
 
+static void end_early(job *j, dem_status status) {
+    j->halfway = true;
+    if (status != DEM_STOPPED) fail_run(j, status);
+}
+
+/* The save, the rest of the duration, the last row. */
+static const stop_def *end_run(job *j, const stop_def *stop) {
+    double left;
+    if (common_exit_status() != 1) write_state(j);
+    if (!stop && !common_interrupted() && scene_near_end(&j->s, &left) && left > 0.0) {
+        const dem_status status = scene_finish(&j->s, left);
+        if (status != DEM_OK) return end_early(j, status), NULL;
+    }
+    const stop_def *at_end = report_end(j->r);
+    return stop || common_interrupted() ? stop : at_end;
+}
+
 static const stop_def *run(job *j) {
     const double save = j->def.output.save;
     const stop_def *stop = NULL;
     progress bar;
-    double saved = scene_time(&j->s);
+    double saved = scene_time(&j->s), left;
     progress_begin(&bar, "running", j->def.duration);
     for (;;) {
         if (!stop) stop = report_look(j->r);
         const double now = scene_time(&j->s);
         progress_update(&bar, now);
-        if (stop || common_interrupted() || now >= j->def.duration - 0.5 * j->s.tick) break;
+        if (stop || common_interrupted() || scene_near_end(&j->s, &left)) break;
         if (save > 0.0 && now - saved >= save * (1.0 - 1e-9)) write_state(j), saved = now;
         const dem_status status = scene_advance(&j->s);
-        if (status == DEM_OK) continue;
-        j->halfway = status == DEM_STOPPED;
-        if (!j->halfway) fail_run(j, status);
-        break;
+        if (status != DEM_OK) end_early(j, status);
+        if (status != DEM_OK) break;
     }
+    if (!j->halfway) stop = end_run(j, stop);
     progress_end(&bar);
     return stop;
 }
 
-static void tell(const job *j, const stop_def *stop) {
+static void tell(const job *j, const stop_def *stop, const char *written) {
     double missed, missed_mass;
-    char hash[24];
+    char hash[24], saved[80] = "";
+    const double last_tick = j->s.ticks * j->s.tick;
     json *out = json_open(j->self.json);
     scene_missed(&j->s, &missed, &missed_mass);
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)dem_hash(&j->s.world));
@@ -186,8 +205,9 @@ static void tell(const job *j, const stop_def *stop) {
     if (report_overlap(j->r) > OVERLAP_MAX)
         common_print("overlap reached %.0f %% of a diameter: %s\n", 100.0 * report_overlap(j->r),
                      isnan(j->def.time_step) ? "the stiffness is too small" : "the stiffness is too small, or the time step too large");
-    common_print("%g s in steps of %.3g s; %s has measured.csv, curves.svg, scene.png, %s\n", scene_time(&j->s), j->s.world.def.dt,
-                 j->self.out, state_name);
+    if (j->saved < last_tick) snprintf(saved, sizeof saved, ", %s of %g s", state_name, j->saved);
+    else if (!isnan(j->saved)) snprintf(saved, sizeof saved, ", %s", state_name);
+    common_print("%g s in steps of %.3g s; %s has %s%s\n", scene_time(&j->s), j->s.world.def.dt, j->self.out, written, saved);
 }
 
 static int run_scene(job *j, bool seed_given) {
@@ -198,9 +218,7 @@ static int run_scene(job *j, bool seed_given) {
             common_print("%s", j->tree.notes);
     else if (!failed) {
         const stop_def *stop = run(j);
-        if (common_exit_status() != 1 && !j->halfway) write_state(j);
-        report_write(j->r);
-        tell(j, stop);
+        tell(j, stop, report_write(j->r));
     }
     report_free(j->r);
     scene_free(&j->s);
@@ -234,6 +252,7 @@ static int rest_of(int argc, char **argv, const char *file, char *out, size_t si
 
 int main(int argc, char **argv) {
     static job j;
+    j.saved = (double)NAN;
     char out[600];
     const char *pattern = NULL;
     option options[] = {

@@ -92,9 +92,9 @@ static int choose_step(scene *s, dem_def def, double *dt) {
                : tree_fail(s->file, s->file->root, "no time step can be advised: give time_step");
 }
 
-/* No longer than feeds allow, than the run, and than STEPS steps, so that Ctrl-C is heard. */
+/* No longer than feeds allow, and than STEPS steps, so that Ctrl-C is heard. The duration has no part in it: a longer one has the same bits. */
 static int choose_tick(scene *s) {
-    double shortest = fmin(fmin(s->def->measure.every, s->def->duration), STEPS * s->world.def.dt);
+    double shortest = fmin(s->def->measure.every, STEPS * s->world.def.dt);
     for (int k = 0; k < s->sources; k++)
         if (!isnan(s->source[k].def->rate)) shortest = fmin(shortest, scene_feed_interval(s, &s->source[k]));
     s->tick = s->def->measure.every / ceil(s->def->measure.every / shortest - 1e-9);
@@ -126,7 +126,7 @@ void scene_free(scene *s) {
 
 /* ---- time ---- */
 
-double scene_time(const scene *s) { return s->ticks * s->tick; }
+double scene_time(const scene *s) { return s->ticks * s->tick + s->beyond; }
 
 /* Walls that are there for a part of the time only. */
 static dem_status switch_walls(scene *s, double now) {
@@ -151,18 +151,34 @@ static void book_passed(scene *s) {
     dem_take_passed(&s->world, NULL, s->world.passed_count);
 }
 
-dem_status scene_advance(scene *s) {
-    const double now = scene_time(s), next = (s->ticks + 1.0) * s->tick;
+static dem_status advance(scene *s, double next, double length) {
+    const double now = scene_time(s);
     dem_status status = switch_walls(s, now);
     for (int k = 0; k < s->sources && status == DEM_OK; k++) {
         const ptrdiff_t before = s->source[k].feed.placed;
         status = scene_feed(s, &s->source[k], now, next);
         if (status == DEM_OK) status = scene_wet_new(s, &s->source[k], s->source[k].feed.placed - before);
     }
-    if (status == DEM_OK) status = s->wet ? scene_wet_run(s, s->tick) : dem_run(&s->world, s->tick, s->features);
-    if (status == DEM_STOPPED) return status;
-    book_passed(s);
-    s->ticks += 1.0;
+    if (status == DEM_OK) status = s->wet ? scene_wet_run(s, length) : dem_run(&s->world, length, s->features);
+    if (status != DEM_STOPPED) book_passed(s);
+    return status;
+}
+
+dem_status scene_advance(scene *s) {
+    const dem_status status = advance(s, (s->ticks + 1.0) * s->tick, s->tick);
+    if (status == DEM_OK) s->ticks += 1.0;
+    return status;
+}
+
+int scene_near_end(const scene *s, double *left) {
+    *left = s->def->duration - scene_time(s);
+    if (*left < 1e-6 * s->tick) *left = 0.0;
+    return *left < (1.0 - 1e-6) * s->tick;
+}
+
+dem_status scene_finish(scene *s, double left) {
+    const dem_status status = advance(s, s->def->duration, left);
+    if (status == DEM_OK) s->beyond = left;
     return status;
 }
 
