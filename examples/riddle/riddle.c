@@ -210,8 +210,16 @@ static void tell(const job *j, const stop_def *stop, const char *written) {
     common_print("%g s in steps of %.3g s; %s has %s%s\n", scene_time(&j->s), j->s.world.def.dt, j->self.out, written, saved);
 }
 
+static int hold_folder(const job *j) {
+    char message[800];
+    if (output_hold_folder(j->self.out) == 0) return 0;
+    snprintf(message, sizeof message, "--out %s: another riddle run is writing there", j->self.out);
+    return refuse(message);
+}
+
 static int run_scene(job *j, bool seed_given) {
     int failed = read_scene(j, seed_given);
+    if (!failed && !j->check) failed = hold_folder(j);
     if (!failed && j->again) failed = read_state(j);
     if (!failed && j->check)
         common_print("%s: walls: %d, feeds: %d, time step: %.3g s\n", j->file, j->s.world.walls, j->s.sources, j->s.world.def.dt),
