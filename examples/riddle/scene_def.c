@@ -176,7 +176,7 @@ static const scene_field wall_fields[] = {
     PART(wall_def, piston, piston, "", 0, "moved by a force"),
     PART(wall_def, rotor, rotor, "", 0, "turned by a torque"),
     NUMBER(wall_def, from, UNIT_TIME, AT_LEAST_0, "0", "the wall is there from this time on; its motion runs all the time"),
-    NUMBER(wall_def, until, UNIT_TIME, AT_LEAST_0, "", "and until this time: a gate"),
+    NUMBER(wall_def, until, UNIT_TIME, AT_LEAST_0, "", "and until this time, after `from`: a gate"),
 };
 SECTION(wall, wall_def, "wall", "One shape, and how it moves. At most 32 walls; an exit counts.");
 
@@ -283,7 +283,7 @@ static const scene_field feed_fields[] = {
     VECTOR(feed_def, velocity, UNIT_SPEED, "[0, 0, 0]", "of new particles"),
     VECTOR(feed_def, scatter, UNIT_SPEED, "[0, 0, 0]", "largest deviation from it"),
     NUMBER(feed_def, from, UNIT_TIME, AT_LEAST_0, "0", "beginning"),
-    NUMBER(feed_def, until, UNIT_TIME, AT_LEAST_0, "", "end of a steady feed; else that of the run"),
+    NUMBER(feed_def, until, UNIT_TIME, AT_LEAST_0, "", "end of a steady feed, with `rate` only; default: that of the run"),
     {"tries", FIELD_WHOLE, UNIT_NONE, offsetof(feed_def, tries), 1.0, 1e6, false, "2000", 0, NO_WORDS,
      "random places tried for a particle"},
     TEXT(feed_def, label, "", "of its classes in figures and columns, before the size; default for a shape: its name"),

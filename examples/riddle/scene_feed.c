@@ -187,6 +187,8 @@ static int add_sources(scene *s, const feed_def *def, size_shares *list) {
         return -1;
     if (list->n == 0) return tree_fail(s->file, def->sizes.part.where, "sizes: all shares are 0");
     if (!isnan(def->until) && !(def->until > def->from)) return tree_fail(s->file, fields_where(&def->part, "until"), "until: after from");
+    if (!isnan(def->until) && isnan(def->rate))
+        return tree_fail(s->file, fields_where(&def->part, "until"), "until: only with rate; mass and count come all at once, at from");
     for (int k = 0; k < list->n; k++) order[k] = &list->item[k];
     qsort(order, (size_t)list->n, sizeof *order, larger_first);
     for (int k = 0; k < list->n; k++, s->sources++) {

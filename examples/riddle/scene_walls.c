@@ -222,6 +222,7 @@ static int add_wall(scene *s, int number) {
     if (w->exit.part.where && w->material) return tree_fail(s->file, fields_where(&w->part, "material"), "material: an exit has none");
     if ((w->piston.part.where || w->rotor.part.where) && (moves || (w->piston.part.where && w->rotor.part.where)))
         return tree_fail(s->file, w->part.where, "wall %.60s: what a force or torque moves has no other motion", w->part.name);
+    if (!isnan(w->until) && !(w->until > w->from)) return tree_fail(s->file, fields_where(&w->part, "until"), "until: after from");
     const int wall = add_shape(s, w, material);
     if (s->file->message[0]) return -1;
     if (wall < 0)
