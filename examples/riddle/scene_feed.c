@@ -53,33 +53,65 @@ static int add_share(scene *s, size_shares *list, const tree *at, dem_sizes size
     return 0;
 }
 
-/* Rows of size and share; or of size and passing, which make classes between two rows, the first from half its size. */
+static const double SIEVE_END = 1e-3; /* a curve ends at 1 to this */
+
+/* The rows of a table before one. */
+typedef struct sieve_rows {
+    const char *path;
+    const tree *at;
+    double size, passing;
+    int curve;
+} sieve_rows;
+
+static int check_row(scene *s, const sieve_rows *before, int line, double size, double value) {
+    const char *what = before->curve ? "passing" : "share";
+    if (isnan(size) || isnan(value))
+        return tree_fail(s->file, before->at, "file: %s:%d: a size and its %s are numbers", before->path, line, what);
+    if (before->curve && value > 1.0 + SIEVE_END)
+        return tree_fail(s->file, before->at, "file: %s:%d: passing is %.6g; it is 0 to 1, or in per cent in a column passing_%%",
+                         before->path, line, value);
+    if (size > before->size && value >= (before->curve ? before->passing : 0.0)) return 0;
+    return tree_fail(s->file, before->at, "file: %s:%d: sizes must grow; %s", before->path, line,
+                     before->curve ? "passing must grow from 0 to 1" : "shares are at least 0");
+}
+
+static int add_row(scene *s, size_shares *list, sieve_rows *before, int line, double size, double value) {
+    if (check_row(s, before, line, size, value)) return -1;
+    const double low = before->size > 0.0 ? before->size : 0.5 * size, share = value - before->passing;
+    const int first = before->size == 0.0 && value > 0.0;
+    before->size = size;
+    if (!before->curve) return add_share(s, list, before->at, dem_one_size(size), value, size, size);
+    before->passing = value;
+    if (first)
+        tree_note(s->file, before->at, "file: %s: %g %% pass the finest size %g mm: they are %g to %g mm large", before->path,
+                  100.0 * value, 1e3 * size, 1e3 * low, 1e3 * size);
+    return add_share(s, list, before->at, dem_uniform_sizes(low, size, list->by_mass), share, low, size);
+}
+
+/* Rows of size and share; or of size and passing, which make classes between two rows, the first from half its size. A first row of 0 and 0
+   is passed over. */
 static int read_csv(scene *s, const sizes_def *def, size_shares *list) {
     char path[1000], message[300];
-    const tree *at = fields_where(&def->part, "file");
     csv_data data;
-    tree_beside(s->file, def->file, path, sizeof path);
-    if (csv_read(path, &data, message, sizeof message)) return tree_fail(s->file, at, "file: %s", message);
-    const bool curve = csv_column(&data, "passing") >= 0;
-    double before = 0.0, smaller = 0.0;
-    int failed = csv_find(&data, "size", NULL, message, sizeof message) < 0 ||
-                 (!curve && csv_find(&data, "share", NULL, message, sizeof message) < 0);
-    if (failed) tree_fail(s->file, at, "file: %s: %s", path, message);
+    sieve_rows before = {path, fields_where(&def->part, "file"), 0.0, 0.0, 0};
+    if (csv_read(tree_beside(s->file, def->file, path, sizeof path), &data, message, sizeof message))
+        return tree_fail(s->file, before.at, "file: %s", message);
+    before.curve = csv_column(&data, "passing") >= 0;
+    const char *column = before.curve ? "passing" : "share";
+    int failed = csv_find(&data, "size", NULL, message, sizeof message) < 0 || csv_find(&data, column, NULL, message, sizeof message) < 0;
+    if (failed) tree_fail(s->file, before.at, "file: %s: %s", path, message);
     else if (!csv_measures(data.names[csv_column(&data, "size")], 'L'))
-        failed =
-            tree_fail(s->file, at, "file: %s: the unit of column %.60s is not one of length", path, data.names[csv_column(&data, "size")]);
+        failed = tree_fail(s->file, before.at, "file: %s: the unit of column %.60s is not one of length", path,
+                           data.names[csv_column(&data, "size")]);
+    else if (data.rows == 0) failed = tree_fail(s->file, before.at, "file: %s: it has no rows", path);
     for (int r = 0; r < data.rows && !failed; r++) {
-        const double size = csv_value(&data, r, "size"), value = csv_value(&data, r, curve ? "passing" : "share");
-        if (!(size > smaller) || !(value >= (curve ? before : 0.0)) || (curve && value > 1.0)) {
-            failed = tree_fail(s->file, at, "file: %s:%d: sizes must grow; %s", path, data.lines[r],
-                               curve ? "passing must grow from 0 to 1" : "shares are at least 0");
-            break;
-        }
-        const double low = smaller > 0.0 ? smaller : 0.5 * size;
-        failed = curve ? add_share(s, list, at, dem_uniform_sizes(low, size, list->by_mass), value - before, low, size)
-                       : add_share(s, list, at, dem_one_size(size), value, size, size);
-        smaller = size, before = value;
+        const double size = csv_value(&data, r, "size"), value = csv_value(&data, r, column);
+        if (!before.curve || r > 0 || size != 0.0 || value != 0.0) failed = add_row(s, list, &before, data.lines[r], size, value);
     }
+    if (!failed && before.curve && !(before.passing >= 1.0 - SIEVE_END))
+        failed = tree_fail(s->file, before.at,
+                           "file: %s: passing ends at %.6g: %.4g %% are coarser than %g mm; a row where it is 1 says how coarse", path,
+                           before.passing, 100.0 * (1.0 - before.passing), 1e3 * before.size);
     csv_free(&data);
     return failed ? -1 : 0;
 }
