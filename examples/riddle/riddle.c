@@ -13,6 +13,7 @@
 #include "scene_same.h"
 
 static const char *const templates[] = {"hopper", "screen", "drum", "box", "shapes"};
+enum { SCENE_MB = 16 }; /* at most */
 static const char state_name[] = "scene.state";
 static const double OVERLAP_MAX = 0.1; /* of a diameter: beyond it contacts are no contacts any more */
 static const char usage[] =
@@ -71,7 +72,7 @@ static int write_template(const char *name) {
 static int read_scene(job *j, bool seed_given) {
     char message[400];
     size_t size;
-    char *text = input_read(j->file, &size, message, sizeof message);
+    char *text = input_read_most(j->file, SCENE_MB, &size, message, sizeof message);
     if (!text) return refuse(message);
     const int failed = tree_read(&j->tree, j->file, text, size) || scene_read(&j->tree, &j->def);
     free(text);
