@@ -58,6 +58,33 @@ static void name_columns(report *r) {
     r->columns = n;
 }
 
+/* What a column is of: two of one name are told at the later one's place. */
+static const tree *place_of(const report *r, int column) {
+    const scene_def *def = r->s->def;
+    const wall_def *w = def->walls.item;
+    const measured_region *m = def->measure.regions.item;
+    const feed_def *of_group = NULL;
+    column -= FIXED;
+    for (int k = 0; k < r->s->sources && !of_group; k++)
+        if (r->s->source[k].group == column) of_group = r->s->source[k].def;
+    if (of_group) return of_group->part.where;
+    column -= r->s->groups;
+    for (int k = 0; k < def->walls.n; k++) {
+        column -= is_exit(r, k) ? 1 : 3;
+        if (column < 0) return w[k].part.where;
+    }
+    return column < OF_REGION * def->measure.regions.n ? m[column / OF_REGION].part.where : def->part.where;
+}
+
+static int check_columns(report *r) {
+    for (int c = 0; c < r->columns; c++)
+        for (int d = 0; d < c; d++)
+            if (strcmp(r->column[c], r->column[d]) == 0)
+                return tree_fail(r->s->file, place_of(r, c),
+                                 "two columns would have the name %.90s: another name, or label, tells them apart", r->column[c]);
+    return 0;
+}
+
 static int column_of(const report *r, const char *name) {
     for (int c = 0; c < r->columns; c++)
         if (strcmp(r->column[c], name) == 0) return c;
@@ -88,6 +115,7 @@ report *report_open(scene *s, const char *folder) {
     r->region = tree_memory(s->file, ((size_t)def->measure.regions.n + 1) * sizeof *r->region);
     if (!r->column || !r->region) return NULL;
     name_columns(r);
+    if (check_columns(r)) return NULL;
     for (int k = 0; k < def->measure.regions.n; k++)
         if (scene_region(s->file, &m[k].region, &r->region[k])) return NULL;
     if (check_stops(r)) return NULL;

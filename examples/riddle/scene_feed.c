@@ -159,7 +159,7 @@ static int group_of(scene *s, const feed_def *def, const size_share *c, double d
     else if (c->low == c->high) snprintf(name, sizeof name, "%.40s%s%gmm", label, bar, 1e3 * c->low);
     else snprintf(name, sizeof name, "%.40s%s%g-%gmm", label, bar, 1e3 * c->low, 1e3 * c->high);
     for (char *p = name; *p; p++)
-        if (*p == ',' || *p == ' ' || *p == '"') *p = '_';
+        if (strchr(", \"", *p) || (unsigned char)*p < 32 || *p == 127) *p = '_';
     for (int g = 0; g < s->groups; g++)
         if (strcmp(s->group[g].name, name) == 0 && s->group[g].density == density) return g;
     size_group *g = &s->group[s->groups];
