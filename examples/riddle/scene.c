@@ -57,6 +57,8 @@ static int define(scene *s, dem_def *def) {
     if (define_contacts(s, def)) return -1;
     for (int c = 0; p->part.where && c < 3; c++) {
         if (!p->axis[c].part.where) continue;
+        if (!(p->axis[c].low < p->axis[c].high))
+            return tree_fail(s->file, p->axis[c].part.where, "periodic: %c: low must be below high", "xyz"[c]);
         def->periodic[c] = 1;
         *dem_axis_of(&def->low, c) = p->axis[c].low, *dem_axis_of(&def->high, c) = p->axis[c].high;
     }
@@ -92,6 +94,29 @@ static int choose_step(scene *s, dem_def def, double *dt) {
                : tree_fail(s->file, s->file->root, "no time step can be advised: give time_step");
 }
 
+/* Long enough for the largest particle that may come, as dem.h asks when it has come. */
+static int check_periodic(scene *s) {
+    const axis_def *axis = s->def->periodic.axis;
+    for (int k = 0; k < s->sources; k++) {
+        const source *q = &s->source[k];
+        double smallest, largest;
+        scene_extremes(q, &smallest, &largest);
+        largest *= scene_widest(q->shape);
+        for (int c = 0; c < 3; c++)
+            if (axis[c].part.where && !(axis[c].high - axis[c].low > 2.2 * largest))
+                return tree_fail(s->file, axis[c].part.where,
+                                 "periodic: %c: %g mm long; above %.6g mm, 2.2 of the largest particles of %g mm, is wanted", "xyz"[c],
+                                 1e3 * (axis[c].high - axis[c].low), 2.2e3 * largest, 1e3 * largest);
+    }
+    return 0;
+}
+
+static double smallest_of(const scene *s) {
+    double smallest = HUGE_VAL, low, high;
+    for (int k = 0; k < s->sources; k++) scene_extremes(&s->source[k], &low, &high), smallest = fmin(smallest, low);
+    return smallest;
+}
+
 /* No longer than feeds allow, and than STEPS steps, so that Ctrl-C is heard. The duration has no part in it: a longer one has the same bits. */
 static int choose_tick(scene *s) {
     double shortest = fmin(s->def->measure.every, STEPS * s->world.def.dt);
@@ -103,7 +128,10 @@ static int choose_tick(scene *s) {
         return tree_fail(s->file, fields_where(&s->def->part, "duration"), "duration: more than a thousand million ticks of %.3g s",
                          s->tick);
     if (!(steps >= 1.0))
-        return tree_fail(s->file, s->def->measure.part.where, "measure: every is below the time step of %.3g s", s->world.def.dt);
+        return tree_fail(s->file, s->def->measure.part.where,
+                         isnan(s->def->time_step) ? "measure: every is below the time step of %.3g s for the smallest particles, of %.4g mm"
+                                                  : "measure: every is below the time_step of %.3g s",
+                         s->world.def.dt, 1e3 * smallest_of(s));
     return 0;
 }
 
@@ -113,7 +141,7 @@ int scene_make(scene *s, const scene_def *def, tree_file *file, uint64_t seed, i
     s->def = def, s->file = file, s->seed = seed, s->threads = threads;
     if (define(s, &d) || scene_make_shapes(s) || scene_add_sources(s)) return -1;
     if (scene_has_polyhedra(s)) s->features |= DEM_FRICTION; /* what their contacts remember; without friction its coefficient is 0 */
-    if (choose_step(s, d, &d.dt)) return -1;
+    if (check_periodic(s) || choose_step(s, d, &d.dt)) return -1;
     const char *bad = "";
     if (dem_init(&s->world, &d, &bad) != DEM_OK) return tree_fail(file, file->root, "%s is outside its range", bad);
     return scene_add_shapes(s) || scene_add_walls(s) || choose_tick(s) || scene_wet_begin(s) ? -1 : 0;

@@ -184,7 +184,7 @@ SECTION(wall, wall_def, "wall", "One shape, and how it moves. At most 32 walls; 
 
 static const scene_field shape_sphere_fields[] = {
     VECTOR(shape_sphere, centre, UNIT_LENGTH, MUST, "in a frame of the shape's own, with its origin anywhere"),
-    NUMBER(shape_sphere, diameter, UNIT_LENGTH, POSITIVE, MUST, "of the sphere"),
+    NUMBER(shape_sphere, diameter, UNIT_DIAMETER, POSITIVE, MUST, "of the sphere"),
 };
 SECTION(shape_sphere, shape_sphere, "sphere of a shape", "Spheres may overlap: the body is their union, of one density.");
 static const scene_field shape_mesh_fields[] = {
@@ -232,33 +232,33 @@ static const scene_field region_fields[] = {
 SECTION(region, region_def, "region", "A part of space.");
 
 static const scene_field class_fields[] = {
-    NUMBER(size_class, diameter, UNIT_LENGTH, POSITIVE, MUST, "of all particles of the class"),
+    NUMBER(size_class, diameter, UNIT_DIAMETER, POSITIVE, MUST, "of all particles of the class"),
     {"share", FIELD_NUMBER, UNIT_SHARE, offsetof(size_class, share), 0.0, 1e30, false, "1", 0, NO_WORDS, "of any sum; see `shares`"},
 };
 SECTION(class, size_class, "class", "Particles of one diameter.");
 static const scene_field even_fields[] = {
-    NUMBER(even_sizes, smallest, UNIT_LENGTH, POSITIVE, MUST, "diameter"),
-    NUMBER(even_sizes, largest, UNIT_LENGTH, POSITIVE, MUST, "diameter"),
+    NUMBER(even_sizes, smallest, UNIT_DIAMETER, POSITIVE, MUST, "diameter"),
+    NUMBER(even_sizes, largest, UNIT_DIAMETER, POSITIVE, MUST, "diameter"),
 };
 SECTION(even, even_sizes, "uniform", "Every diameter has the same share.");
 static const scene_field lognormal_fields[] = {
-    NUMBER(lognormal_sizes, median, UNIT_LENGTH, POSITIVE, MUST, "half is finer"),
+    NUMBER(lognormal_sizes, median, UNIT_DIAMETER, POSITIVE, MUST, "half is finer"),
     {"spread", FIELD_NUMBER, UNIT_NONE, offsetof(lognormal_sizes, spread), 1e-3, 5.0, false, MUST, 0, NO_WORDS,
      "standard deviation of ln d"},
-    NUMBER(lognormal_sizes, smallest, UNIT_LENGTH, POSITIVE, MUST, "cut off below"),
-    NUMBER(lognormal_sizes, largest, UNIT_LENGTH, POSITIVE, MUST, "cut off above"),
+    NUMBER(lognormal_sizes, smallest, UNIT_DIAMETER, POSITIVE, MUST, "cut off below"),
+    NUMBER(lognormal_sizes, largest, UNIT_DIAMETER, POSITIVE, MUST, "cut off above"),
 };
 SECTION(lognormal, lognormal_sizes, "lognormal", "The logarithm of the diameter is normally distributed.");
 static const scene_field rosin_fields[] = {
-    NUMBER(rosin_sizes, scale, UNIT_LENGTH, POSITIVE, MUST, "36.8 % is coarser"),
+    NUMBER(rosin_sizes, scale, UNIT_DIAMETER, POSITIVE, MUST, "36.8 % is coarser"),
     {"exponent", FIELD_NUMBER, UNIT_NONE, offsetof(rosin_sizes, exponent), 0.1, 100.0, false, MUST, 0, NO_WORDS,
      "of exp(-(d/scale)^exponent)"},
-    NUMBER(rosin_sizes, smallest, UNIT_LENGTH, POSITIVE, MUST, "cut off below"),
-    NUMBER(rosin_sizes, largest, UNIT_LENGTH, POSITIVE, MUST, "cut off above"),
+    NUMBER(rosin_sizes, smallest, UNIT_DIAMETER, POSITIVE, MUST, "cut off below"),
+    NUMBER(rosin_sizes, largest, UNIT_DIAMETER, POSITIVE, MUST, "cut off above"),
 };
 SECTION(rosin, rosin_sizes, "rosin_rammler", "Rosin & Rammler (1933).");
 static const scene_field sizes_fields[] = {
-    ONE_NUMBER(sizes_def, diameter, FIELD_NUMBER, UNIT_LENGTH, POSITIVE, 1, "one size"),
+    ONE_NUMBER(sizes_def, diameter, FIELD_NUMBER, UNIT_DIAMETER, POSITIVE, 1, "one size"),
     {"classes", FIELD_LIST, UNIT_NONE, offsetof(sizes_def, classes), 1, 1000, false, "", 1, NULL, &class_section, "any number of sizes"},
     {"file", FIELD_FILE, UNIT_NONE, offsetof(sizes_def, file), ANY, "", 1, NO_WORDS,
      "CSV with columns `size_mm` (or `size_um`, `size_m`) and `passing` (0 to 1, a sieve curve: a class between two rows has even sizes, "
@@ -269,7 +269,8 @@ static const scene_field sizes_fields[] = {
     CHOICE(sizes_def, shares, "mass|number", "mass", "what shares and distributions count"),
 };
 SECTION(sizes, sizes_def, "sizes",
-        "Diameters; of a shape, that of the sphere of its volume. Each class is measured by itself: its column is `left_<size>mm`.");
+        "Diameters; of a shape, that of the sphere of its volume. Above 1 m they name their unit. Each class is measured by itself: its "
+        "column is `left_<size>mm`.");
 
 static const scene_field feed_fields[] = {
     TEXT(feed_def, material, MUST, "name of a material"),

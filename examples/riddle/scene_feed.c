@@ -60,13 +60,16 @@ typedef struct sieve_rows {
     const char *path;
     const tree *at;
     double size, passing;
-    int curve;
+    int curve, bare; /* bare: sizes without a unit */
 } sieve_rows;
 
 static int check_row(scene *s, const sieve_rows *before, int line, double size, double value) {
     const char *what = before->curve ? "passing" : "share";
     if (isnan(size) || isnan(value))
         return tree_fail(s->file, before->at, "file: %s:%d: a size and its %s are numbers", before->path, line, what);
+    if (before->bare && size > 1.0)
+        return tree_fail(s->file, before->at, "file: %s:%d: a size of %g of what? The column must name its unit, such as size_mm",
+                         before->path, line, size);
     if (before->curve && value > 1.0 + SIEVE_END)
         return tree_fail(s->file, before->at, "file: %s:%d: passing is %.6g; it is 0 to 1, or in per cent in a column passing_%%",
                          before->path, line, value);
@@ -93,7 +96,7 @@ static int add_row(scene *s, size_shares *list, sieve_rows *before, int line, do
 static int read_csv(scene *s, const sizes_def *def, size_shares *list) {
     char path[1000], message[300];
     csv_data data;
-    sieve_rows before = {path, fields_where(&def->part, "file"), 0.0, 0.0, 0};
+    sieve_rows before = {path, fields_where(&def->part, "file"), 0.0, 0.0, 0, 0};
     if (csv_read(tree_beside(s->file, def->file, path, sizeof path), &data, message, sizeof message))
         return tree_fail(s->file, before.at, "file: %s", message);
     before.curve = csv_column(&data, "passing") >= 0;
@@ -103,7 +106,8 @@ static int read_csv(scene *s, const sizes_def *def, size_shares *list) {
     else if (!csv_measures(data.names[csv_column(&data, "size")], 'L'))
         failed = tree_fail(s->file, before.at, "file: %s: the unit of column %.60s is not one of length", path,
                            data.names[csv_column(&data, "size")]);
-    else if (data.rows == 0) failed = tree_fail(s->file, before.at, "file: %s: it has no rows", path);
+    else before.bare = csv_measures(data.names[csv_column(&data, "size")], '#');
+    if (!failed && data.rows == 0) failed = tree_fail(s->file, before.at, "file: %s: it has no rows", path);
     for (int r = 0; r < data.rows && !failed; r++) {
         const double size = csv_value(&data, r, "size"), value = csv_value(&data, r, column);
         if (!before.curve || r > 0 || size != 0.0 || value != 0.0) failed = add_row(s, list, &before, data.lines[r], size, value);
