@@ -81,15 +81,17 @@ static picture *world_scene(const picture_def *look) {
     return s;
 }
 
-static inline void draw_world(const dem_world *world, const picture_def *look, const char *folder, const char *name) {
+/* As picture_write. */
+static inline int draw_world(const dem_world *world, const picture_def *look, const char *folder, const char *name) {
     picture *s = world_scene(look);
     char title[40];
     snprintf(title, sizeof title, "t = %.3g s", world->time);
     picture_title(s, title);
     put_world(s, world, look);
     picture_look(s, look->direction);
-    picture_write(s, folder, name);
+    const int status = picture_write(s, folder, name);
     picture_free(s);
+    return status;
 }
 
 typedef struct world_movie {

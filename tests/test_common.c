@@ -493,6 +493,17 @@ static void test_csv_forms(void **state) {
         assert_string_equal(message, bad[i][1]);
         assert_null(data.memory);
     }
+    /* comments behind rows: only of numbers */
+    assert_int_equal(parse_csv("a,b # names\n1,2 # one, two\n3,4.5\t#\n5,\n", &data, message), 0);
+    assert_true(data.rows == 3 && csv_value(&data, 0, "b") == 2.0 && csv_value(&data, 1, "b") == 4.5 && isnan(csv_value(&data, 2, "b")));
+    csv_free(&data);
+    assert_int_equal(parse_csv("a;b\n1;x #1\n2;7 #2\n", &data, message), 0);
+    assert_string_equal(data.cells[1], "x #1");
+    assert_string_equal(data.cells[3], "7 #2");
+    csv_free(&data);
+    assert_int_equal(parse_csv("a,b\n1,2#\n3,4 5 # six\n", &data, message), 0);
+    assert_string_equal(data.cells[1], "2#");
+    csv_free(&data);
     assert_int_equal(csv_parse("a\0b", 3, "f", &data, message, 200), -1);
     assert_string_equal(message, "f: not a text file");
     assert_int_equal(csv_read("/nowhere", &data, message, 200), -1);

@@ -139,9 +139,34 @@ static int check_decimals(csv_data *data, const char *path, char *message, int m
                   strchr(data->cells[doubtful], '.') ? "decimal commas" : "decimal points");
 }
 
+/* Takes off a comment that follows the last cell of a row, if that cell is a number: text may have a '#'. */
+static void cut_comment(const csv_data *data, char *line, char separator) {
+    const int last = data->columns - 1;
+    const char *cell = line;
+    int cuts = 0;
+    bool quoted = false;
+    for (char *c = line; *c; c++) {
+        quoted ^= *c == '"';
+        if (quoted) continue;
+        if (*c == separator) cuts++, cell = c + 1;
+        if (*c != '#' || c == cell || !is_blank(c[-1])) continue;
+        char text[64];
+        double value;
+        while (is_blank(*cell)) cell++;
+        size_t length = (size_t)(c - cell);
+        while (length > 0 && is_blank(cell[length - 1])) length--;
+        if (cuts != last || length == 0 || length >= sizeof text || (data->is_text[data->columns + last] && data->is_text[last])) return;
+        memcpy(text, cell, length);
+        text[length] = '\0';
+        if (to_number(text, separator == ',' ? '.' : ',', &value)) *c = '\0';
+        return;
+    }
+}
+
 static int take_row(csv_data *data, char *line, char separator, int number, const char *path, char *message, int message_size) {
     const int columns = data->columns;
     char **row = data->cells + (size_t)data->rows * (size_t)columns;
+    cut_comment(data, line, separator);
     const int n = cut(line, separator, row);
     if (n != columns) return refuse(data, message, message_size, "%s:%d: %d cells, but the header names %d", path, number, n, columns);
     for (int k = 0; k < n; k++) {

@@ -1,4 +1,5 @@
-/* csv.h: tables of numbers from files. Lines that begin with '#' are comments, the first other line names the columns.
+/* csv.h: tables of numbers from files. Lines that begin with '#' are comments, and so is what follows " #" after the last number of a row;
+   the first other line names the columns.
 
    Cells are separated by commas, semicolons or tabs, whichever the line of names has; with semicolons and tabs numbers may have decimal
    commas; a table that has decimal points, too, must not have numbers such as 1.250 or 1,250, which may be thousands. Lines end as on any

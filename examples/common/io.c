@@ -1,9 +1,12 @@
 #define _XOPEN_SOURCE 700
+#include <errno.h>
+#include <fcntl.h>
 #include <pthread.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 static void created(const char *name);
@@ -59,6 +62,20 @@ const char *output_find(char *buffer, size_t size, const char *name) {
     if (access(buffer, F_OK) != 0) output_path(buffer, size, RIDDLE_ROOT, name);
 #endif
     return buffer;
+}
+
+int output_hold_folder(const char *folder) {
+#if defined(LOCK_EX) && defined(LOCK_NB)
+    const int descriptor = open(folder, O_RDONLY | O_CLOEXEC);
+    if (descriptor >= 0 && flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+        const int error = errno; /* others than this: no locks on this file system */
+        close(descriptor);
+        return error == EWOULDBLOCK ? -1 : 0;
+    }
+#else
+    (void)folder;
+#endif
+    return 0; /* the descriptor stays open: the system drops the lock with the program */
 }
 
 csv *csv_open(const char *folder, const char *name, const char *header) {

@@ -22,6 +22,10 @@
 /* A file or folder that comes with the repository: name if it exists from where the program is run, else name in the repository's root. */
 const char *output_find(char *buffer, size_t size, const char *name);
 
+/* Holds a folder against a second program that writes the same files, until this one ends, however it does. 0, also where the system
+   cannot; -1: another program holds it. */
+int output_hold_folder(const char *folder);
+
 #define csv riddle_io_file
 #define csv_row riddle_io_row
 #define csv_close riddle_io_close

@@ -39,7 +39,8 @@ void picture_title(picture *s, const char *text);         /* at the upper left; 
 void picture_legend(picture *s, const char *text, picture_colour colour); /* one more row, at most 8 */
 void picture_bar(picture *s, const char *text, double high); /* a scale of colours from 0 to high instead, such as "speed [m/s]" */
 
-int picture_write(picture *s, const char *folder, const char *name); /* 0, also where there is no libpng; else one line was printed */
+int picture_write(picture *s, const char *folder,
+                  const char *name); /* 0; 1 where there is no libpng, -1 on failure: one line was printed */
 
 /* The picture as rgb[height][width][3]; returns 0, or -1 without memory. For tests and other formats. */
 int picture_draw(picture *s, unsigned char *rgb);

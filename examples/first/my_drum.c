@@ -56,7 +56,7 @@ int main(void) {
     riddle_io_plot_panel(picture, 0, 1, "time [s]", "unlike contacts, 1: mixed [-]");
     riddle_io_plot_line(picture, NULL, time, unlike, status == DEM_OK && written == RIDDLE_IO_OK ? FRAMES : 0);
     if (riddle_io_plot_write(picture, "out/my_drum", "my_drum.svg") != RIDDLE_IO_OK) written = RIDDLE_IO_NOT_WRITTEN;
-    printf("%s after %.2f s\n", dem_status_text(status), world.time);
+    printf("%s after %.2f s\n", written ? riddle_io_status_text(written) : dem_status_text(status), world.time);
     dem_free(&world);
     return status != DEM_OK || written != RIDDLE_IO_OK;
 }

@@ -59,8 +59,8 @@ int main(void) {
     riddle_io_plot_line(picture, NULL, time, out, status == DEM_OK && written == RIDDLE_IO_OK ? FRAMES : 0);
     riddle_io_plot_vertical(picture, "gate opens", shut);
     if (riddle_io_plot_write(picture, "out/my_hopper", "my_hopper.svg") != RIDDLE_IO_OK) written = RIDDLE_IO_NOT_WRITTEN;
-    printf("%s: %.0f spheres, %.0f have run out after %.2f s\n", dem_status_text(status), (double)feed.placed, (double)world.passed_count,
-           world.time);
+    const char *said = written ? riddle_io_status_text(written) : dem_status_text(status);
+    printf("%s: %.0f spheres, %.0f have run out after %.2f s\n", said, (double)feed.placed, (double)world.passed_count, world.time);
     dem_free(&world);
     return status != DEM_OK || written != RIDDLE_IO_OK;
 }

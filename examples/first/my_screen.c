@@ -54,7 +54,9 @@ int main(void) {
     riddle_io_plot_panel(picture, 0, 1, "time [s]", "fraction retained, by number [-]");
     for (int k = 0; k < 2 && status == DEM_OK && !written; k++) riddle_io_plot_line(picture, names[k], time, left[k], FRAMES);
     if (riddle_io_plot_write(picture, "out/my_screen", "my_screen.svg") != RIDDLE_IO_OK) written = RIDDLE_IO_NOT_WRITTEN;
-    printf("%s: %.0f and %.0f spheres, of the small ones %.3f are left\n", dem_status_text(status), fed[0], fed[1], left[0][FRAMES - 1]);
+    if (status != DEM_OK || written)
+        printf("%s after %.2f s\n", written ? riddle_io_status_text(written) : dem_status_text(status), world.time);
+    else printf("ok: %.0f and %.0f spheres, of the small ones %.3f are left\n", fed[0], fed[1], left[0][FRAMES - 1]);
     dem_free(&world);
     return status != DEM_OK || written != RIDDLE_IO_OK;
 }

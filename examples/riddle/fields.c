@@ -25,6 +25,10 @@ static const unit units[] = {
     {UNIT_LENGTH, "mm", 1e-3},
     {UNIT_LENGTH, "um", 1e-6},
     {UNIT_LENGTH, "cm", 1e-2},
+    {UNIT_DIAMETER, "m", 1.0},
+    {UNIT_DIAMETER, "mm", 1e-3},
+    {UNIT_DIAMETER, "um", 1e-6},
+    {UNIT_DIAMETER, "cm", 1e-2},
     {UNIT_TIME, "s", 1.0},
     {UNIT_TIME, "ms", 1e-3},
     {UNIT_TIME, "us", 1e-6},
@@ -72,7 +76,9 @@ static double factor_of(const unit *u) {
     return u->kind == UNIT_ANGLE ? pi / 180.0 : pi / 30.0; /* deg, rpm */
 }
 
-static bool must_name_unit(unit_kind kind) { return kind == UNIT_ANGLE || kind == UNIT_SPIN; }
+static bool must_name_unit(unit_kind kind, double value) {
+    return ((kind == UNIT_ANGLE || kind == UNIT_SPIN) && value != 0.0) || (kind == UNIT_DIAMETER && value > 1.0);
+}
 
 /* "m, mm, um or cm" */
 static const char *names_of(unit_kind kind, char *text, size_t size) {
@@ -165,7 +171,7 @@ static int read_number(tree_file *file, const tree *v, const char *name, const s
     }
     while (*end == ' ') end++;
     if (*end == '\0') {
-        if (must_name_unit(f->unit) && value != 0.0)
+        if (must_name_unit(f->unit, value))
             return tree_fail(file, v, "%s: %.60s of what? It must name its unit: %s", name, text, names_of(f->unit, names, sizeof names));
     } else {
         int found = -1;
@@ -277,7 +283,8 @@ static int read_value(tree_file *file, const tree *v, const scene_field *f, void
     case FIELD_NUMBER:
     case FIELD_WHOLE: return read_number(file, v, f->key, f, at);
     case FIELD_YES: return read_yes(file, v, f, at);
-    case FIELD_TEXT: return read_text(file, v, f, at);
+    case FIELD_TEXT:
+    case FIELD_FILE: return read_text(file, v, f, at);
     case FIELD_TWO: return read_two(file, v, f, at);
     case FIELD_CHOICE: return read_choice(file, v, f, at);
     case FIELD_VECTOR: return read_vector(file, v, f, at);
@@ -360,7 +367,8 @@ static const char *type_text(const scene_field *f, char *text, size_t size) {
                  range_of(f, range, sizeof range));
         break;
     case FIELD_YES: snprintf(text, size, "yes, no"); break;
-    case FIELD_TEXT: snprintf(text, size, "text"); break;
+    case FIELD_TEXT:
+    case FIELD_FILE: snprintf(text, size, "text"); break;
     case FIELD_TWO: snprintf(text, size, "[name, name]"); break;
     case FIELD_CHOICE: {
         size_t used = 0;

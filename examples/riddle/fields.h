@@ -7,11 +7,13 @@
 
 #include "tree.h"
 
-/* What a number measures. A bare number is in SI units, but angles and speeds of rotation must name theirs. */
+/* What a number measures. A bare number is in SI units, but angles and speeds of rotation must name theirs, and so
+   must diameters above 1 m: who writes 4 means 4 mm. */
 typedef enum unit_kind {
     UNIT_NONE,
     UNIT_SHARE,
     UNIT_LENGTH,
+    UNIT_DIAMETER,
     UNIT_TIME,
     UNIT_MASS,
     UNIT_MASS_FLOW,
@@ -36,6 +38,7 @@ typedef enum field_kind {
     FIELD_WHOLE,  /* double, a whole number */
     FIELD_YES,    /* int: yes or no */
     FIELD_TEXT,   /* const char * */
+    FIELD_FILE,   /* the same, the name of a file, relative to the folder of this one */
     FIELD_TWO,    /* const char *[2] */
     FIELD_CHOICE, /* int: which of choices, "linear|hertz" */
     FIELD_VECTOR, /* double[3] */

@@ -10,7 +10,7 @@
 #include "scene_shapes.h"
 #include "scene_wet.h"
 
-enum { NAME = 96, FIXED = 4, OF_REGION = 8, CURVES = 8, FRAMES_A_SECOND = 25 };
+enum { NAME = 96, FIXED = 5, OVERLAP = 4, OF_REGION = 8, CURVES = 8, FRAMES_A_SECOND = 25 };
 
 struct report {
     scene *s;
@@ -23,10 +23,12 @@ struct report {
     double looked;                  /* time of it [s] */
     double *frame;                  /* times of the frames [s] */
     int frames, frame_room;
+    double next_frame; /* is due at this number of intervals */
     dem_io_series series;
     picture_def look;
     world_movie film;
-    int filmed, drawn;
+    int filmed, drawn, pictured; /* pictured: and it is there */
+    char written[60];
     int bodies; /* 1: a particle may have several spheres */
 };
 
@@ -38,7 +40,7 @@ static const char *const of_region[OF_REGION] = {"count",  "mass_kg", "solid_fra
                                                  "vx_m_s", "vy_m_s",  "vz_m_s",         "pressure_Pa"};
 
 static void name_columns(report *r) {
-    static const char *const fixed[FIXED] = {"time_s", "particles", "mass_kg", "kinetic_J"};
+    static const char *const fixed[FIXED] = {"time_s", "particles", "mass_kg", "kinetic_J", "largest_overlap"};
     const scene_def *def = r->s->def;
     const wall_def *w = def->walls.item;
     const measured_region *m = def->measure.regions.item;
@@ -54,6 +56,33 @@ static void name_columns(report *r) {
     if (r->s->wet) snprintf(r->column[n++], NAME, "bridges"), snprintf(r->column[n++], NAME, "liquid_kg");
     if (scene_has_polyhedra(r->s)) snprintf(r->column[n++], NAME, "core_overlaps");
     r->columns = n;
+}
+
+/* What a column is of: two of one name are told at the later one's place. */
+static const tree *place_of(const report *r, int column) {
+    const scene_def *def = r->s->def;
+    const wall_def *w = def->walls.item;
+    const measured_region *m = def->measure.regions.item;
+    const feed_def *of_group = NULL;
+    column -= FIXED;
+    for (int k = 0; k < r->s->sources && !of_group; k++)
+        if (r->s->source[k].group == column) of_group = r->s->source[k].def;
+    if (of_group) return of_group->part.where;
+    column -= r->s->groups;
+    for (int k = 0; k < def->walls.n; k++) {
+        column -= is_exit(r, k) ? 1 : 3;
+        if (column < 0) return w[k].part.where;
+    }
+    return column < OF_REGION * def->measure.regions.n ? m[column / OF_REGION].part.where : def->part.where;
+}
+
+static int check_columns(report *r) {
+    for (int c = 0; c < r->columns; c++)
+        for (int d = 0; d < c; d++)
+            if (strcmp(r->column[c], r->column[d]) == 0)
+                return tree_fail(r->s->file, place_of(r, c),
+                                 "two columns would have the name %.90s: another name, or label, tells them apart", r->column[c]);
+    return 0;
 }
 
 static int column_of(const report *r, const char *name) {
@@ -86,6 +115,7 @@ report *report_open(scene *s, const char *folder) {
     r->region = tree_memory(s->file, ((size_t)def->measure.regions.n + 1) * sizeof *r->region);
     if (!r->column || !r->region) return NULL;
     name_columns(r);
+    if (check_columns(r)) return NULL;
     for (int k = 0; k < def->measure.regions.n; k++)
         if (scene_region(s->file, &m[k].region, &r->region[k])) return NULL;
     if (check_stops(r)) return NULL;
@@ -129,6 +159,24 @@ static double left_of(const size_group *g) {
     return left < 1e-12 ? 0.0 : left;
 }
 
+static double diameter_of(const dem_world *world, ptrdiff_t i) {
+    return dem_shape_of(world, i) >= 0 ? dem_get_body(world, i).diameter : 2.0 * dem_radius(world, i);
+}
+
+/* Of all contacts that are there now, over the smaller particle's diameter; of a clump that of its spheres, of a polyhedron that of the
+   sphere of its volume. */
+static double largest_overlap(const dem_world *world) {
+    double largest = 0.0;
+    for (ptrdiff_t k = 0; k < dem_contact_count(world); k++) {
+        const dem_contact_info c = dem_get_contact(world, k);
+        if (!(c.gap < 0.0)) continue;
+        double smaller = diameter_of(world, c.i);
+        if (c.j >= 0) smaller = fmin(smaller, diameter_of(world, c.j));
+        largest = fmax(largest, -c.gap / smaller);
+    }
+    return largest;
+}
+
 static void measure(report *r) {
     const scene *s = r->s;
     const dem_world *world = &s->world;
@@ -139,7 +187,7 @@ static void measure(report *r) {
     for (ptrdiff_t i = 0; i < world->count; i++)
         if (world->alive[i] && (!r->bodies || dem_get_body(world, i).first == i)) count += 1.0, mass += dem_mass(world, i);
     const dem_energy_ledger energy = dem_energy(world);
-    *at++ = now, *at++ = count, *at++ = mass, *at++ = energy.kinetic + energy.rotational;
+    *at++ = now, *at++ = count, *at++ = mass, *at++ = energy.kinetic + energy.rotational, *at++ = largest_overlap(world);
     for (int g = 0; g < s->groups; g++) *at++ = left_of(&s->group[g]);
     for (int k = 0; k < s->def->walls.n; k++) {
         const int wall = s->wall_of[k];
@@ -187,15 +235,17 @@ static int open_series(report *r) {
     return r->series.particles ? 0 : common_fail("%s: the series could not be begun", r->folder);
 }
 
+static void draw_picture(report *r) { r->pictured = draw_world(&r->s->world, &r->look, r->folder, "scene.png") == 0, r->drawn = 1; }
+
 static void add_frames(report *r) {
     const output_def *o = &r->s->def->output;
     const double now = scene_time(r->s), soon = now + 1e-9 * r->s->tick;
-    if (o->frames > 0.0 && soon >= r->frames * o->frames) {
+    if (o->frames > 0.0 && soon >= r->next_frame * o->frames) {
         if (open_series(r) || make_room(&r->frame, r->frames, &r->frame_room, sizeof *r->frame)) return;
-        r->frame[r->frames++] = r->s->world.time;
+        r->frame[r->frames++] = r->s->world.time, r->next_frame += 1.0;
         dem_io_add(&r->series, &r->s->world);
     }
-    if (!r->drawn && soon >= o->picture) draw_world(&r->s->world, &r->look, r->folder, "scene.png"), r->drawn = 1;
+    if (!r->drawn && soon >= o->picture) draw_picture(r);
     if (!o->movie) return;
     if (!r->film.film && !r->filmed) {
         char name[40];
@@ -214,9 +264,17 @@ const stop_def *report_look(report *r) {
     return row && r->rows ? stopped(r) : NULL;
 }
 
+const stop_def *report_end(report *r) {
+    if (r->rows && !(r->looked < scene_time(r->s))) return NULL;
+    measure(r);
+    add_frames(r);
+    return r->rows ? stopped(r) : NULL;
+}
+
 /* ---- the end ---- */
 
-static void draw_curves(const report *r) {
+/* 0, or not, after a printed line. */
+static int draw_curves(const report *r) {
     const scene *s = r->s;
     plot *p = plot_new(s->def->title, 1, 2);
     double *x = malloc(((size_t)r->rows + 1) * 2 * sizeof *x), *y = x + r->rows;
@@ -236,21 +294,34 @@ static void draw_curves(const report *r) {
         for (int k = 0; k < r->rows; k++) y[k] = r->row[(size_t)k * (size_t)r->columns + (size_t)c];
         plot_line(p, c == 2 ? "particles" : r->column[c], x, y, r->rows);
     }
-    plot_write(p, r->folder, "curves.svg");
+    const int failed = plot_write(p, r->folder, "curves.svg") != RIDDLE_IO_OK;
     free(x);
+    return failed;
 }
 
-int report_write(report *r) {
+static void add_name(report *r, const char *name) {
+    const size_t used = strlen(r->written);
+    snprintf(r->written + used, sizeof r->written - used, "%s%s", used ? ", " : "", name);
+}
+
+double report_overlap(const report *r) {
+    double largest = 0.0;
+    for (int k = 0; k < r->rows; k++) largest = fmax(largest, r->row[(size_t)k * (size_t)r->columns + OVERLAP]);
+    return largest;
+}
+
+const char *report_write(report *r) {
     csv *table_file = output_open(r->folder, "measured.csv");
     for (int c = 0; c < r->columns; c++) output_print(table_file, "%s%s", c ? "," : "", r->column[c]);
     output_print(table_file, "\n");
     for (int k = 0; k < r->rows; k++) csv_row(table_file, r->row + (size_t)k * (size_t)r->columns, r->columns);
-    const int failed = csv_close(table_file) != RIDDLE_IO_OK;
-    if (r->rows > 1) draw_curves(r);
-    if (!r->drawn) draw_world(&r->s->world, &r->look, r->folder, "scene.png");
+    if (csv_close(table_file) == RIDDLE_IO_OK) add_name(r, "measured.csv");
+    if (r->rows > 1 && draw_curves(r) == 0) add_name(r, "curves.svg");
+    if (!r->drawn) draw_picture(r);
+    if (r->pictured) add_name(r, "scene.png");
     if (r->series.particles) dem_io_close(&r->series);
     if (r->film.film) world_movie_close(&r->film);
-    return failed ? -1 : 0;
+    return r->written;
 }
 
 void report_json(const report *r, json *j) {
@@ -263,13 +334,16 @@ void report_json(const report *r, json *j) {
 }
 
 int report_exchange(report *r, scene_state *io) {
-    double counts[] = {r->rows, r->frames, r->looked, r->drawn};
+    const output_def *o = &r->s->def->output;
+    double counts[] = {r->rows, r->frames, r->looked, r->drawn, r->next_frame, o->frames};
     state_same(io, r->columns);
-    state_numbers(io, counts, 4);
+    state_numbers(io, counts, 6);
     if (io->failed || !(counts[0] >= 0.0 && counts[0] < 1e9 && counts[1] >= 0.0 && counts[1] < 1e9)) return io->failed = 1, -1;
     if (io->reading) {
         r->rows = r->frames = 0;
-        r->looked = counts[2], r->drawn = counts[3] != 0.0;
+        r->looked = counts[2], r->drawn = r->pictured = counts[3] != 0.0 && scene_time(r->s) >= o->picture;
+        r->next_frame =
+            counts[5] == o->frames ? counts[4] : floor(scene_time(r->s) / o->frames + 1e-9) + 1.0; /* at other times than before */
     }
     while (r->rows < (int)counts[0] && !io->failed) { /* as many as the save really holds */
         if (make_room(&r->row, r->rows, &r->room, (size_t)r->columns * sizeof *r->row)) return io->failed = 1, -1;

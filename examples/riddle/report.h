@@ -10,8 +10,11 @@ typedef struct report report;
 report *report_open(scene *s, const char *folder);
 /* To be called between two ticks: measures, writes frames. The condition that ends the run, or NULL. */
 const stop_def *report_look(report *r);
-/* CSV, curves, picture; 0, or -1 after a printed line. */
-int report_write(report *r);
+double report_overlap(const report *r); /* the largest of all rows, over a diameter */
+/* The same at the end of the run: measures there at all events. A save must be before it. */
+const stop_def *report_end(report *r);
+/* CSV, curves, picture. What it has written: "measured.csv, curves.svg, scene.png"; after a printed line less. */
+const char *report_write(report *r);
 void report_json(const report *r, json *j);
 int report_exchange(report *r, scene_state *io);
 void report_free(report *r);

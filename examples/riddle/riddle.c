@@ -2,6 +2,7 @@
 
    The file (YAML, or JSON, which is a part of it) says what there is: materials, walls and how they move, shapes, feeds, liquid, what is
    measured, when to stop. docs/scene_files.md lists every key. `riddle run --template screen` writes one to begin with. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,9 +10,12 @@
 #include "common.h"
 #include "report.h"
 #include "scene.h"
+#include "scene_same.h"
 
 static const char *const templates[] = {"hopper", "screen", "drum", "box", "shapes"};
+enum { SCENE_MB = 16 }; /* at most */
 static const char state_name[] = "scene.state";
+static const double OVERLAP_MAX = 0.1; /* of a diameter: beyond it contacts are no contacts any more */
 static const char usage[] =
     "usage: riddle run FILE [options]; riddle run --template hopper|screen|drum|box|shapes; riddle keys; riddle run --help";
 
@@ -19,10 +23,12 @@ typedef struct job {
     const char *file;
     program self;
     bool again, check;
-    bool halfway; /* stopped while feeds looked for places: not a state to go on from */
+    bool halfway; /* stopped while feeds looked for places, or failed: not a state to go on from */
+    double saved; /* time of the save that this run has written last [s]; NaN: none */
     tree_file tree;
     scene_def def;
     scene s;
+    char *keys; /* of the scene, which a save has, too */
     report *r;
 } job;
 
@@ -66,7 +72,7 @@ static int write_template(const char *name) {
 static int read_scene(job *j, bool seed_given) {
     char message[400];
     size_t size;
-    char *text = input_read(j->file, &size, message, sizeof message);
+    char *text = input_read_most(j->file, SCENE_MB, &size, message, sizeof message);
     if (!text) return refuse(message);
     const int failed = tree_read(&j->tree, j->file, text, size) || scene_read(&j->tree, &j->def);
     free(text);
@@ -75,11 +81,25 @@ static int read_scene(job *j, bool seed_given) {
     if (scene_make(&j->s, &j->def, &j->tree, seed_given ? j->self.seed : (uint64_t)j->def.seed, j->self.threads))
         return refuse(j->tree.message);
     j->r = report_open(&j->s, j->self.out);
-    return j->r ? 0 : refuse(j->tree.message);
+    j->keys = scene_keys(&j->s);
+    return j->r && j->keys ? 0 : refuse(j->tree.message);
+}
+
+/* The keys of the scene of a save against those of this one. */
+static int exchange_keys(job *j, scene_state *io) {
+    uint64_t size = strlen(j->keys) + 1;
+    char *saved = j->keys;
+    state_whole(io, &size);
+    if (io->reading && !io->failed) saved = size > 0 && size <= io->size - io->at ? tree_memory(&j->tree, (size_t)size) : NULL;
+    if (!saved) io->failed = 1;
+    state_bytes(io, saved, (size_t)size);
+    if (!io->reading || io->failed) return io->failed;
+    saved[size - 1] = '\0';
+    return scene_same(&j->s, j->keys, saved);
 }
 
 static int exchange(job *j, scene_state *io) {
-    const int failed = scene_exchange(&j->s, io) || report_exchange(j->r, io);
+    const int failed = exchange_keys(j, io) || scene_exchange(&j->s, io) || report_exchange(j->r, io);
     return state_finish(io) || failed ? -1 : 0;
 }
 
@@ -90,10 +110,12 @@ static int read_state(job *j) {
     unsigned char *bytes =
         (unsigned char *)input_read(output_path(path, sizeof path, j->self.out, state_name), &size, message, sizeof message);
     if (!bytes) return refuse(message);
-    const int failed = state_begin_reading(&io, bytes, size) || exchange(j, &io);
+    const int begun = state_begin_reading(&io, bytes, size), failed = begun || exchange(j, &io);
     state_free(&io);
     if (!failed) return 0;
-    snprintf(message, sizeof message, "--continue: %.300s: no whole save, or the scene now has other walls, feeds, regions or times", path);
+    if (j->tree.message[0]) return refuse(j->tree.message);
+    snprintf(message, sizeof message, "--continue: %.300s: %s", path,
+             begun == 1 ? "a save of another version of riddle run, which alone goes on from it" : "no whole save");
     return refuse(message);
 }
 
@@ -106,6 +128,7 @@ static int write_state(job *j) {
         output *file = output_open(j->self.out, state_name);
         output_write(file, io.bytes, io.size);
         failed = output_close(file) != RIDDLE_IO_OK;
+        if (!failed) j->saved = scene_time(&j->s);
     }
     state_free(&io);
     return failed;
@@ -123,31 +146,48 @@ static void fail_run(const job *j, dem_status status) {
     else common_fail("t = %.6g s: %s (particle %llu)", w->time, dem_status_text(status), (unsigned long long)w->failed_id);
 }
 
+static void end_early(job *j, dem_status status) {
+    j->halfway = true;
+    if (status != DEM_STOPPED) fail_run(j, status);
+}
+
+/* The save, the rest of the duration, the last row. */
+static const stop_def *end_run(job *j, const stop_def *stop) {
+    double left;
+    if (common_exit_status() != 1) write_state(j);
+    if (!stop && !common_interrupted() && scene_near_end(&j->s, &left) && left > 0.0) {
+        const dem_status status = scene_finish(&j->s, left);
+        if (status != DEM_OK) return end_early(j, status), NULL;
+    }
+    const stop_def *at_end = report_end(j->r);
+    return stop || common_interrupted() ? stop : at_end;
+}
+
 static const stop_def *run(job *j) {
     const double save = j->def.output.save;
     const stop_def *stop = NULL;
     progress bar;
-    double saved = scene_time(&j->s);
+    double saved = scene_time(&j->s), left;
     progress_begin(&bar, "running", j->def.duration);
     for (;;) {
         if (!stop) stop = report_look(j->r);
         const double now = scene_time(&j->s);
         progress_update(&bar, now);
-        if (stop || common_interrupted() || now >= j->def.duration - 0.5 * j->s.tick) break;
+        if (stop || common_interrupted() || scene_near_end(&j->s, &left)) break;
         if (save > 0.0 && now - saved >= save * (1.0 - 1e-9)) write_state(j), saved = now;
         const dem_status status = scene_advance(&j->s);
-        if (status == DEM_OK) continue;
-        j->halfway = status == DEM_STOPPED;
-        if (!j->halfway) fail_run(j, status);
-        break;
+        if (status != DEM_OK) end_early(j, status);
+        if (status != DEM_OK) break;
     }
+    if (!j->halfway) stop = end_run(j, stop);
     progress_end(&bar);
     return stop;
 }
 
-static void tell(const job *j, const stop_def *stop) {
+static void tell(const job *j, const stop_def *stop, const char *written) {
     double missed, missed_mass;
-    char hash[24];
+    char hash[24], saved[80] = "";
+    const double last_tick = j->s.ticks * j->s.tick;
     json *out = json_open(j->self.json);
     scene_missed(&j->s, &missed, &missed_mass);
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)dem_hash(&j->s.world));
@@ -163,20 +203,31 @@ static void tell(const job *j, const stop_def *stop) {
     json_close(out);
     if (stop) common_print("stopped at %g s: %s\n", scene_time(&j->s), stop->column);
     if (missed_mass > 0.0) common_print("%g kg found no place: a larger region, a longer way or more speed gives it one\n", missed_mass);
-    common_print("%g s in steps of %.3g s; %s has measured.csv, curves.svg, scene.png, %s\n", scene_time(&j->s), j->s.world.def.dt,
-                 j->self.out, state_name);
+    if (report_overlap(j->r) > OVERLAP_MAX)
+        common_print("overlap reached %.0f %% of a diameter: %s\n", 100.0 * report_overlap(j->r),
+                     isnan(j->def.time_step) ? "the stiffness is too small" : "the stiffness is too small, or the time step too large");
+    if (j->saved < last_tick) snprintf(saved, sizeof saved, ", %s of %g s", state_name, j->saved);
+    else if (!isnan(j->saved)) snprintf(saved, sizeof saved, ", %s", state_name);
+    common_print("%g s in steps of %.3g s; %s has %s%s\n", scene_time(&j->s), j->s.world.def.dt, j->self.out, written, saved);
+}
+
+static int hold_folder(const job *j) {
+    char message[800];
+    if (output_hold_folder(j->self.out) == 0) return 0;
+    snprintf(message, sizeof message, "--out %s: another riddle run is writing there", j->self.out);
+    return refuse(message);
 }
 
 static int run_scene(job *j, bool seed_given) {
     int failed = read_scene(j, seed_given);
+    if (!failed && !j->check) failed = hold_folder(j);
     if (!failed && j->again) failed = read_state(j);
     if (!failed && j->check)
-        common_print("%s: walls: %d, feeds: %d, time step: %.3g s\n", j->file, j->s.world.walls, j->s.sources, j->s.world.def.dt);
+        common_print("%s: walls: %d, feeds: %d, time step: %.3g s\n", j->file, j->s.world.walls, j->s.sources, j->s.world.def.dt),
+            common_print("%s", j->tree.notes);
     else if (!failed) {
         const stop_def *stop = run(j);
-        if (common_exit_status() != 1 && !j->halfway) write_state(j);
-        report_write(j->r);
-        tell(j, stop);
+        tell(j, stop, report_write(j->r));
     }
     report_free(j->r);
     scene_free(&j->s);
@@ -210,6 +261,7 @@ static int rest_of(int argc, char **argv, const char *file, char *out, size_t si
 
 int main(int argc, char **argv) {
     static job j;
+    j.saved = (double)NAN;
     char out[600];
     const char *pattern = NULL;
     option options[] = {

@@ -57,6 +57,8 @@ static int define(scene *s, dem_def *def) {
     if (define_contacts(s, def)) return -1;
     for (int c = 0; p->part.where && c < 3; c++) {
         if (!p->axis[c].part.where) continue;
+        if (!(p->axis[c].low < p->axis[c].high))
+            return tree_fail(s->file, p->axis[c].part.where, "periodic: %c: low must be below high", "xyz"[c]);
         def->periodic[c] = 1;
         *dem_axis_of(&def->low, c) = p->axis[c].low, *dem_axis_of(&def->high, c) = p->axis[c].high;
     }
@@ -92,9 +94,32 @@ static int choose_step(scene *s, dem_def def, double *dt) {
                : tree_fail(s->file, s->file->root, "no time step can be advised: give time_step");
 }
 
-/* No longer than feeds allow, than the run, and than STEPS steps, so that Ctrl-C is heard. */
+/* Long enough for the largest particle that may come, as dem.h asks when it has come. */
+static int check_periodic(scene *s) {
+    const axis_def *axis = s->def->periodic.axis;
+    for (int k = 0; k < s->sources; k++) {
+        const source *q = &s->source[k];
+        double smallest, largest;
+        scene_extremes(q, &smallest, &largest);
+        largest *= scene_widest(q->shape);
+        for (int c = 0; c < 3; c++)
+            if (axis[c].part.where && !(axis[c].high - axis[c].low > 2.2 * largest))
+                return tree_fail(s->file, axis[c].part.where,
+                                 "periodic: %c: %g mm long; above %.6g mm, 2.2 of the largest particles of %g mm, is wanted", "xyz"[c],
+                                 1e3 * (axis[c].high - axis[c].low), 2.2e3 * largest, 1e3 * largest);
+    }
+    return 0;
+}
+
+static double smallest_of(const scene *s) {
+    double smallest = HUGE_VAL, low, high;
+    for (int k = 0; k < s->sources; k++) scene_extremes(&s->source[k], &low, &high), smallest = fmin(smallest, low);
+    return smallest;
+}
+
+/* No longer than feeds allow, and than STEPS steps, so that Ctrl-C is heard. The duration has no part in it: a longer one has the same bits. */
 static int choose_tick(scene *s) {
-    double shortest = fmin(fmin(s->def->measure.every, s->def->duration), STEPS * s->world.def.dt);
+    double shortest = fmin(s->def->measure.every, STEPS * s->world.def.dt);
     for (int k = 0; k < s->sources; k++)
         if (!isnan(s->source[k].def->rate)) shortest = fmin(shortest, scene_feed_interval(s, &s->source[k]));
     s->tick = s->def->measure.every / ceil(s->def->measure.every / shortest - 1e-9);
@@ -103,7 +128,10 @@ static int choose_tick(scene *s) {
         return tree_fail(s->file, fields_where(&s->def->part, "duration"), "duration: more than a thousand million ticks of %.3g s",
                          s->tick);
     if (!(steps >= 1.0))
-        return tree_fail(s->file, s->def->measure.part.where, "measure: every is below the time step of %.3g s", s->world.def.dt);
+        return tree_fail(s->file, s->def->measure.part.where,
+                         isnan(s->def->time_step) ? "measure: every is below the time step of %.3g s for the smallest particles, of %.4g mm"
+                                                  : "measure: every is below the time_step of %.3g s",
+                         s->world.def.dt, 1e3 * smallest_of(s));
     return 0;
 }
 
@@ -113,7 +141,7 @@ int scene_make(scene *s, const scene_def *def, tree_file *file, uint64_t seed, i
     s->def = def, s->file = file, s->seed = seed, s->threads = threads;
     if (define(s, &d) || scene_make_shapes(s) || scene_add_sources(s)) return -1;
     if (scene_has_polyhedra(s)) s->features |= DEM_FRICTION; /* what their contacts remember; without friction its coefficient is 0 */
-    if (choose_step(s, d, &d.dt)) return -1;
+    if (check_periodic(s) || choose_step(s, d, &d.dt)) return -1;
     const char *bad = "";
     if (dem_init(&s->world, &d, &bad) != DEM_OK) return tree_fail(file, file->root, "%s is outside its range", bad);
     return scene_add_shapes(s) || scene_add_walls(s) || choose_tick(s) || scene_wet_begin(s) ? -1 : 0;
@@ -126,7 +154,7 @@ void scene_free(scene *s) {
 
 /* ---- time ---- */
 
-double scene_time(const scene *s) { return s->ticks * s->tick; }
+double scene_time(const scene *s) { return s->ticks * s->tick + s->beyond; }
 
 /* Walls that are there for a part of the time only. */
 static dem_status switch_walls(scene *s, double now) {
@@ -151,18 +179,34 @@ static void book_passed(scene *s) {
     dem_take_passed(&s->world, NULL, s->world.passed_count);
 }
 
-dem_status scene_advance(scene *s) {
-    const double now = scene_time(s), next = (s->ticks + 1.0) * s->tick;
+static dem_status advance(scene *s, double next, double length) {
+    const double now = scene_time(s);
     dem_status status = switch_walls(s, now);
     for (int k = 0; k < s->sources && status == DEM_OK; k++) {
         const ptrdiff_t before = s->source[k].feed.placed;
         status = scene_feed(s, &s->source[k], now, next);
         if (status == DEM_OK) status = scene_wet_new(s, &s->source[k], s->source[k].feed.placed - before);
     }
-    if (status == DEM_OK) status = s->wet ? scene_wet_run(s, s->tick) : dem_run(&s->world, s->tick, s->features);
-    if (status == DEM_STOPPED) return status;
-    book_passed(s);
-    s->ticks += 1.0;
+    if (status == DEM_OK) status = s->wet ? scene_wet_run(s, length) : dem_run(&s->world, length, s->features);
+    if (status != DEM_STOPPED) book_passed(s);
+    return status;
+}
+
+dem_status scene_advance(scene *s) {
+    const dem_status status = advance(s, (s->ticks + 1.0) * s->tick, s->tick);
+    if (status == DEM_OK) s->ticks += 1.0;
+    return status;
+}
+
+int scene_near_end(const scene *s, double *left) {
+    *left = s->def->duration - scene_time(s);
+    if (*left < 1e-6 * s->tick) *left = 0.0;
+    return *left < (1.0 - 1e-6) * s->tick;
+}
+
+dem_status scene_finish(scene *s, double left) {
+    const dem_status status = advance(s, s->def->duration, left);
+    if (status == DEM_OK) s->beyond = left;
     return status;
 }
 

@@ -55,6 +55,7 @@ typedef struct scene {
     double exit_mass[DEM_WALLS_MAX]; /* [kg] by wall of the world */
     double tick;                     /* [s] */
     double ticks;                    /* done; a whole number */
+    double beyond;                   /* time since the last of them [s]: 0, but at the end of a run that ends within one */
     struct wet_scene *wet;
     int *wet_class; /* by id */
     int wet_room;
@@ -67,6 +68,10 @@ void scene_free(scene *s);
 double scene_time(const scene *s); /* [s] */
 /* Feeds what is due and runs a tick. */
 dem_status scene_advance(scene *s);
+/* Whether the next tick would end after the duration; then what is left of the duration [s], 0 at its end. */
+int scene_near_end(const scene *s, double *left);
+/* Runs that, the last of a run. A save must be before it: who goes on from there runs the whole tick. */
+dem_status scene_finish(scene *s, double left);
 /* Everything that the future depends on, into or out of a state. */
 int scene_exchange(scene *s, scene_state *io);
 /* What found no place [-], [kg]. */

@@ -20,6 +20,8 @@
     { #member, FIELD_VECTOR, unit, offsetof(type, member), ANY, fallback, 0, NO_WORDS, help }
 #define TEXT(type, member, fallback, help)                                                                                                 \
     { #member, FIELD_TEXT, UNIT_NONE, offsetof(type, member), ANY, fallback, 0, NO_WORDS, help }
+#define FILE_NAME(type, member, help)                                                                                                      \
+    { #member, FIELD_FILE, UNIT_NONE, offsetof(type, member), ANY, MUST, 0, NO_WORDS, help }
 #define CHOICE(type, member, words, fallback, help)                                                                                        \
     { #member, FIELD_CHOICE, UNIT_NONE, offsetof(type, member), ANY, fallback, 0, words, NULL, help }
 #define PART(type, member, below, fallback, group, help)                                                                                   \
@@ -40,7 +42,7 @@ SECTION(material, material_def, "material", "A material of particles or walls. A
 static const scene_field contact_fields[] = {
     {"between", FIELD_TWO, UNIT_NONE, offsetof(contact_def, between), ANY, MUST, 0, NO_WORDS, "names of two materials, or of one twice"},
     NUMBER(contact_def, stiffness, UNIT_STIFFNESS, POSITIVE, "1e5",
-           "normal; `law: linear` only. Overlaps should stay below 1 % of a diameter"),
+           "normal; `law: linear` only. Overlaps (column `largest_overlap`) should stay below 1 % of a diameter"),
     {"tangential_ratio", FIELD_NUMBER, UNIT_NONE, offsetof(contact_def, tangential_ratio), 0.0, 1.0, false, "0.2857142857142857", 0,
      NO_WORDS, "tangential over normal stiffness; `law: linear` only"},
     {"restitution", FIELD_NUMBER, UNIT_NONE, offsetof(contact_def, restitution), 0.0, 1.0, true, "0.8", 0, NO_WORDS,
@@ -103,7 +105,9 @@ static const scene_field screen_fields[] = {
 };
 SECTION(screen, screen_shape, "screen", "A woven wire screen with square apertures.");
 static const scene_field mesh_fields[] = {
-    TEXT(mesh_shape, file, MUST, "an STL file, text or binary; its name is relative to the scene's folder"),
+    FILE_NAME(mesh_shape, file,
+              "an STL file, text or binary; its name is relative to the scene's folder. Refused if triangles are missing; `--check` counts "
+              "open edges"),
     NUMBER(mesh_shape, unit, UNIT_LENGTH, POSITIVE, "1e-3", "length of one unit of the file; 1 mm as CAD writes it"),
     NUMBER(mesh_shape, weld, UNIT_LENGTH, AT_LEAST_0, "0", "corners nearer than this become one"),
     VECTOR(mesh_shape, centre, UNIT_LENGTH, "[0, 0, 0]", "where the origin of the file is put"),
@@ -172,7 +176,7 @@ static const scene_field wall_fields[] = {
     PART(wall_def, piston, piston, "", 0, "moved by a force"),
     PART(wall_def, rotor, rotor, "", 0, "turned by a torque"),
     NUMBER(wall_def, from, UNIT_TIME, AT_LEAST_0, "0", "the wall is there from this time on; its motion runs all the time"),
-    NUMBER(wall_def, until, UNIT_TIME, AT_LEAST_0, "", "and until this time: a gate"),
+    NUMBER(wall_def, until, UNIT_TIME, AT_LEAST_0, "", "and until this time, after `from`: a gate"),
 };
 SECTION(wall, wall_def, "wall", "One shape, and how it moves. At most 32 walls; an exit counts.");
 
@@ -180,11 +184,11 @@ SECTION(wall, wall_def, "wall", "One shape, and how it moves. At most 32 walls; 
 
 static const scene_field shape_sphere_fields[] = {
     VECTOR(shape_sphere, centre, UNIT_LENGTH, MUST, "in a frame of the shape's own, with its origin anywhere"),
-    NUMBER(shape_sphere, diameter, UNIT_LENGTH, POSITIVE, MUST, "of the sphere"),
+    NUMBER(shape_sphere, diameter, UNIT_DIAMETER, POSITIVE, MUST, "of the sphere"),
 };
 SECTION(shape_sphere, shape_sphere, "sphere of a shape", "Spheres may overlap: the body is their union, of one density.");
 static const scene_field shape_mesh_fields[] = {
-    TEXT(shape_mesh, file, MUST, "an STL file of a closed convex surface; its name is relative to the scene's folder"),
+    FILE_NAME(shape_mesh, file, "an STL file of a closed convex surface; its name is relative to the scene's folder"),
     NUMBER(shape_mesh, unit, UNIT_LENGTH, POSITIVE, "1e-3", "length of one unit of the file; 1 mm as CAD writes it"),
     NUMBER(shape_mesh, weld, UNIT_LENGTH, AT_LEAST_0, "0", "corners nearer than this become one"),
 };
@@ -228,44 +232,45 @@ static const scene_field region_fields[] = {
 SECTION(region, region_def, "region", "A part of space.");
 
 static const scene_field class_fields[] = {
-    NUMBER(size_class, diameter, UNIT_LENGTH, POSITIVE, MUST, "of all particles of the class"),
+    NUMBER(size_class, diameter, UNIT_DIAMETER, POSITIVE, MUST, "of all particles of the class"),
     {"share", FIELD_NUMBER, UNIT_SHARE, offsetof(size_class, share), 0.0, 1e30, false, "1", 0, NO_WORDS, "of any sum; see `shares`"},
 };
 SECTION(class, size_class, "class", "Particles of one diameter.");
 static const scene_field even_fields[] = {
-    NUMBER(even_sizes, smallest, UNIT_LENGTH, POSITIVE, MUST, "diameter"),
-    NUMBER(even_sizes, largest, UNIT_LENGTH, POSITIVE, MUST, "diameter"),
+    NUMBER(even_sizes, smallest, UNIT_DIAMETER, POSITIVE, MUST, "diameter"),
+    NUMBER(even_sizes, largest, UNIT_DIAMETER, POSITIVE, MUST, "diameter"),
 };
 SECTION(even, even_sizes, "uniform", "Every diameter has the same share.");
 static const scene_field lognormal_fields[] = {
-    NUMBER(lognormal_sizes, median, UNIT_LENGTH, POSITIVE, MUST, "half is finer"),
+    NUMBER(lognormal_sizes, median, UNIT_DIAMETER, POSITIVE, MUST, "half is finer"),
     {"spread", FIELD_NUMBER, UNIT_NONE, offsetof(lognormal_sizes, spread), 1e-3, 5.0, false, MUST, 0, NO_WORDS,
      "standard deviation of ln d"},
-    NUMBER(lognormal_sizes, smallest, UNIT_LENGTH, POSITIVE, MUST, "cut off below"),
-    NUMBER(lognormal_sizes, largest, UNIT_LENGTH, POSITIVE, MUST, "cut off above"),
+    NUMBER(lognormal_sizes, smallest, UNIT_DIAMETER, POSITIVE, MUST, "cut off below"),
+    NUMBER(lognormal_sizes, largest, UNIT_DIAMETER, POSITIVE, MUST, "cut off above"),
 };
 SECTION(lognormal, lognormal_sizes, "lognormal", "The logarithm of the diameter is normally distributed.");
 static const scene_field rosin_fields[] = {
-    NUMBER(rosin_sizes, scale, UNIT_LENGTH, POSITIVE, MUST, "36.8 % is coarser"),
+    NUMBER(rosin_sizes, scale, UNIT_DIAMETER, POSITIVE, MUST, "36.8 % is coarser"),
     {"exponent", FIELD_NUMBER, UNIT_NONE, offsetof(rosin_sizes, exponent), 0.1, 100.0, false, MUST, 0, NO_WORDS,
      "of exp(-(d/scale)^exponent)"},
-    NUMBER(rosin_sizes, smallest, UNIT_LENGTH, POSITIVE, MUST, "cut off below"),
-    NUMBER(rosin_sizes, largest, UNIT_LENGTH, POSITIVE, MUST, "cut off above"),
+    NUMBER(rosin_sizes, smallest, UNIT_DIAMETER, POSITIVE, MUST, "cut off below"),
+    NUMBER(rosin_sizes, largest, UNIT_DIAMETER, POSITIVE, MUST, "cut off above"),
 };
 SECTION(rosin, rosin_sizes, "rosin_rammler", "Rosin & Rammler (1933).");
 static const scene_field sizes_fields[] = {
-    ONE_NUMBER(sizes_def, diameter, FIELD_NUMBER, UNIT_LENGTH, POSITIVE, 1, "one size"),
+    ONE_NUMBER(sizes_def, diameter, FIELD_NUMBER, UNIT_DIAMETER, POSITIVE, 1, "one size"),
     {"classes", FIELD_LIST, UNIT_NONE, offsetof(sizes_def, classes), 1, 1000, false, "", 1, NULL, &class_section, "any number of sizes"},
-    {"file", FIELD_TEXT, UNIT_NONE, offsetof(sizes_def, file), ANY, "", 1, NO_WORDS,
-     "CSV with columns `size_mm` (or `size_um`, `size_m`) and `passing` (0 to 1, a sieve curve: a class between two rows has even sizes) "
-     "or `share`"},
+    {"file", FIELD_FILE, UNIT_NONE, offsetof(sizes_def, file), ANY, "", 1, NO_WORDS,
+     "CSV with columns `size_mm` (or `size_um`, `size_m`) and `passing` (0 to 1, a sieve curve: a class between two rows has even sizes, "
+     "one below the first row goes down to half its size; it must end at 1) or `share`"},
     PART(sizes_def, uniform, even, "", 1, "even sizes"),
     PART(sizes_def, lognormal, lognormal, "", 1, "lognormal"),
     PART(sizes_def, rosin_rammler, rosin, "", 1, "Rosin-Rammler"),
     CHOICE(sizes_def, shares, "mass|number", "mass", "what shares and distributions count"),
 };
 SECTION(sizes, sizes_def, "sizes",
-        "Diameters; of a shape, that of the sphere of its volume. Each class is measured by itself: its column is `left_<size>mm`.");
+        "Diameters; of a shape, that of the sphere of its volume. Above 1 m they name their unit. Each class is measured by itself: its "
+        "column is `left_<size>mm`.");
 
 static const scene_field feed_fields[] = {
     TEXT(feed_def, material, MUST, "name of a material"),
@@ -279,7 +284,7 @@ static const scene_field feed_fields[] = {
     VECTOR(feed_def, velocity, UNIT_SPEED, "[0, 0, 0]", "of new particles"),
     VECTOR(feed_def, scatter, UNIT_SPEED, "[0, 0, 0]", "largest deviation from it"),
     NUMBER(feed_def, from, UNIT_TIME, AT_LEAST_0, "0", "beginning"),
-    NUMBER(feed_def, until, UNIT_TIME, AT_LEAST_0, "", "end of a steady feed; else that of the run"),
+    NUMBER(feed_def, until, UNIT_TIME, AT_LEAST_0, "", "end of a steady feed, with `rate` only; default: that of the run"),
     {"tries", FIELD_WHOLE, UNIT_NONE, offsetof(feed_def, tries), 1.0, 1e6, false, "2000", 0, NO_WORDS,
      "random places tried for a particle"},
     TEXT(feed_def, label, "", "of its classes in figures and columns, before the size; default for a shape: its name"),
@@ -314,7 +319,9 @@ static const scene_field measure_fields[] = {
 };
 SECTION(
     measure, measure_def, "measure",
-    "`measured.csv` always has `time_s`, `particles`, `mass_kg`, `kinetic_J`, of each class `left_<class>` (share of its fed mass that has "
+    "`measured.csv` always has `time_s`, `particles`, `mass_kg`, `kinetic_J`, `largest_overlap` (of all contacts at that time, over the "
+    "diameter of the smaller particle, of a clump's sphere, or of the sphere of a polyhedron's volume), of each class `left_<class>` "
+    "(share of its fed mass that has "
     "passed no exit), of each exit `<exit>_kg`, of each other wall `<wall>_Fx_N`, `_Fy_N`, `_Fz_N` (mean since the row before); with "
     "liquid `bridges`, `liquid_kg`; with polyhedra `core_overlaps`, pairs pressed deeper than their rounding: 0 is right, else contacts "
     "are "
@@ -377,9 +384,10 @@ const scene_table scene_section = {"scene", "The whole file.", scene_fields, (in
 int scene_read(tree_file *file, scene_def *scene) {
     if (fields_read(file, file->root, &scene_section, scene)) return -1;
     tree none = {TREE_MAP, 1, 1, NULL, 0, 0, 0, 0, NULL, NULL}; /* what is not given has its defaults all the same */
-    if (!scene->measure.part.where && fields_read(file, &none, &measure_section, &scene->measure)) return -1;
-    if (!scene->output.part.where && fields_read(file, &none, &output_section, &scene->output)) return -1;
-    scene->measure.part.where = scene->output.part.where = NULL;
+    const tree *measure = scene->measure.part.where, *output = scene->output.part.where;
+    if (!measure && fields_read(file, &none, &measure_section, &scene->measure)) return -1;
+    if (!output && fields_read(file, &none, &output_section, &scene->output)) return -1;
+    scene->measure.part.where = measure, scene->output.part.where = output;
     if (!(scene->measure.every > 0.0)) scene->measure.every = scene->duration / 100.0;
     return 0;
 }

@@ -53,35 +53,69 @@ static int add_share(scene *s, size_shares *list, const tree *at, dem_sizes size
     return 0;
 }
 
-/* Rows of size and share; or of size and passing, which make classes between two rows, the first from half its size. */
+static const double SIEVE_END = 1e-3; /* a curve ends at 1 to this */
+
+/* The rows of a table before one. */
+typedef struct sieve_rows {
+    const char *path;
+    const tree *at;
+    double size, passing;
+    int curve, bare; /* bare: sizes without a unit */
+} sieve_rows;
+
+static int check_row(scene *s, const sieve_rows *before, int line, double size, double value) {
+    const char *what = before->curve ? "passing" : "share";
+    if (isnan(size) || isnan(value))
+        return tree_fail(s->file, before->at, "file: %s:%d: a size and its %s are numbers", before->path, line, what);
+    if (before->bare && size > 1.0)
+        return tree_fail(s->file, before->at, "file: %s:%d: a size of %g of what? The column must name its unit, such as size_mm",
+                         before->path, line, size);
+    if (before->curve && value > 1.0 + SIEVE_END)
+        return tree_fail(s->file, before->at, "file: %s:%d: passing is %.6g; it is 0 to 1, or in per cent in a column passing_%%",
+                         before->path, line, value);
+    if (size > before->size && value >= (before->curve ? before->passing : 0.0)) return 0;
+    return tree_fail(s->file, before->at, "file: %s:%d: sizes must grow; %s", before->path, line,
+                     before->curve ? "passing must grow from 0 to 1" : "shares are at least 0");
+}
+
+static int add_row(scene *s, size_shares *list, sieve_rows *before, int line, double size, double value) {
+    if (check_row(s, before, line, size, value)) return -1;
+    const double low = before->size > 0.0 ? before->size : 0.5 * size, share = value - before->passing;
+    const int first = before->size == 0.0 && value > 0.0;
+    before->size = size;
+    if (!before->curve) return add_share(s, list, before->at, dem_one_size(size), value, size, size);
+    before->passing = value;
+    if (first)
+        tree_note(s->file, before->at, "file: %s: %g %% pass the finest size %g mm: they are %g to %g mm large", before->path,
+                  100.0 * value, 1e3 * size, 1e3 * low, 1e3 * size);
+    return add_share(s, list, before->at, dem_uniform_sizes(low, size, list->by_mass), share, low, size);
+}
+
+/* Rows of size and share; or of size and passing, which make classes between two rows, the first from half its size. A first row of 0 and 0
+   is passed over. */
 static int read_csv(scene *s, const sizes_def *def, size_shares *list) {
     char path[1000], message[300];
-    const tree *at = fields_where(&def->part, "file");
-    const char *slash = strrchr(s->file->name, '/');
-    const int folder = slash && def->file[0] != '/' ? (int)(slash - s->file->name) + 1 : 0;
     csv_data data;
-    snprintf(path, sizeof path, "%.*s%s", folder, s->file->name, def->file);
-    if (csv_read(path, &data, message, sizeof message)) return tree_fail(s->file, at, "file: %s", message);
-    const bool curve = csv_column(&data, "passing") >= 0;
-    double before = 0.0, smaller = 0.0;
-    int failed = csv_find(&data, "size", NULL, message, sizeof message) < 0 ||
-                 (!curve && csv_find(&data, "share", NULL, message, sizeof message) < 0);
-    if (failed) tree_fail(s->file, at, "file: %s: %s", path, message);
+    sieve_rows before = {path, fields_where(&def->part, "file"), 0.0, 0.0, 0, 0};
+    if (csv_read(tree_beside(s->file, def->file, path, sizeof path), &data, message, sizeof message))
+        return tree_fail(s->file, before.at, "file: %s", message);
+    before.curve = csv_column(&data, "passing") >= 0;
+    const char *column = before.curve ? "passing" : "share";
+    int failed = csv_find(&data, "size", NULL, message, sizeof message) < 0 || csv_find(&data, column, NULL, message, sizeof message) < 0;
+    if (failed) tree_fail(s->file, before.at, "file: %s: %s", path, message);
     else if (!csv_measures(data.names[csv_column(&data, "size")], 'L'))
-        failed =
-            tree_fail(s->file, at, "file: %s: the unit of column %.60s is not one of length", path, data.names[csv_column(&data, "size")]);
+        failed = tree_fail(s->file, before.at, "file: %s: the unit of column %.60s is not one of length", path,
+                           data.names[csv_column(&data, "size")]);
+    else before.bare = csv_measures(data.names[csv_column(&data, "size")], '#');
+    if (!failed && data.rows == 0) failed = tree_fail(s->file, before.at, "file: %s: it has no rows", path);
     for (int r = 0; r < data.rows && !failed; r++) {
-        const double size = csv_value(&data, r, "size"), value = csv_value(&data, r, curve ? "passing" : "share");
-        if (!(size > smaller) || !(value >= (curve ? before : 0.0)) || (curve && value > 1.0)) {
-            failed = tree_fail(s->file, at, "file: %s:%d: sizes must grow; %s", path, data.lines[r],
-                               curve ? "passing must grow from 0 to 1" : "shares are at least 0");
-            break;
-        }
-        const double low = smaller > 0.0 ? smaller : 0.5 * size;
-        failed = curve ? add_share(s, list, at, dem_uniform_sizes(low, size, list->by_mass), value - before, low, size)
-                       : add_share(s, list, at, dem_one_size(size), value, size, size);
-        smaller = size, before = value;
+        const double size = csv_value(&data, r, "size"), value = csv_value(&data, r, column);
+        if (!before.curve || r > 0 || size != 0.0 || value != 0.0) failed = add_row(s, list, &before, data.lines[r], size, value);
     }
+    if (!failed && before.curve && !(before.passing >= 1.0 - SIEVE_END))
+        failed = tree_fail(s->file, before.at,
+                           "file: %s: passing ends at %.6g: %.4g %% are coarser than %g mm; a row where it is 1 says how coarse", path,
+                           before.passing, 100.0 * (1.0 - before.passing), 1e3 * before.size);
     csv_free(&data);
     return failed ? -1 : 0;
 }
@@ -129,7 +163,7 @@ static int group_of(scene *s, const feed_def *def, const size_share *c, double d
     else if (c->low == c->high) snprintf(name, sizeof name, "%.40s%s%gmm", label, bar, 1e3 * c->low);
     else snprintf(name, sizeof name, "%.40s%s%g-%gmm", label, bar, 1e3 * c->low, 1e3 * c->high);
     for (char *p = name; *p; p++)
-        if (*p == ',' || *p == ' ' || *p == '"') *p = '_';
+        if (strchr(", \"", *p) || (unsigned char)*p < 32 || *p == 127) *p = '_';
     for (int g = 0; g < s->groups; g++)
         if (strcmp(s->group[g].name, name) == 0 && s->group[g].density == density) return g;
     size_group *g = &s->group[s->groups];
@@ -189,6 +223,8 @@ static int add_sources(scene *s, const feed_def *def, size_shares *list) {
         return -1;
     if (list->n == 0) return tree_fail(s->file, def->sizes.part.where, "sizes: all shares are 0");
     if (!isnan(def->until) && !(def->until > def->from)) return tree_fail(s->file, fields_where(&def->part, "until"), "until: after from");
+    if (!isnan(def->until) && isnan(def->rate))
+        return tree_fail(s->file, fields_where(&def->part, "until"), "until: only with rate; mass and count come all at once, at from");
     for (int k = 0; k < list->n; k++) order[k] = &list->item[k];
     qsort(order, (size_t)list->n, sizeof *order, larger_first);
     for (int k = 0; k < list->n; k++, s->sources++) {

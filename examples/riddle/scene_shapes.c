@@ -11,6 +11,13 @@ typedef char limits_agree[SHAPE_SPHERES_MAX == DEM_CLUMP_MAX && SHAPE_CORNERS_MA
 
 int scene_is_polyhedron(const body_shape *shape) { return shape && shape->clump.spheres == 0; }
 
+double scene_widest(const body_shape *shape) {
+    double widest = 0.0;
+    if (!shape) return 1.0;
+    for (int k = 0; k < shape->clump.spheres; k++) widest = fmax(widest, 2.0 * shape->clump.radius[k] / shape->diameter);
+    return scene_is_polyhedron(shape) ? shape->reach : widest;
+}
+
 static double diameter_of(double volume) { return 2.0 * riddle_cbrt(volume / (4.0 / 3.0 * RIDDLE_PI)); }
 
 /* ---- making ---- */

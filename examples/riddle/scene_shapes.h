@@ -10,6 +10,8 @@ int scene_make_shapes(scene *s);
 int scene_shape_of(scene *s, const feed_def *feed, const body_shape **shape);
 /* Adds the polyhedra of all sources to the scene's world, each class of sizes as a shape of its own. */
 int scene_add_shapes(scene *s);
+/* The width of the widest of its spheres, or of the polyhedron, over its diameter; 1 for spheres (NULL). */
+double scene_widest(const body_shape *shape);
 int scene_is_polyhedron(const body_shape *shape);
 int scene_has_polyhedra(const scene *s);
 /* Adds one particle of a source and a diameter at rest to any world. */

@@ -119,15 +119,29 @@ static int add_lifters(scene *s, int material, const lifters_shape *l) {
 
 int scene_read_stl(tree_file *file, const tree *at, const char *name, double unit, double weld, dem_mesh *mesh) {
     char path[1000], message[300];
-    const char *slash = strrchr(file->name, '/');
-    const int folder = slash && name[0] != '/' ? (int)(slash - file->name) + 1 : 0;
     size_t size;
-    snprintf(path, sizeof path, "%.*s%s", folder, file->name, name);
-    char *bytes = input_read(path, &size, message, sizeof message);
+    char *bytes = input_read(tree_beside(file, name, path, sizeof path), &size, message, sizeof message);
     if (!bytes) return tree_fail(file, at, "file: %s", message);
-    const dem_status status = dem_read_stl(bytes, size, unit, weld, NULL, mesh, NULL);
+    dem_stl_report found;
+    const dem_status status = dem_read_stl(bytes, size, unit, weld, NULL, mesh, &found);
+    const char *dot = strrchr(name, '.');
     free(bytes);
-    return status == DEM_OK ? 0 : tree_fail(file, at, "file: %s: %s", path, dem_status_text(status));
+    if (status == DEM_BAD_DATA && dot && strcmp(dot, ".stl") != 0 && strcmp(dot, ".STL") != 0)
+        return tree_fail(file, at, "file: %s: no STL, which alone is read: save it as STL", path);
+    if (status != DEM_OK && status != DEM_BAD_DATA) return tree_fail(file, at, "file: %s: %s", path, dem_status_text(status));
+    if (found.missing > 0 || found.not_finite > 0) {
+        dem_free_mesh(mesh);
+        return found.missing > 0
+                   ? tree_fail(file, at, "file: %s: cut off or damaged: %.0f of its triangles are there, %.0f or more are not", path,
+                               (double)found.facets, (double)found.missing)
+                   : tree_fail(file, at, "file: %s: triangles with corners that are no finite numbers: %.0f", path,
+                               (double)found.not_finite);
+    }
+    if (status == DEM_BAD_DATA) return tree_fail(file, at, "file: %s: no triangle in it: empty, damaged, or no STL", path);
+    if (found.open_edges > 0)
+        tree_note(file, at, "file: %s: open edges: %.0f, the rims of holes; triangles: %.0f", path, (double)found.open_edges,
+                  (double)mesh->triangles);
+    return 0;
 }
 
 static int add_mesh(scene *s, int material, const mesh_shape *shape) {
@@ -208,6 +222,7 @@ static int add_wall(scene *s, int number) {
     if (w->exit.part.where && w->material) return tree_fail(s->file, fields_where(&w->part, "material"), "material: an exit has none");
     if ((w->piston.part.where || w->rotor.part.where) && (moves || (w->piston.part.where && w->rotor.part.where)))
         return tree_fail(s->file, w->part.where, "wall %.60s: what a force or torque moves has no other motion", w->part.name);
+    if (!isnan(w->until) && !(w->until > w->from)) return tree_fail(s->file, fields_where(&w->part, "until"), "until: after from");
     const int wall = add_shape(s, w, material);
     if (s->file->message[0]) return -1;
     if (wall < 0)

@@ -4,10 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char magic[16] = "riddle scene 1\n";
+static const char magic[16] = "riddle scene 2\n";
+enum { BEFORE_VERSION = 13 }; /* bytes */
 
 /* Fowler, Noll & Vo's hash, 64 bits. */
-static uint64_t checksum(const unsigned char *bytes, size_t size) {
+uint64_t state_checksum(const void *start, size_t size) {
+    const unsigned char *bytes = start;
     uint64_t h = 14695981039346656037u;
     for (size_t k = 0; k < size; k++) h = (h ^ bytes[k]) * 1099511628211u;
     return h;
@@ -71,18 +73,19 @@ void state_begin_writing(scene_state *io) {
 int state_begin_reading(scene_state *io, unsigned char *bytes, size_t size) {
     memset(io, 0, sizeof *io);
     io->reading = 1, io->bytes = bytes;
-    if (size < sizeof magic + 8 || memcmp(bytes, magic, sizeof magic) != 0) return -1;
+    if (size < sizeof magic + 8 || memcmp(bytes, magic, BEFORE_VERSION) != 0) return -1;
+    if (memcmp(bytes, magic, sizeof magic) != 0) return 1;
     io->size = size - 8, io->at = io->size;
     scene_state tail = *io;
     uint64_t sum;
     tail.size = size;
     state_whole(&tail, &sum);
     io->at = sizeof magic;
-    return sum == checksum(bytes, io->size) ? 0 : -1;
+    return sum == state_checksum(bytes, io->size) ? 0 : -1;
 }
 
 int state_finish(scene_state *io) {
-    uint64_t sum = io->failed ? 0 : checksum(io->bytes, io->size);
+    uint64_t sum = io->failed ? 0 : state_checksum(io->bytes, io->size);
     if (io->reading) io->failed |= io->at != io->size;
     else state_whole(io, &sum);
     return io->failed ? -1 : 0;

@@ -12,10 +12,11 @@ typedef struct scene_state {
     size_t size, at, room;
 } scene_state;
 
+uint64_t state_checksum(const void *bytes, size_t size);
 void state_begin_writing(scene_state *io);
-int state_begin_reading(scene_state *io, unsigned char *bytes,
-                        size_t size); /* -1: no whole save of this version. bytes become the state's */
-int state_finish(scene_state *io);    /* writing: appends the checksum. -1: something failed */
+/* 0; -1: no whole save; 1: one of another version. bytes become the state's. */
+int state_begin_reading(scene_state *io, unsigned char *bytes, size_t size);
+int state_finish(scene_state *io); /* writing: appends the checksum. -1: something failed */
 void state_free(scene_state *io);
 
 void state_numbers(scene_state *io, double *values, size_t n);

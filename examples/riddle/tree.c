@@ -21,18 +21,32 @@ typedef struct reading {
     int n_anchors, anchor_room, values;
 } reading;
 
+/* "scene.yaml:3:7: what is said", without control characters. */
+static void say(const tree_file *file, const tree *at, char *line, size_t size, const char *format, va_list arguments) {
+    int used = at ? snprintf(line, size, "%s:%d:%d: ", file->name, at->line, at->column) : snprintf(line, size, "%s: ", file->name);
+    if (used < 0 || used >= (int)size) used = (int)size - 1;
+    vsnprintf(line + used, size - (size_t)used, format, arguments);
+    for (char *c = line; *c; c++)
+        if ((unsigned char)*c < 32 || *c == 127) *c = '?';
+}
+
 int tree_fail(tree_file *file, const tree *at, const char *format, ...) {
     if (file->message[0]) return -1;
     va_list arguments;
-    int used = at ? snprintf(file->message, sizeof file->message, "%s:%d:%d: ", file->name, at->line, at->column)
-                  : snprintf(file->message, sizeof file->message, "%s: ", file->name);
-    if (used < 0 || used >= (int)sizeof file->message) used = (int)sizeof file->message - 1;
     va_start(arguments, format);
-    vsnprintf(file->message + used, sizeof file->message - (size_t)used, format, arguments);
+    say(file, at, file->message, sizeof file->message, format, arguments);
     va_end(arguments);
-    for (char *c = file->message; *c; c++)
-        if ((unsigned char)*c < 32 || *c == 127) *c = '?';
     return -1;
+}
+
+void tree_note(tree_file *file, const tree *at, const char *format, ...) {
+    char line[400];
+    const size_t used = strlen(file->notes);
+    va_list arguments;
+    va_start(arguments, format);
+    say(file, at, line, sizeof line, format, arguments);
+    va_end(arguments);
+    if (used + strlen(line) + 2 < sizeof file->notes) snprintf(file->notes + used, sizeof file->notes - used, "%s\n", line);
 }
 
 void *tree_memory(tree_file *file, size_t size) {
@@ -57,6 +71,13 @@ const tree *tree_find(const tree *map, const char *key) {
     for (int k = 0; map && map->kind == TREE_MAP && k < map->n; k++)
         if (strcmp(map->key[k]->text, key) == 0) return map->item[k];
     return NULL;
+}
+
+const char *tree_beside(const tree_file *file, const char *name, char *path, size_t size) {
+    const char *slash = strrchr(file->name, '/');
+    const int folder = slash && name[0] != '/' ? (int)(slash - file->name) + 1 : 0;
+    snprintf(path, size, "%.*s%s", folder, file->name, name);
+    return path;
 }
 
 static char *copied(tree_file *file, const char *text, size_t length) {

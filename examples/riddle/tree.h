@@ -25,6 +25,7 @@ typedef struct tree_file {
     void **block;     /* everything that belongs to it */
     int blocks, room;
     char message[400]; /* "scene.yaml:3:7: what is wrong", the first failure */
+    char notes[2000];  /* lines for --check: what is allowed and yet may be a mistake */
 } tree_file;
 
 /* 0, or -1 with a message. Free with tree_free in both cases. name: kept, not copied. */
@@ -32,10 +33,18 @@ int tree_read(tree_file *file, const char *name, const char *bytes, size_t size)
 void tree_free(tree_file *file);
 /* The value of a key, or NULL. */
 const tree *tree_find(const tree *map, const char *key);
+/* The path of a file whose name is relative to the folder of this one. */
+const char *tree_beside(const tree_file *file, const char *name, char *path, size_t size);
 /* Zeroed memory that lives as long as the file; NULL with a message. */
 void *tree_memory(tree_file *file, size_t size);
 /* Keeps the first message, "file:line:column: ...", and returns -1. at may be NULL: the file as a whole. */
 int tree_fail(tree_file *file, const tree *at, const char *format, ...)
+#ifdef __GNUC__
+    __attribute__((format(printf, 3, 4)))
+#endif
+    ;
+/* Adds a line to the notes; those that find no room are left out. */
+void tree_note(tree_file *file, const tree *at, const char *format, ...)
 #ifdef __GNUC__
     __attribute__((format(printf, 3, 4)))
 #endif
