@@ -2148,6 +2148,11 @@ static inline double screen__penalty(const screen__problem *p, const double *c) 
     return sum;
 }
 
+/* Returns its part in what is to be smallest: twice beside the mean square, since descents take half of the square. */
+static inline double screen__price(const screen__problem *p, const double *c) {
+    return (p->loss == SCREEN_LOSS_SQUARES ? 2.0 : 1.0) * screen__penalty(p, c);
+}
+
 /* Adds the penalty, and completes the upper half of the curvature. */
 static inline void screen__add_shrink(const screen__problem *p, const double *c, screen__sums *out) {
     int n = p->parameters;
@@ -2933,14 +2938,21 @@ static inline double screen__rounding(int stage) {
     return rounding[stage];
 }
 
-/* Returns at q what is to be smallest: the deviation and the penalty, or the mean square and twice the penalty, since descents take half of
-   the square. */
+/* Returns at q what is to be smallest: the deviation or the mean square, with the price. */
 static inline double screen__sharp_loss(screen__problem *p, const double *q) {
     double c[SCREEN_MAX_PARAMETERS];
     screen__sums sums;
     screen__to_coefficients(p->model, p->parameters, p->centre, q, c);
     screen__evaluate(p, c, 0.0, 0, 1, &sums);
-    return p->loss == SCREEN_LOSS_SQUARES ? sums.squares + 2.0 * screen__penalty(p, c) : sums.deviation + screen__penalty(p, c);
+    return (p->loss == SCREEN_LOSS_SQUARES ? sums.squares : sums.deviation) + screen__price(p, c);
+}
+
+/* Takes a trial and its loss for q and the best if it is less. Returns whether it was. */
+static inline int screen__take_less(const screen__problem *p, const double *trial, double loss, double *best, double *q) {
+    if (!(loss < *best)) return 0;
+    *best = loss;
+    for (int j = 0; j < p->parameters; j++) q[j] = trial[j];
+    return 1;
 }
 
 /* Descends from q through all stages. first: smooth minima that earlier starts came to, [start] pairs of it and the sharp loss; a known one
@@ -2994,10 +3006,7 @@ static inline double screen__try_borders(screen__problem *p, double best, double
                 screen__descend(p, trial, screen__rounding(stage), squares ? 120 : 30, &left);
             p->low[j] = low;
             p->high[j] = high;
-            double loss = screen__sharp_loss(p, trial);
-            if (!(loss < best)) continue;
-            best = loss;
-            for (int k = 0; k < p->parameters; k++) q[k] = trial[k];
+            if (!screen__take_less(p, trial, screen__sharp_loss(p, trial), &best, q)) continue;
             screen__pin_idle(p, q); /* a value without influence, but it may leave k more room */
         }
     return best;
@@ -3031,10 +3040,7 @@ static inline double screen__try_border_pairs(screen__problem *p, double best, d
         const double loss = screen__try_borders(p, screen__sharp_loss(p, trial), trial);
         p->low[j] = low;
         p->high[j] = high;
-        if (loss < best) {
-            best = loss;
-            for (int i = 0; i < p->parameters; i++) q[i] = trial[i];
-        }
+        screen__take_less(p, trial, loss, &best, q);
         screen__pin_idle(p, q);
     }
     return best;
@@ -3049,23 +3055,21 @@ static inline double screen__last_time(const screen__problem *p) {
     return last > 0.0 ? last : p->def.duration;
 }
 
-/* Descends from `trial`. Takes the place where that ends for q if it is better; returns the better loss. */
-static inline double screen__try_at(screen__problem *p, double *trial, double best, double *q) {
-    const int squares = p->loss == SCREEN_LOSS_SQUARES;
+/* Descends from `trial`, of deviations from the stage `first` on. Takes the place where that ends for q if it is better; returns the better
+   loss. */
+static inline double screen__try_at(screen__problem *p, int first, double *trial, double best, double *q) {
     int left = 100;
-    for (int stage = squares ? SCREEN__STAGES - 1 : 0; stage < SCREEN__STAGES; stage += 2)
+    for (int stage = p->loss == SCREEN_LOSS_SQUARES ? SCREEN__STAGES - 1 : first; stage < SCREEN__STAGES; stage += 2)
         screen__descend(p, trial, screen__rounding(stage), 40, &left);
-    const double loss = screen__sharp_loss(p, trial);
-    if (!(loss < best)) return best;
-    for (int j = 0; j < p->parameters; j++) q[j] = trial[j];
-    return loss;
+    screen__take_less(p, trial, screen__sharp_loss(p, trial), &best, q);
+    return best;
 }
 
 /* The same from coefficients c. */
 static inline double screen__try_from(screen__problem *p, const double *c, double best, double *q) {
     double trial[SCREEN_MAX_PARAMETERS];
     screen__to_box(p->model, p->parameters, p->centre, p->low, p->high, c, trial);
-    return screen__try_at(p, trial, best, q);
+    return screen__try_at(p, 0, trial, best, q);
 }
 
 /* Descends once more from each pair of plain rates (slow, middling and fast) without exponents: few data have minima that random starts
@@ -3113,7 +3117,7 @@ static inline double screen__try_border_anew(screen__problem *p, int j, double b
             const double loss = screen__descend(p, trial, screen__rounding(0), 150, &left);
             screen__second_try(p, trial, loss, screen__rounding(0), &left);
         }
-        best = screen__try_at(p, trial, best, q);
+        best = screen__try_at(p, 0, trial, best, q);
     }
     p->low[j] = low, p->high[j] = high;
     return best;
@@ -3139,15 +3143,9 @@ static inline double screen__try_modest_exponents(screen__problem *p, uint64_t s
         const int j = k / 2 * 3 + 1;
         const double at = screen__clip(k % 2 ? 2.0 : -2.0, p->low[j], p->high[j]);
         double trial[SCREEN_MAX_PARAMETERS];
-        int left = 100;
         uint64_t state = seed;
         if (!(p->low[j] < p->high[j]) || !(screen__try_border_anew(p, j, at, 6, &state, HUGE_VAL, trial) < HUGE_VAL)) continue;
-        for (int stage = p->loss == SCREEN_LOSS_SQUARES ? SCREEN__STAGES - 1 : 5; stage < SCREEN__STAGES; stage += 2)
-            screen__descend(p, trial, screen__rounding(stage), 40, &left);
-        const double loss = screen__sharp_loss(p, trial);
-        if (!(loss < best)) continue;
-        best = loss;
-        for (int i = 0; i < p->parameters; i++) q[i] = trial[i];
+        best = screen__try_at(p, 5, trial, best, q);
     }
     return best;
 }
@@ -3280,7 +3278,7 @@ SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const 
     for (int j = 0; j < p.parameters; j++) /* one that gave way to a bound of k may do so again */
         if (p.idle[j] && centre_q[j] != p.home[j]) p.low[j] = p.box_low[j], p.high[j] = p.box_high[j];
     screen__to_coefficients(result->model, result->parameters, p.centre, centre_q, centre_c);
-    double limit = (squares ? result->rms * result->rms : result->deviation) + (squares ? 2.0 : 1.0) * screen__penalty(&p, centre_c) + rise;
+    double limit = (squares ? result->rms * result->rms : result->deviation) + screen__price(&p, centre_c) + rise;
     for (int side = 0; side < 2; side++) {
         double edge = side ? box_high : box_low, sign = side ? 1.0 : -1.0, outside = edge;
         double inside = p.idle[index] ? edge : centre_q[index]; /* of one without influence any value will do */

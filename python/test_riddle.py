@@ -32,6 +32,16 @@ SECONDS = float(sys.argv[sys.argv.index("--seconds") + 1]) if "--seconds" in sys
 LAW = dem.LINEAR | dem.FRICTION
 
 
+def without_a_pair():
+    """A floor of material 1; its pair with material 0 is not set."""
+    definition = dem.default_def()
+    for density in (2500.0, 7800.0):
+        dem.add_material(definition, density, 1e7, 0.3)
+    world = dem.World(definition)
+    world.add_plane(1, (0, 0, 0), (0, 0, 1))
+    return world
+
+
 def bed(n=60, dt=1e-5):
     definition = dem.def_(dt=dt)
     glass = dem.add_material(definition, 2500.0, 5e10, 0.2)
@@ -289,11 +299,7 @@ class Worlds(unittest.TestCase):
                 use()
 
     def test_errors_travel(self):
-        definition = dem.default_def()
-        for density in (2500.0, 7800.0):
-            dem.add_material(definition, density, 1e7, 0.3)
-        world = dem.World(definition)
-        world.add_plane(1, (0, 0, 0), (0, 0, 1))
+        world = without_a_pair()
         world.add_spheres([[0, 0, 0.004]], 0.01, 0)
         with self.assertRaises(riddle.Error) as caught:
             world.run(0.1, dem.LINEAR)
@@ -386,11 +392,7 @@ class Worlds(unittest.TestCase):
             bed().add_cylinder(0, (0, 0, 0), (0, 0, 0), 1.0, 1)
 
     def test_a_pair_that_was_not_set(self):
-        definition = dem.default_def()
-        for density in (2500.0, 7800.0):
-            dem.add_material(definition, density, 1e7, 0.3)
-        world = dem.World(definition)
-        world.add_plane(1, (0, 0, 0), (0, 0, 1))
+        world = without_a_pair()
         world.add_spheres([[0, 0, 0.01]], [0.01], 0, 0)
         with self.assertRaises(riddle.Error) as caught:
             world.run(0.1, dem.LINEAR)

@@ -49,15 +49,19 @@ double law_get(const char *name) {
                                            : (double)NAN;
 }
 
+static void free_books(wet_books *books) {
+    wet_free(&books->scene);
+    free(books->group);
+    free(books);
+}
+
 /* Called before a world is freed. */
 void law_forget(const dem_world *world) {
     for (wet_books **at = &all_books; *at; at = &(*at)->next) {
         wet_books *books = *at;
         if (books->world != world) continue;
         *at = books->next;
-        wet_free(&books->scene);
-        free(books->group);
-        free(books);
+        free_books(books);
         return;
     }
 }
@@ -105,11 +109,7 @@ static dem_status begin(dem_world *world) {
         books->next = all_books;
         all_books = books;
         world->user = &books->scene;
-    } else if (books) {
-        wet_free(&books->scene);
-        free(books->group);
-        free(books);
-    }
+    } else if (books) free_books(books);
     return status;
 }
 
