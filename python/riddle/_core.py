@@ -197,18 +197,18 @@ for _lower, _h in api["headers"].items():
 
 def held(values):
     """All that these values refer to now: arrays, functions, structures. Kept by what C makes of the values and points to them."""
-    found, todo = {}, list(values)
-    while todo:
-        value = todo.pop()
+    found, waiting = {}, list(values)
+    while waiting:
+        value = waiting.pop()
         if value is None or id(value) in found:
             continue
         found[id(value)] = value
         if isinstance(value, Structure):
-            todo += [value._kept, value._parent]
+            waiting += [value._kept, value._parent]
         elif isinstance(value, dict):
-            todo += value.values()
+            waiting += value.values()
         elif isinstance(value, (list, tuple)):
-            todo += value
+            waiting += value
     return list(found.values())
 
 
