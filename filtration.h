@@ -704,7 +704,7 @@ FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid 
                                                                filtration_permeability_result *result);
 
 /* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
-   Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
+   Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
    stated; NaN outside the domain. */
 /* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
@@ -3273,8 +3273,8 @@ static inline void filtration__film_link(filtration__lattice *l, int32_t index, 
     }
 }
 
-/* Adds the pressure of films. What leaves the surface open (mirrors, spheres that overlap) has the density at the centre, so that a constant
-   pressure moves no sphere. */
+/* Adds the pressure of films. What leaves the surface open (mirrors, spheres that overlap) has the density at the centre, so that a
+   constant pressure moves no sphere. */
 static void filtration__film_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
