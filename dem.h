@@ -51,11 +51,13 @@
 #ifndef DEM_H
 #define DEM_H
 
-#include <float.h>
 
+/* ----------------------------------------------------------------------------------------------- >>base/compiler.h */
 /* What depends on the compiler: inlining, options, prefetch, AVX2 copies of loops.
    Relies on the standard headers alone.
    May be changed here alone: a compiler's way to say the same; never what is computed. */
+
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -92,12 +94,8 @@ extern double sqrt(double) __attribute__((const));
 #endif
 #if defined(__clang__)
 #define DEM__FAST
-#pragma float_control(push)
-#pragma clang fp contract(off)
 #elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
 #define DEM__FAST __attribute__((optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")))
-#pragma GCC push_options
-#pragma GCC optimize("O2", "no-math-errno", "no-trapping-math", "fp-contract=off")
 #else
 #define DEM__FAST
 #endif
@@ -157,12 +155,23 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                                                 \
     DEM__FAST static void name parameters { call; }
 #endif
+/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built with. Clang fuses
+   only if told to by -ffp-contract=fast. With the address sanitizer the command line decides. */
+#if defined(__clang__)
+#pragma float_control(push)
+#pragma clang fp contract(off)
+#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
+#pragma GCC push_options
+#pragma GCC optimize("O2", "no-math-errno", "no-trapping-math", "fp-contract=off")
+#endif
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* ------------------------------------------------------------------------------------------------ >>types */
+/* Declarations, and the pure functions that laws of a user call. */
+
+/* -------------------------------------------------------------------------------------------------- >>base/types.h */
 /* Public types, and the constants that tune the engine: what a host can see of a world. Relies on nothing.
    May be changed here alone: comments, and tuning constants above DEM__FORMAT (results change in their last bits at most). */
 
@@ -659,7 +668,7 @@ typedef struct dem_world {
     struct dem__engine *engine; /* private */
 } dem_world;
 
-/* ------------------------------------------------------------------------------------------ >>declarations */
+/* ---------------------------------------------------------------------------------------------------- >>base/api.h */
 /* The public functions, declared and explained.
    Relies on types.h.
    May be changed here alone: comments; a declaration goes with its definition, python/shapes.txt and docs/changes_of_dem.md. */
@@ -1089,7 +1098,7 @@ DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitut
 /* Returns the duration of an elastic Hertz contact [s] (Hertz 1881): E* [Pa], R* [m], m_eff [kg], impact speed [m/s], all > 0. */
 DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed);
 
-/* ---- convex polyhedra ---- */
+/* --------------------------------------------------------------------------------------------- >>base/polyhedron.h */
 /* Convex polyhedra: public types and functions. Relies on types.h.
    May be changed here alone: comments. */
 
@@ -1148,8 +1157,9 @@ DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape); /* o
    and walls that cut a core. 0 is right. */
 DEM_API int64_t dem_core_overlaps(const dem_world *world);
 
+/* ------------------------------------------------------------------------------------------ >>base/portable_math.h */
 /* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
-   Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
+   Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
    stated; NaN outside the domain. */
 /* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
@@ -1315,7 +1325,7 @@ static inline double riddle_asin(double x) {
 /* clang-format on */
 /* <<portable-math */
 
-/* ------------------------------------------------------------------------------------------------- >>laws */
+/* ----------------------------------------------------------------------------------------------- >>contacts/laws.h */
 /* The shipped laws of contact: pure functions of one contact's scalars and its history.
    Relies on types.h and the portable mathematics.
    May be changed here alone: a law's formula (hashes and tests against analytic answers follow). A new law is added here and in step.h. */
@@ -1489,7 +1499,7 @@ DEM__FORCE(dem_force_hertz, dem__hertz, DEM_HERTZ)
 DEM__FORCE(dem_force_hertz_friction, dem__hertz, DEM_FRICTION)
 DEM__FORCE(dem_force_hertz_rolling, dem__hertz, DEM_FRICTION | DEM_ROLLING)
 
-/* ---------------------------------------------------------------------------------------------- >>geometry */
+/* ----------------------------------------------------------------------------------------------- >>base/geometry.h */
 /* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions. Relies on types.h and the portable mathematics.
    May be changed here alone: how a place is computed, as long as it is the same place. */
 
@@ -1753,8 +1763,10 @@ static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, doubl
     return 1;
 }
 
+/* -------------------------------------------------------------------------------------------- >>walls/mesh_touch.h */
 /* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by a search.
    May be changed here alone: how a place is searched. */
+
 /* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in depth-first order; `skip` is
    the next node that is not below this one. */
 typedef struct dem__node {
@@ -1965,8 +1977,10 @@ DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_
     return 1;
 }
 
+/* ------------------------------------------------------------------------------------------------- >>walls/kinds.h */
 /* What every kind of wall computes: where it is touched, how its normal turns, how its surface moves. Pure functions.
    May be changed here alone: one kind of wall; a new kind is a branch in each function. */
+
 /* Returns whether a wall acts on particles of a group. */
 DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) { return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u); }
 
@@ -2112,7 +2126,7 @@ DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
     return dem__add(w->acceleration, dem__add(inward, dem__scale(w->spin_rate, dem__cross(w->spin_axis, arm))));
 }
 
-/* ---------------------------------------------------------------------------------------------- >>gas-laws */
+/* ---------------------------------------------------------------------------------------------------- >>gas/laws.h */
 /* Laws of drag: pure functions of scalars.
    Relies on the portable mathematics.
    May be changed here alone: a law's formula. */
@@ -2242,9 +2256,11 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
 #define DEM_GAS(name, drag)                                                                                                                \
     DEM_INLINE dem_vec name##_force(const dem_force_point *at) { return dem_gas_force(at, (const dem_gas *)at->user, drag); }              \
     DEM_FORCE_FIELD(name, name##_force)
+
+/* Bodies: the parts that no other one includes. */
 #ifdef DEM__BODIES
 
-/* ----------------------------------------------------------------------------------- >>convex_state */
+/* ---------------------------------------------------------------------------------------- >>base/polyhedra_state.h */
 /* The engine's state of polyhedra. Relies on declarations only.
    May be changed here alone: what a pair remembers to be found faster. */
 
@@ -2313,7 +2329,7 @@ typedef struct dem__convex_state {
     int64_t overlaps; /* of cores, in the last step */
 } dem__convex_state;
 
-/* -------------------------------------------------------------------------------------------- >>engine */
+/* ------------------------------------------------------------------------------------------------- >>base/engine.h */
 /* The private state behind a world, in structs. Their comments say where most of it happens, not who writes each field: ask grep.
    Relies on types.h.
    May be changed here alone: comments; saved fields are rows of saved.h, arrays rows of store.h. */
@@ -2653,7 +2669,116 @@ typedef struct dem__engine {
          in_##c++)                                                                                                                         \
         for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->count; c++)
 
-/* ------------------------------------------------------------------------------------------------ >>memory */
+/* ----------------------------------------------------------------------------------------------- >>base/parallel.h */
+/* The loops of a step on several threads. Relies on the definition alone. Promises: no result depends on the number of threads.
+   May be changed here alone: who runs a task. */
+
+/* Runs the tasks of a loop one after the other. */
+static inline void dem__run_alone(int tasks, void (*task)(void *context, int index), void *context) {
+    for (int q = 0; q < tasks; q++) task(context, q);
+}
+
+#ifdef _OPENMP
+/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer than the work
+   takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task that was interrupted counts as at
+   most three times the first, which the waiting thread ran itself. After a loss of 2 ms, loops run on one thread for 20 ms, and for twice
+   as long each time that threads lose again soon after. */
+static inline void dem__judge_threads(dem__pace *pace, double start, double end, const double *spent, int tasks) {
+    double alone = 0.0;
+    for (int q = 0; q < tasks; q++) alone += spent[q] < 3.0 * spent[0] ? spent[q] : 3.0 * spent[0];
+    pace->loss += end - start - alone;
+    if (!(pace->loss > 0.0)) pace->loss = 0.0;
+    if (!(pace->loss > 2e-3)) return;
+    pace->rest = end > pace->alone_until + 5.0 * pace->rest ? 0.02 : 2.0 * pace->rest;
+    if (pace->rest > 2.0) pace->rest = 2.0;
+    pace->alone_until = end + pace->rest;
+    pace->loss = 0.0;
+}
+
+/* Runs the tasks of a loop on OpenMP's threads, or on one while these lose time. */
+static inline void dem__run_openmp(dem__pace *pace, int tasks, void (*task)(void *context, int index), void *context) {
+    const double start = omp_get_wtime();
+    double spent[DEM__PARTS_MAX];
+    int q;
+    if (start < pace->alone_until) {
+        dem__run_alone(tasks, task, context);
+        return;
+    }
+#pragma omp parallel for schedule(static, 1) num_threads(tasks)
+    for (q = 0; q < tasks; q++) {
+        const double began = omp_get_wtime();
+        task(context, q);
+        spent[q] = omp_get_wtime() - began;
+    }
+    dem__judge_threads(pace, start, omp_get_wtime(), spent, tasks);
+}
+#endif
+
+/* Runs task(context, index) for every index below `tasks`: on the host's threads, on OpenMP's, or one after the other. */
+static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *context, int index), void *context) {
+    if (tasks == 1) task(context, 0); /* a parallel region would cost more than the work of a dilute step */
+    else if (w->def.parallel) w->def.parallel(w->def.parallel_user, tasks, task, context);
+    else {
+#ifdef _OPENMP
+        dem__run_openmp(&w->engine->pace, tasks, task, context);
+#else
+        dem__run_alone(tasks, task, context);
+#endif
+    }
+}
+
+/* Returns the number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for waking a thread. */
+DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
+    const int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
+#ifndef _OPENMP
+    if (!w->def.parallel) return 1;
+#endif
+    return threads == 1 || n < 256 * (ptrdiff_t)threads ? 1 : threads;
+}
+
+/* Returns the same, but at most `most`. */
+DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
+    const int parts = dem__parts(w, n);
+    return parts < most ? parts : most;
+}
+
+/* Returns the first of n items that belongs to a part. */
+DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / parts * part + (n % parts < part ? n % parts : part); }
+
+/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no long lead. */
+DEM_INLINE ptrdiff_t dem__prefetch_from(ptrdiff_t n, ptrdiff_t ahead) { return n < ahead ? -n : -ahead; }
+
+/* Runs a loop over the items first .. end - 1 of part `part`. context: what the loop needs. */
+typedef void dem__range_fn(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context);
+typedef struct dem__split {
+    dem_world *w;
+    dem__range_fn *loop;
+    void *context;
+    ptrdiff_t n;
+    int parts;
+} dem__split;
+
+static inline void dem__run_part(void *context, int q) {
+    const dem__split *s = (const dem__split *)context;
+    s->loop(s->w, dem__part(s->n, q, s->parts), dem__part(s->n, q + 1, s->parts), q, s->context);
+}
+
+/* Runs a loop over n items in `parts` parts. */
+static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__range_fn *loop, void *context) {
+    dem__split split;
+    if (parts == 1) { /* saves the divisions of dem__part */
+        loop(w, 0, n, 0, context);
+        return;
+    }
+    split.w = w;
+    split.loop = loop;
+    split.context = context;
+    split.n = n;
+    split.parts = parts;
+    dem__parallel(w, parts, dem__run_part, &split);
+}
+
+/* ------------------------------------------------------------------------------------------------- >>base/arrays.h */
 /* Memory: blocks of arrays that grow together, and the tables of those arrays.
    Relies on engine.h.
    May be changed here alone: how a block grows; a new array is a row of a table. */
@@ -2880,7 +3005,7 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
     return 1;
 }
 
-/* -------------------------------------------------------------------------------------------- >>definition */
+/* --------------------------------------------------------------------------------------------- >>base/definition.h */
 /* Defaults and checks of a definition; making and freeing a world.
    Relies on store.h.
    May be changed here alone: which value of a field is refused. */
@@ -3104,7 +3229,7 @@ DEM_API void dem_free(dem_world *world) {
     memset(world, 0, sizeof *world);
 }
 
-/* ------------------------------------------------------------------------------------------- >>ledger */
+/* ----------------------------------------------------------------------------------------------- >>energy/ledger.h */
 /* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums, but step.h
    sets where they start.
    May be changed here alone: what is booked where. */
@@ -3216,10 +3341,11 @@ static inline void dem__book_losses(dem_world *w) {
     }
 }
 
-/* ------------------------------------------------------------------------------------------ >>rotation */
+/* ----------------------------------------------------------------------------------------------- >>base/rotation.h */
 /* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns the body's frame into the lab's; its scalar part
    comes first.
    May be changed here alone: all that keeps length and angular momentum to rounding. */
+
 DEM_INLINE dem_quaternion dem__quaternion(double w, dem_vec v) {
     dem_quaternion q;
     q.w = w, q.x = v.x, q.y = v.y, q.z = v.z;
@@ -3369,7 +3495,7 @@ DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem
     return single ? dem__turn_split(q, momentum, moments, t) : dem__turn_far(q, momentum, moments, t);
 }
 
-/* -------------------------------------------------------------------------------------------- >>flight */
+/* --------------------------------------------------------------------------------------- >>particles/free_flight.h */
 /* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned about one. Reads
    bodies. Promises: the same bits whenever a state is evaluated.
    May be changed here alone: how a state is evaluated, bit for bit the same.
@@ -3377,6 +3503,7 @@ DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem
    A rigid body (dem__rigid) has the orientation, mass and moments. The particles that touch for it (dem_particle) are consecutive in the
    world's arrays. Their mass is the body's, and their contacts count for all of them; x, v, a and spin are those of their centres as parts
    of the body, valid at the origin step and while forces are computed. In flight use dem__at and its like, never the parabola. */
+
 /* Returns the acceleration of a particle in flight without loads [m/s2]. Bounds and the list rely on its being the same for all. */
 DEM_INLINE dem_vec dem__free_fall(const dem_world *w) { return w->def.gravity; }
 
@@ -3487,7 +3614,7 @@ DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
     return r ? dem__posture_at(w, r, tau).spin : dem__sphere_spin_at(w, i, tau);
 }
 
-/* ------------------------------------------------------------------------------------------------- >>scene */
+/* ----------------------------------------------------------------------------------------- >>particles/particles.h */
 /* Particles between steps: adding them, their energy, loads and motion, and what acts on all of them.
    Relies on flight.h and the ledger.
    May be changed here alone: what a function that changes a particle refuses. */
@@ -3876,554 +4003,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     return DEM_OK;
 }
 
-/* -------------------------------------------------------------------------------------------- >>fixed */
-/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on body.h; every part that turns forces into
-   motion calls dem__is_fixed().
-   May be changed here alone: what is recorded of the force on a fixed particle. */
-
-/* Makes room for the state of fixed particles. Returns 0 when out of memory; then nothing has changed. */
-static inline int dem__reserve_fixed(dem_world *w) {
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__array list[DEM__ARRAYS_MAX];
-    if (bodies->has_fixed) return 1;
-    bodies->has_fixed = 1;
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + 1)) return 1;
-    bodies->has_fixed = 0, bodies->fixed = NULL;
-    return 0;
-}
-
-DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
-    dem_world *w = world;
-    if (dem__is_running(w)) return DEM_BUSY;
-    if (!dem__is_present(w, i) || (fixed != 0 && fixed != 1)) return DEM_BAD_ARGUMENT;
-    dem__rigid *r = dem__rigid_of(w, i);
-    const dem__pieces own = dem__pieces_of(w, i);
-    if (dem__is_fixed(w, i) == fixed) return DEM_OK;
-    if (!dem__reserve_fixed(w)) return DEM_OUT_OF_MEMORY;
-    i = own.first;
-    dem__stop_link_work(w, own);
-    dem__restart(w, i);
-    dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
-    if (r && fixed) r->v = r->momentum = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t k = own.first; k < own.end; k++) {
-        memset(&w->engine->bodies.fixed[k], 0, sizeof *w->engine->bodies.fixed);
-        w->engine->bodies.fixed[k].on = fixed;
-        dem__set_inverse_mass(w, k);
-        dem__set_mass_share(w, k);
-        if (fixed) w->particle[k].v = w->particle[k].spin = dem_vec3(0.0, 0.0, 0.0);
-    }
-    dem__free_acceleration(w, i);
-    dem__book_added(w, dem__potential(w, i));
-    dem__book_motion(w, dem__motion_energy(w, i));
-    dem__resume_link_work(w, own);
-    dem__wake(w, i); /* it takes steps, as a particle with a load does */
-    w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return DEM_OK;
-}
-
-DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i) { return dem__is_present(world, i) && dem__is_fixed(world, i); }
-
-DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque, dem_vec *impulse) {
-    const dem_world *w = world;
-    if (!force || !torque || !impulse) return DEM_BAD_ARGUMENT;
-    *force = *torque = *impulse = dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    if (!dem_is_fixed(w, i)) return DEM_BAD_ARGUMENT;
-    const dem__rigid *r = dem__rigid_of(w, i);
-    const dem__pieces own = dem__pieces_of(w, i);
-    *force = *torque = *impulse = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t k = own.first; k < own.end; k++) {
-        const dem__fixed *f = &w->engine->bodies.fixed[k];
-        const dem_vec on = dem__first(f->load), turning = dem__second(f->load);
-        *force = dem__add(*force, on), *impulse = dem__add(*impulse, f->impulse);
-        *torque = dem__add(*torque, r ? dem__add(turning, dem__cross(w->engine->bodies.arm[k], on)) : turning);
-    }
-    return DEM_OK;
-}
-
-/* Records the force on a fixed particle at the end of a step, without the caller's loads. half: half of the step [s]. */
-DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, dem_vec torque, double half) {
-    dem__fixed *f = &w->engine->bodies.fixed[i];
-    const double *external = w->engine->bodies.external[i];
-    force = dem__sub(force, dem__first(external)), torque = dem__sub(torque, dem__second(external));
-    f->impulse = dem__plus(f->impulse, half, dem__add(dem__first(f->load), force));
-    for (int a = 0; a < 3; a++) f->load[a] = dem_axis(force, a), f->load[3 + a] = dem_axis(torque, a);
-}
-
-/* Records the impulse of a contact that begins or ends within a step on a fixed particle, and its work if the particle moves. */
-static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
-    const dem_particle *p = &w->particle[i];
-    w->engine->bodies.fixed[i].impulse = dem__add(w->engine->bodies.fixed[i].impulse, impulse);
-    if (w->engine->run.features & DEM_ENERGY) dem__book_work_of_fixed(w, -dem__dot(impulse, p->v) - dem__dot(turn, p->spin));
-}
-
-/* Adding walls of every kind but meshes.
-   Relies on definition.h and wall_shapes.h.
-   May be changed here alone: what a wall's function refuses; a new kind also needs its rows in wall_shapes.h and saved.h. */
-
-static inline int dem__unit(dem_vec v, dem_vec *unit) {
-    double length = dem__length(v);
-    if (!(length >= 1e-140 && length <= DBL_MAX)) return 0; /* squares of shorter lengths lose digits */
-    *unit = dem__scale(1.0 / length, v);
-    return 1;
-}
-
-/* Completes a frame whose third axis is given. The first axis is near `along`, or any if that is parallel to the third. Returns 0 if the
-   third has no direction. */
-static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
-    dem_vec z, x;
-    if (!dem__unit(normal, &z)) return 0;
-    x = dem__sub(along, dem__scale(dem__dot(along, z), z));
-    if (!(dem__length(x) > 1e-6)) {
-        dem_vec other = fabs(z.x) < 0.9 ? dem_vec3(1, 0, 0) : dem_vec3(0, 1, 0);
-        x = dem__sub(other, dem__scale(dem__dot(other, z), z));
-    }
-    if (!dem__unit(x, &x)) return 0;
-    wall->axis[0] = wall->asked.rest_axis[0] = x;
-    wall->axis[1] = wall->asked.rest_axis[1] = dem__cross(z, x);
-    wall->axis[2] = wall->asked.rest_axis[2] = z;
-    return 1;
-}
-
-/* Adds a wall at rest. Returns its index, or minus a dem_status. */
-static inline int dem__add_wall(dem_world *w, const dem_wall *wall) {
-    if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
-    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
-    w->wall[w->walls] = *wall;
-    w->wall[w->walls].enabled = 1;
-    w->wall[w->walls].groups = 0xffffffffu;
-    w->wall[w->walls].position = wall->asked.origin;
-    w->wall[w->walls].asked.motion_start = w->time;
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return w->walls++;
-}
-
-static inline int dem__add_flat(dem_world *w, int kind, int material, dem_vec point, dem_vec normal) {
-    if (dem__is_running(w)) return -(int)DEM_BUSY;
-    dem_wall wall;
-    memset(&wall, 0, sizeof wall);
-    if (!w || material < 0 || material >= w->def.materials || !dem__is_place(point) || !dem__finite_vec(normal))
-        return -(int)DEM_BAD_ARGUMENT;
-    if (!dem__frame(&wall, normal, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
-    wall.kind = kind;
-    wall.material = material;
-    wall.asked.origin = point;
-    return dem__add_wall(w, &wall);
-}
-
-DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal) {
-    return dem__add_flat(world, DEM_PLANE, material, point, normal);
-}
-DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) { return dem__add_flat(world, DEM_EXIT, 0, point, normal); }
-
-static inline int dem__add_round(dem_world *w, int kind, int material, dem_vec point, dem_vec axis, double radius, int inside) {
-    if (dem__is_running(w)) return -(int)DEM_BUSY;
-    dem_wall wall;
-    memset(&wall, 0, sizeof wall);
-    if (!w || material < 0 || material >= w->def.materials || !dem__is_place(point) || !dem__finite_vec(axis) || !dem__positive(radius))
-        return -(int)DEM_BAD_ARGUMENT;
-    if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
-    wall.kind = kind;
-    wall.material = material;
-    wall.asked.origin = point;
-    wall.radius = radius;
-    wall.inside = inside != 0;
-    return dem__add_wall(w, &wall);
-}
-
-DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside) {
-    return dem__add_round(world, DEM_CYLINDER, material, point, axis, radius, inside);
-}
-DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside) {
-    return dem__add_round(world, DEM_SPHERE, material, centre, dem_vec3(0, 0, 1), radius, inside);
-}
-
-/* Makes room for what contacts with meshes and cones keep. Returns 0 when out of memory. */
-static inline int dem__make_touch_memory(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    dem__array list[DEM__ARRAYS_MAX];
-    if (w->engine->walls.touch_keepers++ > 0 || contacts->capacity == 0) return 1;
-    if (dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity, contacts->capacity))
-        return 1;
-    w->engine->walls.touch_keepers--;
-    return 0;
-}
-
-DEM_API dem_cone dem_default_cone(void) {
-    dem_cone c;
-    c.low = dem_vec3(0, 0, 0);
-    c.high = dem_vec3(0, 0, 0.1);
-    c.low_radius = 0.02;
-    c.high_radius = 0.1;
-    return c;
-}
-
-DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
-    if (dem__is_running(world)) return -(int)DEM_BUSY;
-    dem_wall wall;
-    memset(&wall, 0, sizeof wall);
-    if (!world || !world->def.allocator.fn || !cone || material < 0 || material >= world->def.materials || !dem__is_place(cone->low) ||
-        !dem__is_place(cone->high))
-        return -(int)DEM_BAD_ARGUMENT;
-    const dem_vec axis = dem__sub(cone->high, cone->low);
-    if (!dem__not_negative(cone->low_radius) || !dem__not_negative(cone->high_radius) ||
-        !dem__positive(cone->low_radius + cone->high_radius) || !dem__frame(&wall, axis, dem_vec3(1, 0, 0)))
-        return -(int)DEM_BAD_ARGUMENT;
-    wall.kind = DEM_CONE;
-    wall.material = material;
-    wall.asked.origin = cone->low;
-    wall.radius = cone->low_radius;
-    wall.high_radius = cone->high_radius;
-    wall.length = dem__length(axis);
-    return dem__make_touch_memory(world) ? dem__add_wall(world, &wall) : -(int)DEM_OUT_OF_MEMORY;
-}
-
-DEM_API dem_screen dem_default_screen(void) {
-    dem_screen s;
-    memset(&s, 0, sizeof s);
-    s.aperture = 8e-3;
-    s.wire = 2e-3;
-    s.profile = DEM_SEMICIRCLE;
-    s.circular = 1;
-    s.half_x = s.half_y = 0.095;
-    s.normal = dem_vec3(0, 0, 1);
-    s.direction = dem_vec3(1, 0, 0);
-    return s;
-}
-
-/* Returns whether a screen has lengths, and no more bars and apertures than integers count. */
-static inline int dem__is_deck(const dem_wall *w) {
-    const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
-    return dem__positive(w->aperture) && dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 && x * y < 2.5e8;
-}
-
-DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen) {
-    if (dem__is_running(world)) return -(int)DEM_BUSY;
-    dem_wall wall;
-    memset(&wall, 0, sizeof wall);
-    if (!world || !screen || material < 0 || material >= world->def.materials || !dem__is_place(screen->centre) ||
-        !dem__finite_vec(screen->normal) || !dem__finite_vec(screen->direction))
-        return -(int)DEM_BAD_ARGUMENT;
-    if (screen->profile != DEM_ROUND && screen->profile != DEM_SEMICIRCLE) return -(int)DEM_BAD_ARGUMENT;
-    if (!dem__frame(&wall, screen->normal, screen->direction)) return -(int)DEM_BAD_ARGUMENT;
-    wall.kind = DEM_SCREEN;
-    wall.material = material;
-    wall.asked.origin = screen->centre;
-    wall.aperture = screen->aperture;
-    wall.wire = screen->wire;
-    wall.profile = (int)screen->profile;
-    wall.circular = screen->circular != 0;
-    wall.half_x = screen->half_x;
-    wall.half_y = screen->circular ? screen->half_x : screen->half_y;
-    if (!dem__is_deck(&wall)) return -(int)DEM_BAD_ARGUMENT;
-    return dem__add_wall(world, &wall);
-}
-
-/* Motion of walls that the caller prescribes, and walls driven by forces. Relies on shapes.h, which places a wall at a time.
-   May be changed here alone: what is refused; how a driven wall is integrated. */
-
-/* Places a wall of the world, or a copy of one, where it is now. Its function may not change the world. */
-static inline void dem__place_wall(dem_world *w, dem_wall *a) {
-    w->engine->run.running = 1;
-    dem__move_wall(a, w->time);
-    w->engine->run.running = 0;
-}
-
-/* Begins a new kinematic motion where the wall is. Returns NULL if there is no such wall. */
-static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
-    if (!w || wall < 0 || wall >= w->walls) return NULL;
-    dem_wall *a = &w->wall[wall];
-    dem__place_wall(w, a);
-    a->asked.origin = a->position;
-    for (int k = 0; k < 3; k++) a->asked.rest_axis[k] = a->axis[k];
-    a->asked.spin_centre = dem__add(a->asked.spin_centre, dem__scale(w->time - a->asked.motion_start, a->asked.drift));
-    a->asked.motion_start = w->time;
-    if (a->asked.drive != DEM_KINEMATIC) a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
-    a->asked.drive = DEM_KINEMATIC;
-    w->engine->run.needs_lists = 1;
-    return a;
-}
-
-/* Sets the limits of a kinematic wall's speed, acceleration and spin, which timers rely on. */
-static inline void dem__bound_speed(dem_wall *a) {
-    double rate = 2.0 * RIDDLE_PI * a->asked.frequency;
-    const dem_vec n = a->axis[2];
-    const double x = fabs(a->asked.amplitude.x), y = fabs(a->asked.amplitude.y), z = fabs(a->asked.amplitude.z);
-    a->speed_bound = rate * (x + y + z) + dem__length(a->asked.drift);
-    a->acceleration_bound = rate * rate * (x + y + z);
-    a->side_bound = rate * rate * (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
-    a->spin_bound = fabs(a->spin);
-    a->slides = a->spin != 0.0 || a->asked.belt.x != 0.0 || a->asked.belt.y != 0.0 || a->asked.belt.z != 0.0;
-}
-
-DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(amplitude) || !dem__finite_vec(phase) ||
-        !(frequency >= 0.0 && dem__moderate(frequency)))
-        return DEM_BAD_ARGUMENT;
-    if (!(fabs(phase.x) < 1e3 && fabs(phase.y) < 1e3 && fabs(phase.z) < 1e3)) return DEM_BAD_ARGUMENT;
-    dem_wall *a = dem__rebase_wall(world, wall);
-    a->asked.amplitude = amplitude;
-    a->asked.phase = phase;
-    a->asked.frequency = frequency;
-    dem__set_phase_sine(a);
-    dem__bound_speed(a);
-    return DEM_OK;
-}
-
-DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
-    dem_wall *a = dem__rebase_wall(world, wall);
-    a->asked.drift = velocity;
-    dem__bound_speed(a);
-    return DEM_OK;
-}
-
-DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_vec unit;
-    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(centre) || !dem__finite_vec(axis) || !dem__moderate(spin) ||
-        !dem__unit(axis, &unit))
-        return DEM_BAD_ARGUMENT;
-    dem_wall *a = dem__rebase_wall(world, wall);
-    a->asked.spin_centre = centre;
-    a->spin_axis = unit;
-    a->spin = spin;
-    dem__bound_speed(a);
-    return DEM_OK;
-}
-
-/* Makes a drive the only motion of a wall from now on. */
-static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
-    dem_wall *a = dem__rebase_wall(w, wall);
-    a->asked.amplitude = a->asked.drift = dem_vec3(0.0, 0.0, 0.0);
-    a->spin = a->spin_rate = a->coordinate = a->rate = a->rate_change = 0.0;
-    a->speed_bound = a->spin_bound = 0.0; /* the first step sets them */
-    a->slides = 1;
-    a->asked.drive = (int)drive;
-    w->engine->run.needs_forces = 1; /* its acceleration must be computed */
-    return a;
-}
-
-static inline int dem__wall_is_finite(const dem_wall *a) {
-    return dem__finite_vec(a->position) && dem__finite_vec(a->velocity) && dem__finite_vec(a->acceleration) && dem__finite(a->spin) &&
-           dem__finite_vec(a->axis[0]) && dem__finite_vec(a->axis[1]) && dem__finite_vec(a->axis[2]);
-}
-
-DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls || !motion || !dem__is_place(centre)) return DEM_BAD_ARGUMENT;
-    dem_wall *a = &world->wall[wall], before = *a, probe = *a;
-    if (a->asked.drive != DEM_PRESCRIBED) probe.asked.origin = a->position, memcpy(probe.asked.rest_axis, a->axis, sizeof a->axis);
-    probe.asked.drive = DEM_PRESCRIBED;
-    probe.asked.spin_centre = centre;
-    probe.asked.motion = motion, probe.asked.motion_user = user;
-    probe.asked.interval = world->engine->run.dt;
-    dem__place_wall(world, &probe);
-    if (!dem__wall_is_finite(&probe)) return DEM_BAD_ARGUMENT;
-    if (before.asked.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->asked.interval = world->engine->run.dt;
-    a->asked.spin_centre = centre;
-    a->asked.motion = motion, a->asked.motion_user = user;
-    world->engine->run.needs_lists = 1; /* another function may place it elsewhere */
-    return DEM_OK;
-}
-
-/* Makes a force or a torque the only drive of a wall, which keeps its speed along the axis. */
-static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, dem_vec centre, dem_vec axis, double inertia, double load,
-                                      double damping) {
-    if (dem__is_running(w)) return DEM_BUSY;
-    dem_vec unit;
-    if (!w || wall < 0 || wall >= w->walls || !dem__is_place(centre) || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
-        !dem__positive(inertia) || !dem__moderate(load / inertia) || !(damping >= 0.0 && dem__moderate(damping / inertia)))
-        return DEM_BAD_ARGUMENT;
-    dem__place_wall(w, &w->wall[wall]);
-    const dem_vec spin = dem__scale(w->wall[wall].spin, w->wall[wall].spin_axis);
-    const double rate = dem__dot(drive == DEM_FORCE_CONTROLLED ? w->wall[wall].velocity : spin, unit);
-    dem_wall *a = dem__drive(w, wall, drive);
-    a->asked.spin_centre = centre;
-    a->spin_axis = unit;
-    a->asked.inertia = inertia;
-    a->asked.load = load;
-    a->asked.damping = damping;
-    a->rate = rate;
-    w->engine->walls.controls = 1;
-    return DEM_OK;
-}
-
-DEM_API dem_status dem_control_force(dem_world *world, int wall, dem_vec axis, double mass, double force, double damping) {
-    return dem__control(world, wall, DEM_FORCE_CONTROLLED, dem_vec3(0, 0, 0), axis, mass, force, damping);
-}
-DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre, dem_vec axis, double inertia, double torque,
-                                      double damping) {
-    return dem__control(world, wall, DEM_TORQUE_CONTROLLED, centre, axis, inertia, torque, damping);
-}
-
-DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
-    world->wall[wall].asked.belt = velocity;
-    world->wall[wall].slides = 1;
-    return DEM_OK;
-}
-
-/* Computes the accelerations of controlled walls from the forces on them, and corrects their predicted rates. The damper is implicit. */
-static inline void dem__kick_walls(dem_world *w, double h) {
-    const dem__run *run = &w->engine->run;
-    for (int k = 0; k < w->walls && w->engine->walls.controls; k++) {
-        dem_wall *a = &w->wall[k];
-        if (a->asked.drive < DEM_FORCE_CONTROLLED) continue;
-        const dem_vec torque = dem__add(a->torque, dem__cross(dem__sub(a->position, a->asked.spin_centre), a->force));
-        const double push = a->asked.load + dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? a->force : torque, a->spin_axis),
-                     half = 0.5 * h;
-        const double rate =
-            (a->rate + half * (a->rate_change + push / a->asked.inertia)) / (1.0 + half * a->asked.damping / a->asked.inertia);
-        a->coordinate += h * (a->rate + half * a->rate_change);
-        a->rate = dem__flushed(rate);
-        a->rate_change = (push - a->asked.damping * rate) / a->asked.inertia;
-        a->asked.motion_start = h > 0.0 ? run->start_time + (double)(w->step + 1 - run->start_step) * run->dt : w->time;
-        dem__rated_wall(a, a->rate);
-    }
-}
-
-/* Applies an impulse at a sphere's place and an angular impulse to a wall, in addition to the forces of the step. */
-static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse, dem_vec angular) {
-    a->impulse = dem__add(a->impulse, impulse);
-    if (a->asked.drive < DEM_FORCE_CONTROLLED) return;
-    const dem_vec turning = dem__add(angular, dem__cross(dem__sub(place, a->asked.spin_centre), impulse));
-    a->rate += dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? impulse : turning, a->spin_axis) / a->asked.inertia;
-    dem__rated_wall(a, a->rate);
-}
-
-DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i) {
-    return world && world->engine && wall >= 0 && wall < world->walls && i >= 0 && i < world->count && dem__is_at_wall(world, i, wall);
-}
-
-DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
-    world->wall[wall].groups = groups;
-    world->engine->run.needs_lists = world->engine->run.needs_forces = 1;
-    return DEM_OK;
-}
-
-DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
-    world->wall[wall].enabled = enabled != 0;
-    world->engine->run.needs_lists = world->engine->run.needs_forces = 1;
-    return DEM_OK;
-}
-
-/* ------------------------------------------------------------------------------------------ >>parallel */
-/* The loops of a step on several threads. Relies on the definition alone. Promises: no result depends on the number of threads.
-   May be changed here alone: who runs a task. */
-
-/* Runs the tasks of a loop one after the other. */
-static inline void dem__run_alone(int tasks, void (*task)(void *context, int index), void *context) {
-    for (int q = 0; q < tasks; q++) task(context, q);
-}
-
-#ifdef _OPENMP
-/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer than the work
-   takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task that was interrupted counts as at
-   most three times the first, which the waiting thread ran itself. After a loss of 2 ms, loops run on one thread for 20 ms, and for twice
-   as long each time that threads lose again soon after. */
-static inline void dem__judge_threads(dem__pace *pace, double start, double end, const double *spent, int tasks) {
-    double alone = 0.0;
-    for (int q = 0; q < tasks; q++) alone += spent[q] < 3.0 * spent[0] ? spent[q] : 3.0 * spent[0];
-    pace->loss += end - start - alone;
-    if (!(pace->loss > 0.0)) pace->loss = 0.0;
-    if (!(pace->loss > 2e-3)) return;
-    pace->rest = end > pace->alone_until + 5.0 * pace->rest ? 0.02 : 2.0 * pace->rest;
-    if (pace->rest > 2.0) pace->rest = 2.0;
-    pace->alone_until = end + pace->rest;
-    pace->loss = 0.0;
-}
-
-/* Runs the tasks of a loop on OpenMP's threads, or on one while these lose time. */
-static inline void dem__run_openmp(dem__pace *pace, int tasks, void (*task)(void *context, int index), void *context) {
-    const double start = omp_get_wtime();
-    double spent[DEM__PARTS_MAX];
-    int q;
-    if (start < pace->alone_until) {
-        dem__run_alone(tasks, task, context);
-        return;
-    }
-#pragma omp parallel for schedule(static, 1) num_threads(tasks)
-    for (q = 0; q < tasks; q++) {
-        const double began = omp_get_wtime();
-        task(context, q);
-        spent[q] = omp_get_wtime() - began;
-    }
-    dem__judge_threads(pace, start, omp_get_wtime(), spent, tasks);
-}
-#endif
-
-/* Runs task(context, index) for every index below `tasks`: on the host's threads, on OpenMP's, or one after the other. */
-static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *context, int index), void *context) {
-    if (tasks == 1) task(context, 0); /* a parallel region would cost more than the work of a dilute step */
-    else if (w->def.parallel) w->def.parallel(w->def.parallel_user, tasks, task, context);
-    else {
-#ifdef _OPENMP
-        dem__run_openmp(&w->engine->pace, tasks, task, context);
-#else
-        dem__run_alone(tasks, task, context);
-#endif
-    }
-}
-
-/* Returns the number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for waking a thread. */
-DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
-    const int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
-#ifndef _OPENMP
-    if (!w->def.parallel) return 1;
-#endif
-    return threads == 1 || n < 256 * (ptrdiff_t)threads ? 1 : threads;
-}
-
-/* Returns the same, but at most `most`. */
-DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
-    const int parts = dem__parts(w, n);
-    return parts < most ? parts : most;
-}
-
-/* Returns the first of n items that belongs to a part. */
-DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / parts * part + (n % parts < part ? n % parts : part); }
-
-/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no long lead. */
-DEM_INLINE ptrdiff_t dem__prefetch_from(ptrdiff_t n, ptrdiff_t ahead) { return n < ahead ? -n : -ahead; }
-
-/* Runs a loop over the items first .. end - 1 of part `part`. context: what the loop needs. */
-typedef void dem__range_fn(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context);
-typedef struct dem__split {
-    dem_world *w;
-    dem__range_fn *loop;
-    void *context;
-    ptrdiff_t n;
-    int parts;
-} dem__split;
-
-static inline void dem__run_part(void *context, int q) {
-    const dem__split *s = (const dem__split *)context;
-    s->loop(s->w, dem__part(s->n, q, s->parts), dem__part(s->n, q + 1, s->parts), q, s->context);
-}
-
-/* Runs a loop over n items in `parts` parts. */
-static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__range_fn *loop, void *context) {
-    dem__split split;
-    if (parts == 1) { /* saves the divisions of dem__part */
-        loop(w, 0, n, 0, context);
-        return;
-    }
-    split.w = w;
-    split.loop = loop;
-    split.context = context;
-    split.n = n;
-    split.parts = parts;
-    dem__parallel(w, parts, dem__run_part, &split);
-}
-
-/* ------------------------------------------------------------------------------------------ >>timers */
+/* ----------------------------------------------------------------------------------------------- >>search/timers.h */
 /* Timers of near pairs and of particles with walls, and batches of them.
    Relies on flight.h for where particles are; reads the bounds that bounds.h sets.
    May be changed here alone: how times are stored; a timer is never late. */
@@ -4606,7 +4186,7 @@ DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t
     r->x = d.x, r->y = d.y, r->z = d.z, r->reach = pair->distance + 2.0 * w->engine->pairs.position_tolerance;
 }
 
-/* ------------------------------------------------------------------------------------------- >>exits */
+/* ------------------------------------------------------------------------------------------------- >>walls/exits.h */
 /* The records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises: the order of
    records does not depend on the order of tests.
    May be changed here alone: what a record contains (then saved.h, too). */
@@ -4662,6 +4242,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     run->leaving = 1;
 }
 
+/* ------------------------------------------------------------------------------------------------ >>search/tests.h */
 /* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the last chunk. Relies on
    timers.h and wall_shapes.h.
    May be changed here alone: how soon a test is repeated; never later than a contact is possible. */
@@ -5087,876 +4668,559 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     if (skips) dem__wait_for_wall(w, &t, e, step);
 }
 
-/* Adding meshes and boxes: the tree of a mesh's triangles.
-   Relies on walls.h and mesh_shapes.h.
-   May be changed here alone: how the tree is built (bits of mesh scenes may change). */
+/* -------------------------------------------------------------------------------------------- >>particles/active.h */
+/* Lists of active particles, and arrays without the particles that are gone. Relies on store.h's tables.
+   May be changed here alone: when gaps are closed: no result depends on it. */
 
-/* Spreads 21 bits to every third bit of a Morton code. */
-static inline uint64_t dem__interleave(uint64_t v) {
-    v = (v | v << 32) & 0x1f00000000ffffu;
-    v = (v | v << 16) & 0x1f0000ff0000ffu;
-    v = (v | v << 8) & 0x100f00f00f00f00fu;
-    v = (v | v << 4) & 0x10c30c30c30c30c3u;
-    return (v | v << 2) & 0x1249249249249249u;
-}
-
-typedef struct dem__keyed {
-    uint64_t key;
-    int32_t index;
-} dem__keyed;
-/* Sorts by key, then index. temporary: room for n items. */
-static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptrdiff_t n) {
-    for (ptrdiff_t width = 1; width < n; width *= 2) {
-        for (ptrdiff_t low = 0; low < n; low += 2 * width) {
-            const ptrdiff_t mid = low + width < n ? low + width : n, high = mid + width < n ? mid + width : n;
-            for (ptrdiff_t a = low, b = mid, to = low; to < high; to++) {
-                const int left = a < mid && (b >= high || items[a].key < items[b].key ||
-                                             (items[a].key == items[b].key && items[a].index < items[b].index));
-                temporary[to] = left ? items[a++] : items[b++];
-            }
-        }
-        memcpy(items, temporary, (size_t)n * sizeof *items);
+/* Lets particles fly that nothing touches or loads any more, after changes by the caller. */
+static inline void dem__release_unloaded(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t i = 0; i < w->count && bodies->loads_on; i++) {
+        if (!bodies->activity[i] || !w->alive[i] || w->touching[i] > 0 || dem__is_loaded(w, i)) continue;
+        dem__free_acceleration(w, i);
+        bodies->activity[i] = DEM__FLYING;
     }
 }
 
-/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those of each half. */
-static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
-    const int32_t at = t->nodes++;
-    dem__node *node = &t->node[at];
-    node->first = first;
-    node->count = end - first <= DEM__LEAF ? end - first : 0;
-    for (int a = 0; a < 3; a++) node->low[a] = HUGE_VAL, node->high[a] = -HUGE_VAL;
-    for (int32_t k = 3 * first; k < 3 * (first + node->count); k++) {
-        for (int a = 0; a < 3; a++) {
-            const double v = dem_axis(t->vertex[t->corner[k]], a);
-            node->low[a] = v < node->low[a] ? v : node->low[a];
-            node->high[a] = v > node->high[a] ? v : node->high[a];
+/* Lists active particles in the order of memory. */
+static inline void dem__list_active(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    bodies->active_count = bodies->to_check_count = 0;
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        bodies->active[bodies->active_count] = i;
+        bodies->active_count += bodies->activity[i] != 0;
+        if (bodies->activity[i] == 2) bodies->to_check[bodies->to_check_count++] = i;
+    }
+}
+
+/* Moves the wall timers of the `left` particles that stay to their new numbers, which are in scratch.index. */
+static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
+    dem__wall_state *walls = &w->engine->walls;
+    dem__timers *t = &walls->timers;
+    if (w->engine->run.needs_lists) return; /* they are built anew */
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        for (int k = 0; k < w->walls && w->engine->scratch.index[i] >= 0; k++) {
+            t->due[w->engine->scratch.index[i] * w->walls + k] = t->due[i * w->walls + k];
+            walls->sure[w->engine->scratch.index[i] * w->walls + k] = walls->sure[i * w->walls + k];
         }
     }
-    if (node->count == 0) {
-        const int32_t middle = first + (end - first) / 2;
-        for (int side = 0; side < 2; side++) {
-            const int32_t child = t->nodes;
-            dem__grow_node(t, side ? middle : first, side ? end : middle);
-            for (int a = 0; a < 3; a++) {
-                const double low = t->node[child].low[a], high = t->node[child].high[a];
-                node->low[a] = low < node->low[a] ? low : node->low[a];
-                node->high[a] = high > node->high[a] ? high : node->high[a];
-            }
-        }
+    dem__stop_timers(t, left * w->walls, left * w->walls);
+}
+
+DEM_INLINE void dem__close_gaps(char *base, size_t size, const int32_t *remap, ptrdiff_t first, ptrdiff_t count) {
+    for (ptrdiff_t i = first; i < count; i++) {
+        if (remap[i] >= 0) memcpy(base + (size_t)remap[i] * size, base + (size_t)i * size, size);
     }
-    node->skip = t->nodes;
 }
 
-/* Returns an empty tree with room for the mesh; NULL when out of memory. */
-static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
-    const size_t v = (size_t)vertices, k = (size_t)triangles;
-    const size_t bytes = sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
-    dem__tree *t = (dem__tree *)a->fn(a->user, NULL, 0, bytes);
-    if (!t) return NULL;
-    memset(t, 0, bytes);
-    t->bytes = bytes;
-    t->vertices = (int32_t)vertices;
-    t->vertex = (dem_vec *)(void *)(t + 1);
-    t->normal = t->vertex + v;
-    t->node = (dem__node *)(void *)(t->normal + k);
-    t->corner = (int32_t *)(void *)(t->node + k);
-    return t;
+/* Returns the new number of particle i, or of the first after it that stays. */
+static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
+    while (i < (int32_t)w->count && w->engine->scratch.index[i] < 0) i++;
+    return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);
 }
 
-/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for slivers. */
-static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
-    const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
-    const double x = dem__dot(ab, ab), y = dem__dot(bc, bc), z = dem__dot(ca, ca);
-    if (x >= y && x >= z) return dem__cross(bc, ca);
-    return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
-}
-
-/* Returns whether a triangle has an area that is not round-off of its corners; unit: its normal. */
-static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
-    const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
-    double longest = dem__dot(ab, ab);
-    longest = dem__dot(ac, ac) > longest ? dem__dot(ac, ac) : longest;
-    longest = dem__dot(bc, bc) > longest ? dem__dot(bc, bc) : longest;
-    return dem__length(n) > 1e-9 * longest && dem__unit(n, unit);
-}
-
-/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT if there is none. */
-static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex, ptrdiff_t triangles,
-                                        const int32_t *corner, dem_status *status) {
-    const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
-    dem_vec low = vertex[0], high = vertex[0], normal;
+/* Renumbers rigid bodies and their first particles after dropped particles have been removed. Bodies are in the order of their
+   particles. */
+static inline void dem__compact_bodies(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
     ptrdiff_t n = 0;
-    for (ptrdiff_t v = 0; v < vertices; v++) {
-        for (int c = 0; c < 3; c++) {
-            double *l = dem_axis_of(&low, c), *h = dem_axis_of(&high, c), x = dem_axis(vertex[v], c);
-            *l = x < *l ? x : *l;
-            *h = x > *h ? x : *h;
+    for (ptrdiff_t i = 0; i < w->count && bodies->rigid; i++) {
+        if (bodies->rigid_of[i] == 0) continue;
+        dem__rigid *r = &bodies->rigid[n++];
+        *r = bodies->rigid[bodies->rigid_of[i] - 1];
+        r->first = (int32_t)i;
+        for (ptrdiff_t end = i + r->pieces; i < end; i++) bodies->rigid_of[i] = (int32_t)n;
+        i--;
+    }
+    if (bodies->rigid) bodies->rigid_count = n;
+}
+
+/* Removes dropped particles from the arrays; the others keep their order. */
+static inline void dem__compact(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__links *links = &w->engine->links;
+    if (!w->engine->bodies.dropped) return;
+    ptrdiff_t to = 0;
+    dem__array list[DEM__ARRAYS_MAX];
+    int n = dem__particle_arrays(w, list);
+    for (ptrdiff_t i = 0; i < w->count; i++) w->engine->scratch.index[i] = w->alive[i] ? (int32_t)to++ : -1;
+    int32_t *remap = w->engine->scratch.index;
+    ptrdiff_t first = 0;
+    while (first < w->count && remap[first] == first) first++;
+    for (int k = 0; k < n; k++) {
+        char *base;
+        memcpy(&base, list[k].address, sizeof base);
+        if ((void *)base == (void *)remap) continue;
+        if (list[k].size == sizeof(double)) dem__close_gaps(base, sizeof(double), remap, first, w->count);
+        else if (list[k].size == sizeof(int32_t)) dem__close_gaps(base, sizeof(int32_t), remap, first, w->count);
+        else dem__close_gaps(base, list[k].size, remap, first, w->count);
+    }
+    dem__move_wall_timers(w, to);
+    DEM__EACH_CONTACT(w, c) {
+        contacts->i[c] = remap[contacts->i[c]];
+        if (contacts->j[c] >= 0) contacts->j[c] = remap[contacts->j[c]];
+    }
+    for (int q = 0; q < contacts->chunk_count; q++) contacts->chunk[q].first_particle = dem__remapped(w, contacts->chunk[q].first_particle);
+    for (ptrdiff_t k = 0; k < links->count; k++) {
+        links->i[k] = remap[links->i[k]];
+        if (links->j[k] >= 0) links->j[k] = remap[links->j[k]];
+    }
+    w->count = to;
+    w->engine->bodies.dropped = 0;
+    dem__compact_bodies(w);
+}
+
+/* ------------------------------------------------------------------------------------------------ >>search/cells.h */
+/* Cells: one grid for each size class of spheres. Reads positions; keeps nothing.
+   May be changed here alone: sizes of cells. */
+
+/* The grid of one size class: spheres up to DEM__CLASS times as large as its smallest. */
+typedef struct dem__grid {
+    double low[3], inverse[3]; /* lower corner [m]; 1 / cell size [1/m] */
+    double widest;             /* radius of its largest sphere [m] */
+    int32_t n[3], wraps[3];
+    ptrdiff_t count, first; /* number of spheres; its first cell in the common list */
+} dem__grid;
+
+#define DEM__CLASS 2.5         /* from 2 to 3 the time is the same: fewer levels, but more spheres in a cell */
+enum { DEM__LEVELS_MAX = 16 }; /* beyond 1 : 2.5^15 the last takes all */
+
+/* Returns the number of a sphere's size class. */
+DEM_INLINE int dem__level(double radius, double smallest) {
+    int level = 0;
+    for (double bound = DEM__CLASS * smallest; radius >= bound && level < DEM__LEVELS_MAX - 1; level++) bound *= DEM__CLASS;
+    return level;
+}
+
+/* Finds the range along an axis in which most points lie: four standard deviations each way from the mean, again among the points in that
+   range as long as this halves its length. The few outside go into the cells at the border; otherwise one particle far away would make all
+   cells large. */
+static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double *low, double *high) {
+    double from = HUGE_VAL, to = -HUGE_VAL, span;
+    for (ptrdiff_t i = 0; i < n; i++) {
+        const double v = dem_axis(point[i], axis);
+        from = v < from ? v : from;
+        to = v > to ? v : to;
+    }
+    do {
+        double sum = 0.0, square = 0.0, inside = 0.0;
+        span = to - from;
+        for (ptrdiff_t i = 0; i < n; i++) {
+            const double v = dem_axis(point[i], axis), d = v - from;
+            if (!(v >= from && v <= to)) continue;
+            sum += d, square += d * d, inside += 1.0;
         }
-    }
-    *status = DEM_OUT_OF_MEMORY;
-    dem__keyed *items = (dem__keyed *)a->fn(a->user, NULL, 0, scratch);
-    if (!items) return NULL;
-    for (int32_t k = 0; k < (int32_t)triangles; k++) {
-        const dem_vec p[3] = {vertex[corner[3 * k]], vertex[corner[3 * k + 1]], vertex[corner[3 * k + 2]]};
-        if (!dem__has_area(p[0], p[1], p[2], &normal)) continue;
-        items[n].index = k;
-        items[n].key = 0;
-        for (int c = 0; c < 3; c++) {
-            const double from = dem_axis(low, c), span = dem_axis(high, c) - from;
-            const double x = (dem_axis(p[0], c) + dem_axis(p[1], c) + dem_axis(p[2], c)) / 3.0 - from;
-            items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0) << c;
-        }
-        n++;
-    }
-    dem__tree *t = n > 0 ? dem__plant(a, vertices, n) : NULL;
-    if (n == 0) *status = DEM_BAD_ARGUMENT;
-    if (t) {
-        dem__sort_keyed(items, items + n, n);
-        memcpy(t->vertex, vertex, (size_t)vertices * sizeof *vertex);
-        for (ptrdiff_t k = 0; k < n; k++) {
-            const int32_t *from = &corner[3 * items[k].index];
-            memcpy(&t->corner[3 * k], from, 3 * sizeof *from);
-            dem__has_area(vertex[from[0]], vertex[from[1]], vertex[from[2]], &t->normal[k]);
-        }
-        t->triangles = (int32_t)n, t->touch = dem__touch_mesh;
-        dem__grow_node(t, 0, (int32_t)n);
-        *status = DEM_OK;
-    }
-    a->fn(a->user, items, scratch, 0);
-    return t;
+        const double mean = sum / inside, variance = square / inside - mean * mean, reach = variance > 0.0 ? 4.0 * sqrt(variance) : 0.0;
+        to = mean + reach < span ? from + (mean + reach) : to;
+        from = mean - reach > 0.0 ? from + (mean - reach) : from;
+    } while (to > from && to - from < 0.5 * span);
+    *low = from, *high = to;
 }
 
-/* Counts one mesh more. */
-static inline void dem__count_mesh(dem_world *w) {
-    w->engine->walls.meshes++;
-    w->engine->walls.follow_meshes = dem__follow_meshes;
-}
-
-DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
-    if (dem__is_running(world)) return -(int)DEM_BUSY;
-    dem_world *w = world;
-    dem_wall wall;
-    memset(&wall, 0, sizeof wall);
-    if (!w || !w->def.allocator.fn || !mesh || material < 0 || material >= w->def.materials || !mesh->vertex || !mesh->triangle ||
-        mesh->vertices < 1 || mesh->triangles < 1 || mesh->vertices > INT32_MAX / 4 || mesh->triangles > INT32_MAX / 4)
-        return -(int)DEM_BAD_ARGUMENT;
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-    for (ptrdiff_t k = 0; k < 3 * mesh->triangles; k++) {
-        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices) return -(int)DEM_BAD_ARGUMENT;
-    }
-    for (ptrdiff_t k = 0; k < 3 * mesh->vertices; k++) {
-        const double x = mesh->vertex[k];
-        if (!(fabs(x) < 1e50)) return -(int)DEM_BAD_ARGUMENT; /* so that squares of areas are finite */
-        low[k % 3] = x < low[k % 3] ? x : low[k % 3];
-        high[k % 3] = x > high[k % 3] ? x : high[k % 3];
-    }
-    if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
-    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
-    wall.kind = DEM_MESH;
-    wall.material = material;
-    wall.asked.origin = dem_vec3(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]));
-    dem__frame(&wall, dem_vec3(0, 0, 1), dem_vec3(1, 0, 0));
-
-    const dem_allocator *a = &w->def.allocator;
-    const size_t bytes = (size_t)mesh->vertices * sizeof(dem_vec);
-    dem_status status = DEM_OUT_OF_MEMORY;
-    dem_vec *local = (dem_vec *)a->fn(a->user, NULL, 0, bytes);
-    for (ptrdiff_t k = 0; local && k < mesh->vertices; k++) {
-        const double *x = &mesh->vertex[3 * k];
-        local[k] = dem__sub(dem_vec3(x[0], x[1], x[2]), wall.asked.origin);
-    }
-    if (local) wall.tree = dem__make_tree(a, mesh->vertices, local, mesh->triangles, mesh->triangle, &status);
-    if (local) a->fn(a->user, local, bytes, 0);
-    if (wall.tree && !dem__make_touch_memory(w)) {
-        a->fn(a->user, wall.tree, wall.tree->bytes, 0);
-        wall.tree = NULL, status = DEM_OUT_OF_MEMORY;
-    }
-    if (!wall.tree) return -(int)status;
-    dem__count_mesh(w);
-    return dem__add_wall(w, &wall);
-}
-
-DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high) {
-    /* corner k: bit c chooses low or high of axis c */
-    int32_t faces[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
-    double corners[24];
-    dem_mesh mesh;
-    memset(&mesh, 0, sizeof mesh);
-    if (!(low.x < high.x && low.y < high.y && low.z < high.z)) return -(int)DEM_BAD_ARGUMENT;
-    for (int k = 0; k < 24; k++) corners[k] = (k / 3 >> k % 3 & 1) ? dem_axis(high, k % 3) : dem_axis(low, k % 3);
-    mesh.vertices = 8, mesh.vertex = corners;
-    mesh.triangles = 12, mesh.triangle = faces;
-    return dem_add_mesh(world, material, &mesh);
-}
-
-/* ---- STL ---- */
-
-/* A slot of a hash table with open addressing: a 64-bit key, 0 if empty, and a number. The capacity is a power of two. */
-typedef struct dem__slot {
-    uint64_t key;
-    int32_t value, forward, backward; /* edges: number of triangles that run along it each way */
-} dem__slot;
-
-/* Reading STL files: facets from bytes, corners welded.
-   Relies on the allocator alone.
-   May be changed here alone: how facets are read; what dem_stl_report counts stays. */
-
-static inline uint64_t dem__scramble(uint64_t z) {
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
-static inline dem__slot *dem__find_slot(dem__slot *slots, size_t capacity, uint64_t key) {
-    size_t at = (size_t)dem__scramble(key) & (capacity - 1);
-    while (slots[at].key != 0 && slots[at].key != key) at = (at + 1) & (capacity - 1);
-    return &slots[at];
-}
-
-/* A facet before welding. */
-typedef struct dem__facet {
-    dem_vec normal, corner[3];
-} dem__facet;
-
-static inline double dem__little_float(const unsigned char *byte) {
-    const uint32_t bits = (uint32_t)byte[0] | (uint32_t)byte[1] << 8 | (uint32_t)byte[2] << 16 | (uint32_t)byte[3] << 24;
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return (double)value;
-}
-
-/* The number of facets that a binary file's header announces, and the number for which it has bytes. */
-typedef struct dem__binary_size {
-    size_t announced, present, rest; /* rest: bytes after the last whole facet */
-} dem__binary_size;
-static inline dem__binary_size dem__size_of_binary(const unsigned char *bytes, size_t size) {
-    dem__binary_size s;
-    s.announced = (size_t)((uint32_t)bytes[80] | (uint32_t)bytes[81] << 8 | (uint32_t)bytes[82] << 16 | (uint32_t)bytes[83] << 24);
-    s.present = (size - 84) / 50, s.rest = (size - 84) % 50;
-    return s;
-}
-
-/* Returns the number of facets to read: all that are present, or, if the header announces fewer and the file does not end with a facet,
-   those that it announces. */
-static inline size_t dem__facets_of_binary(const dem__binary_size *s) {
-    return s->announced < s->present && s->rest > 0 ? s->announced : s->present;
-}
-
-/* Counts what a binary file contains and what is missing. */
-static inline void dem__count_binary(const unsigned char *bytes, size_t size, dem_stl_report *report) {
-    const dem__binary_size s = dem__size_of_binary(bytes, size);
-    const size_t n = dem__facets_of_binary(&s), missing = s.announced > n ? s.announced - n : 0;
-    report->facets = (ptrdiff_t)n;
-    report->missing = missing < PTRDIFF_MAX ? (ptrdiff_t)missing : PTRDIFF_MAX;
-    report->unannounced = n > s.announced ? (ptrdiff_t)(n - s.announced) : 0;
-    report->surplus = missing > 0 ? 0 : (ptrdiff_t)(size - 84 - 50 * n);
-}
-
-/* Reads facet k of a binary file: normal, three corners, two bytes. */
-static inline void dem__read_facet(const unsigned char *bytes, size_t k, dem__facet *facet) {
-    for (int a = 0; a < 12; a++) {
-        dem_vec *to = a < 3 ? &facet->normal : &facet->corner[a / 3 - 1];
-        *dem_axis_of(to, a % 3) = dem__little_float(bytes + 84 + 50 * k + 4 * a);
-    }
-}
-
-/* Returns whether the bytes are coordinates: three in four facets have corners of 0 or between 1e-15 and 1e15. In other data (compressed,
-   other byte order, two bytes a letter) hardly any have. */
-static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) {
-    const dem__binary_size s = dem__size_of_binary(bytes, size);
-    const size_t n = dem__facets_of_binary(&s);
-    size_t good = 0;
-    for (size_t k = 0; k < n; k++) {
-        dem__facet f;
-        int fits = 1;
-        dem__read_facet(bytes, k, &f);
-        for (int c = 0; c < 9; c++) {
-            const double x = fabs(dem_axis(f.corner[c / 3], c % 3));
-            fits &= x == 0.0 || (x > 1e-15 && x < 1e15);
-        }
-        good += (size_t)fits;
-    }
-    return good > 0 && good >= n - n / 4;
-}
-
-/* Finds the next word of a text, which ends at a blank of any kind. Returns its length, 0 at the end. */
-static inline size_t dem__word(const unsigned char *bytes, size_t size, size_t *at) {
-    size_t length = 0;
-    while (*at < size && bytes[*at] <= ' ') ++*at;
-    while (*at + length < size && bytes[*at + length] > ' ') length++;
-    return length;
-}
-
-/* Returns whether a word is `name`, in small or capital letters. */
-static inline int dem__is_word(const unsigned char *bytes, size_t at, size_t length, const char *name) {
-    size_t k = 0;
-    for (; name[k]; k++) {
-        const unsigned char c = k < length ? bytes[at + k] : 0;
-        if ((c >= 'A' && c <= 'Z' ? c + 32 : c) != (unsigned char)name[k]) return 0;
-    }
-    return k == length;
-}
-
-/* Parses a decimal number, whatever the locale, to within an ulp or two. Returns NaN if it is none. */
-static inline double dem__number(const unsigned char *text, size_t length) {
-    size_t k = 0;
-    int digits = 0, point = 0, exponent = 0, down = 0;
-    uint64_t whole = 0; /* the first 18 digits */
-    const int minus = length > 0 && text[0] == '-';
-    if (length > 0 && (text[0] == '-' || text[0] == '+')) k++;
-    for (; k < length && ((text[k] >= '0' && text[k] <= '9') || (text[k] == '.' && !point)); k++) {
-        if (text[k] == '.') {
-            point = 1;
-            continue;
-        }
-        if (whole < 100000000000000000u) whole = 10u * whole + (uint64_t)(text[k] - '0'), exponent -= point;
-        else exponent += !point;
-        digits++;
-    }
-    if (digits && k < length && (text[k] == 'e' || text[k] == 'E' || text[k] == 'd' || text[k] == 'D')) { /* d: Fortran's */
-        int power = 0, any = 0;
-        k++;
-        if (k < length && (text[k] == '-' || text[k] == '+')) down = text[k++] == '-';
-        for (; k < length && text[k] >= '0' && text[k] <= '9'; k++, any = 1) power = power < 10000 ? 10 * power + (text[k] - '0') : power;
-        if (!any) return (double)NAN;
-        exponent += down ? -power : power;
-    }
-    if (!digits || k != length) return (double)NAN;
-    double ten = 1.0, base = 10.0; /* exact up to 10^22 */
-    if (exponent < -400 || exponent > 400) exponent = exponent < 0 ? -400 : 400;
-    for (int e = exponent < 0 ? -exponent : exponent; e > 0; e >>= 1, base *= base) ten *= e & 1 ? base : 1.0;
-    const double value = whole == 0 ? 0.0 : (exponent < 0 ? (double)whole / ten : (double)whole * ten);
-    return minus ? -value : value;
-}
-
-/* ---- text ---- */
-
-enum { DEM__CORNERS_MAX = 64 }; /* of a facet; one with more counts as missing */
-
-/* A text that is being read, and the facet in progress. */
-typedef struct dem__stl_text {
-    const unsigned char *bytes;
-    size_t size, at;
-    dem__facet *out; /* where triangles are written; NULL: they are only counted */
-    ptrdiff_t triangles, polygons, missing;
-    int begun, ended;                        /* whether a line "solid", a line "endsolid" was read */
-    int inside, loops, corners, wanted, bad; /* in a facet: loops and corners so far, numbers to come, whether it is malformed */
-    dem_vec normal, corner[DEM__CORNERS_MAX], number;
-} dem__stl_text;
-
-/* Returns whether a word begins with a name, as solid_name does. */
-static inline int dem__begins_with(const unsigned char *bytes, size_t at, size_t length, const char *name) {
-    const size_t n = strlen(name);
-    return length >= n && dem__is_word(bytes, at, n, name);
-}
-
-/* Skips the rest of a line, whose words are a name or a comment. If a facet ends there, the whole text is one line: then skips only the
-   word. */
-static inline void dem__skip_line(dem__stl_text *t, size_t length) {
-    size_t end = t->at + length, word;
-    while (end < t->size && t->bytes[end] != '\n' && t->bytes[end] != '\r') end++;
-    for (size_t at = t->at + length; (word = dem__word(t->bytes, end, &at)) > 0; at += word) {
-        if (!dem__is_word(t->bytes, at, word, "endfacet")) continue;
-        t->at += length;
-        return;
-    }
-    t->at = end;
-}
-
-/* Returns a corner from which a fan of triangles covers a polygon, -1 if there is none. */
-static inline int dem__fan_start(const dem_vec *corner, int n) {
-    dem_vec whole = dem_vec3(0.0, 0.0, 0.0);
-    for (int k = 1; k + 1 < n; k++) whole = dem__add(whole, dem__cross(dem__sub(corner[k], corner[0]), dem__sub(corner[k + 1], corner[0])));
-    const double size = dem__dot(whole, whole);
-    if (n == 3 || size != size) return 0; /* coordinates that are not finite are counted later */
-    for (int start = 0; start < n; start++) {
-        int covers = 1;
-        for (int k = 1; k + 1 < n && covers; k++) {
-            const dem_vec a = corner[start], b = corner[(start + k) % n], c = corner[(start + k + 1) % n];
-            covers = dem__dot(dem__cross(dem__sub(b, a), dem__sub(c, a)), whole) >= -1e-9 * size;
-        }
-        if (covers) return start;
-    }
-    return -1;
-}
-
-/* Ends the facet in progress. Keeps its triangles if it is whole. */
-static inline void dem__end_facet(dem__stl_text *t) {
-    const int n = t->corners, start = t->inside && !t->bad && t->wanted == 0 && n >= 3 ? dem__fan_start(t->corner, n) : -1;
-    if (!t->inside) return;
-    t->inside = 0;
-    if (start < 0) {
-        t->missing++;
-        return;
-    }
-    for (int k = 1; k + 1 < n; k++, t->triangles++) {
-        if (!t->out) continue;
-        dem__facet *f = &t->out[t->triangles];
-        f->normal = t->normal;
-        f->corner[0] = t->corner[start], f->corner[1] = t->corner[(start + k) % n], f->corner[2] = t->corner[(start + k + 1) % n];
-    }
-    t->polygons += n > 3;
-}
-
-static inline void dem__begin_facet(dem__stl_text *t) {
-    dem__end_facet(t);
-    t->inside = 1;
-    t->loops = t->corners = t->wanted = t->bad = 0;
-    t->normal = dem_vec3(0.0, 0.0, 0.0);
-}
-
-/* Reads one word of a facet, which may be one of three numbers. */
-static inline void dem__read_word_of_facet(dem__stl_text *t, size_t length) {
-    const unsigned char *b = t->bytes;
-    if (dem__is_word(b, t->at, length, "normal")) t->bad |= t->wanted > 0 || t->corners > 0, t->wanted = 6;
-    else if (dem__is_word(b, t->at, length, "vertex")) t->bad |= t->wanted > 0 || t->corners == DEM__CORNERS_MAX, t->wanted = 3;
-    else if (dem__is_word(b, t->at, length, "outer")) t->bad |= ++t->loops > 1; /* a hole in a face */
-    else if (dem__is_word(b, t->at, length, "loop") || dem__is_word(b, t->at, length, "endloop")) t->bad |= t->wanted > 0;
-    else if (t->wanted > 0) {
-        *dem_axis_of(&t->number, (6 - t->wanted) % 3) = dem__number(b + t->at, length);
-        t->wanted--;
-        if (t->wanted == 3) t->normal = t->number, t->wanted = 0;
-        else if (t->wanted == 0 && !t->bad) t->corner[t->corners++] = t->number;
-    } else t->bad = 1;
-}
-
-/* Reads a text. A facet stands between "facet" and "endfacet", or the next "facet"; names and comments are ignored. */
-static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__facet *facets, dem_stl_report *report) {
-    dem__stl_text t;
-    memset(&t, 0, sizeof t);
-    t.bytes = bytes, t.size = size, t.out = facets;
-    t.at = size >= 3 && bytes[0] == 0xef && bytes[1] == 0xbb && bytes[2] == 0xbf ? 3 : 0; /* byte-order mark */
-    for (size_t length; (length = dem__word(bytes, size, &t.at)) > 0;) {
-        const size_t at = t.at;
-        if (bytes[at] == '#' || dem__begins_with(bytes, at, length, "//")) dem__skip_line(&t, length);
-        else if (dem__is_word(bytes, at, length, "facet")) dem__begin_facet(&t), t.ended = 0, t.at += length;
-        else if (dem__is_word(bytes, at, length, "endfacet")) t.missing += !t.inside, dem__end_facet(&t), t.at += length;
-        else if (dem__begins_with(bytes, at, length, "endsolid") || (!t.inside && dem__is_word(bytes, at, length, "end")))
-            dem__end_facet(&t), t.ended = 1, dem__skip_line(&t, length);
-        else if (t.inside) dem__read_word_of_facet(&t, length), t.at += length;
-        else if (dem__begins_with(bytes, at, length, "solid")) t.begun = 1, t.ended = 0, dem__skip_line(&t, length);
-        else t.at += length;
-    }
-    if (t.inside || (t.begun && !t.ended)) t.missing++; /* the file is cut off */
-    report->facets = t.triangles, report->missing = t.missing, report->polygons = t.polygons;
-}
-
-/* ---- what a file is ---- */
-
-enum { DEM__STL_UNKNOWN, DEM__STL_TEXT, DEM__STL_BINARY };
-
-/* Returns what kind of file it is, from all bytes, because headers may be wrong. A text has hardly any control characters; a binary file
-   has the length that its count gives. Where these two disagree, the numbers must look like coordinates. */
-static inline int dem__kind_of_stl(const unsigned char *bytes, size_t size) {
-    dem_stl_report found;
-    size_t controls = 0;
-    int whole = 0;
-    memset(&found, 0, sizeof found);
-    for (size_t k = 0; k < size; k++) controls += bytes[k] < ' ' && !(bytes[k] >= '\t' && bytes[k] <= '\r');
-    const int is_text = controls <= size / 20;
-    if (size >= 84) {
-        const dem__binary_size s = dem__size_of_binary(bytes, size);
-        whole = s.present > 0 && s.present == s.announced && s.rest == 0;
-    }
-    if (is_text && !whole) return DEM__STL_TEXT;
-    if (whole || is_text || (size >= 84 && dem__has_coordinates(bytes, size))) {
-        if (is_text) dem__read_text(bytes, size, NULL, &found);
-        return found.facets > 0 ? DEM__STL_TEXT : DEM__STL_BINARY;
-    }
-    dem__read_text(bytes, size, NULL, &found); /* padded with zeros, or damaged */
-    return found.facets > 0 ? DEM__STL_TEXT : DEM__STL_UNKNOWN;
-}
-
-static inline void dem__count_facets(const unsigned char *bytes, size_t size, dem_stl_report *report) {
-    const int kind = dem__kind_of_stl(bytes, size);
-    report->binary = kind == DEM__STL_BINARY;
-    if (kind == DEM__STL_BINARY) dem__count_binary(bytes, size, report);
-    if (kind == DEM__STL_TEXT) dem__read_text(bytes, size, NULL, report);
-}
-
-/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated.
-   May be changed here alone: how corners are welded and faults counted. */
-/* ---- from facets to a mesh ---- */
-
-/* Working memory for making a mesh. */
-typedef struct dem__workshop {
-    dem__facet *facets;
-    ptrdiff_t n;
-    dem__slot *slots; /* `capacity` of them */
-    size_t capacity;
-    int32_t *next; /* 3 n: the next vertex of a cell; later the corners of triangles without area */
-    ptrdiff_t slivers;
-    double weld, cell; /* distance up to which corners are one [m]; size of a grid cell [m], 0: only equal coordinates are one */
-} dem__workshop;
-
-static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *cell) {
-    uint64_t key = 0, bits;
+/* Lays cells no smaller than `size` over a box, at most four a sphere. */
+static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size, dem_vec low, dem_vec high) {
+    double span[3];
     for (int a = 0; a < 3; a++) {
-        const double v = (s->cell > 0.0 ? floor(cell[a] / s->cell) : cell[a]) + 0.0; /* no -0 */
-        memcpy(&bits, &v, sizeof bits);
-        key = dem__scramble(key * 3 + bits + 1);
+        g->wraps[a] = w->def.periodic[a];
+        g->low[a] = dem_axis(g->wraps[a] ? w->def.low : low, a);
+        span[a] = dem_axis(g->wraps[a] ? w->def.high : high, a) - g->low[a];
     }
-    return key | 1;
-}
-
-/* Returns the vertex at a place: an earlier one if there is one within `weld`, otherwise a new one. Vertices are chained from the cells of
-   a grid, which are four times as wide as `weld`: few fit into one cell. */
-static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
-    for (int side = 0; side < (s->cell > 0.0 ? 8 : 1); side++) {
-        double place[3];
-        int seen = 0;
-        for (int a = 0; a < 3; a++) {
-            const double low = dem_axis(p, a) - s->weld, high = dem_axis(p, a) + s->weld;
-            place[a] = side >> a & 1 ? high : low;
-            seen |= (side >> a & 1) && s->cell > 0.0 && floor(low / s->cell) == floor(high / s->cell); /* one cell for both sides */
-        }
-        if (seen) continue;
-        const dem__slot *slot = dem__find_slot(s->slots, s->capacity, dem__key_of_cell(s, place));
-        for (int32_t v = slot->key ? slot->value : -1; v >= 0; v = s->next[v]) {
-            if (dem__length(dem__sub(vertex[v], p)) <= s->weld) return v;
-        }
+    for (;; size *= 1.26) {
+        double cells = 1.0;
+        for (int a = 0; a < 3; a++) cells *= floor(span[a] / size) + 1.0;
+        if (!(cells > 4.0 * (double)g->count + 64.0)) break; /* NaN: an infinite span has one cell */
     }
-    const int32_t fresh = (int32_t)(*count)++;
-    const double own[3] = {p.x, p.y, p.z};
-    const uint64_t key = dem__key_of_cell(s, own);
-    dem__slot *slot = dem__find_slot(s->slots, s->capacity, key);
-    vertex[fresh] = p;
-    s->next[fresh] = slot->key ? slot->value : -1;
-    slot->key = key;
-    slot->value = fresh;
-    return fresh;
-}
-
-static inline dem__slot *dem__stl_edge(dem__workshop *s, int32_t a, int32_t b) {
-    const uint64_t low = (uint64_t)(a < b ? a : b), high = (uint64_t)(a < b ? b : a);
-    dem__slot *slot = dem__find_slot(s->slots, s->capacity, low << 32 | high);
-    slot->key = low << 32 | high; /* never 0, as a < b */
-    return slot;
-}
-
-/* Counts the three edges of a triangle. */
-static inline void dem__count_edges_of(dem__workshop *s, const int32_t *t) {
-    for (int e = 0; e < 3; e++) {
-        const int32_t a = t[e], b = t[(e + 1) % 3];
-        dem__slot *slot = dem__stl_edge(s, a, b);
-        if (a < b) slot->forward++;
-        else slot->backward++;
+    for (int a = 0; a < 3; a++) {
+        const double n = floor(span[a] / size);
+        g->n[a] = n > 1.0 ? (int32_t)n : 1; /* periodic: a whole number of cells, each a little larger */
+        g->inverse[a] = g->wraps[a] ? g->n[a] / span[a] : 1.0 / size;
+        if (!g->wraps[a]) g->n[a]++;
     }
 }
 
-/* Returns how many edges of a triangle have one other triangle, which runs the other way. */
-static inline int dem__closes(dem__workshop *s, const int32_t *t) {
-    int closed = 0;
-    for (int e = 0; e < 3; e++) {
-        const dem__slot *slot = dem__stl_edge(s, t[e], t[(e + 1) % 3]);
-        const int32_t along = t[e] < t[(e + 1) % 3] ? slot->forward : slot->backward;
-        closed += along == 0 && slot->forward + slot->backward == 1;
+/* Finds the cells of an axis that [v - reach, v + reach] meets, each at most once. Returns their number; first: the first one, from which
+   the caller counts on and wraps. */
+DEM_INLINE int32_t dem__cells(const dem__grid *g, int a, double v, double reach, int32_t *first) {
+    const double from = (v - reach - g->low[a]) * g->inverse[a], to = (v + reach - g->low[a]) * g->inverse[a], last = (double)(g->n[a] - 1);
+    if (g->wraps[a]) {
+        const double low = floor(from), high = floor(to);
+        *first = 0;
+        if (!(high - low < last)) return g->n[a];
+        *first = (int32_t)low; /* v is in the box, or at its upper end */
+        *first += *first < 0 ? g->n[a] : (*first >= g->n[a] ? -g->n[a] : 0);
+        return (int32_t)(high - low) + 1;
     }
-    return closed;
+    *first = (int32_t)(from > 0.0 ? (from < last ? from : last) : 0.0);
+    return (int32_t)(to > 0.0 ? (to < last ? to : last) : 0.0) - *first + 1;
 }
 
-/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with the triangles without area. In a fan of these
-   one closes after the other; sixteen passes, forward and backward in turn, suffice for any order that a program writes. */
-static inline void dem__close_junctions(dem__workshop *s) {
-    int changed = 1;
-    for (int pass = 0; pass < 16 && changed; pass++) {
-        changed = 0;
-        for (ptrdiff_t k = 0; k < s->slivers; k++) {
-            int32_t *t = &s->next[3 * (pass % 2 ? s->slivers - 1 - k : k)];
-            if (t[0] < 0 || dem__closes(s, t) < 2) continue;
-            dem__count_edges_of(s, t);
-            t[0] = -1;
-            changed = 1;
-        }
-    }
+DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
+    int32_t cx, cy, cz;
+    dem__cells(g, 0, at.x, 0.0, &cx), dem__cells(g, 1, at.y, 0.0, &cy), dem__cells(g, 2, at.z, 0.0, &cz);
+    return g->first + ((ptrdiff_t)cz * g->n[1] + cy) * g->n[0] + cx;
 }
 
-/* Scales the facets and drops those that are not finite. Returns the number that is left; the report gets their bounding box. */
-static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl_report *report) {
-    dem_vec low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
-    ptrdiff_t kept = 0;
-    for (ptrdiff_t k = 0; k < s->n; k++) {
-        dem__facet f = s->facets[k];
-        int finite = 1;
-        for (int c = 0; c < 9; c++) {
-            double *x = dem_axis_of(&f.corner[c / 3], c % 3);
-            *x *= scale;
-            finite &= fabs(*x) < 1e50;
-        }
-        report->not_finite += !finite;
-        if (!finite) continue;
-        s->facets[kept++] = f;
-        for (int c = 0; c < 9; c++) {
-            double *l = dem_axis_of(&low, c % 3), *h = dem_axis_of(&high, c % 3), x = dem_axis(f.corner[c / 3], c % 3);
-            *l = x < *l ? x : *l;
-            *h = x > *h ? x : *h;
-        }
-    }
-    if (kept > 0) report->low = low, report->high = high;
-    return kept;
-}
+/* --------------------------------------------------------------------------------------------------- >>walls/add.h */
+/* Adding walls of every kind but meshes.
+   Relies on definition.h and wall_shapes.h.
+   May be changed here alone: what a wall's function refuses; a new kind also needs its rows in wall_shapes.h and saved.h. */
 
-/* Returns whether a triangle with the same three corners, in any order, came before. */
-static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
-    const int32_t first = t[0] < t[1] ? (t[0] < t[2] ? t[0] : t[2]) : (t[1] < t[2] ? t[1] : t[2]);
-    const int32_t last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);
-    const uint64_t middle = (uint64_t)t[0] + (uint64_t)t[1] + (uint64_t)t[2] - (uint64_t)first - (uint64_t)last;
-    /* a key of three numbers, which two triangles share with a probability of 2^-64 */
-    const uint64_t key = dem__scramble(dem__scramble((uint64_t)first + 1) + dem__scramble(middle + 1) * 3 + (uint64_t)last) | 1;
-    dem__slot *slot = dem__find_slot(s->slots, s->capacity, key);
-    if (slot->key) return 1;
-    slot->key = key;
-    return 0;
-}
-
-/* Keeps the triangles that have an area and are new; sums area and volume. */
-static inline void dem__keep_triangles(dem__workshop *s, dem_mesh *m, ptrdiff_t n, dem_stl_report *report) {
-    const dem_vec *vertex = (const dem_vec *)(const void *)m->vertex;
-    for (ptrdiff_t k = 0; k < n; k++) {
-        const int32_t t[3] = {m->triangle[3 * k], m->triangle[3 * k + 1], m->triangle[3 * k + 2]};
-        const dem_vec a = vertex[t[0]], b = vertex[t[1]], c = vertex[t[2]];
-        const int corners = t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
-        dem_vec normal;
-        if (!corners || !dem__has_area(a, b, c, &normal)) {
-            report->degenerate++;
-            if (corners) memcpy(&s->next[3 * s->slivers++], t, sizeof t);
-            continue;
-        }
-        if (dem__is_duplicate(s, t)) {
-            report->duplicate++;
-            continue;
-        }
-        const dem_vec twice = dem__area(a, b, c), given = s->facets[k].normal;
-        const double length = dem__length(given);
-        if (dem__positive(length) && dem__dot(given, normal) < 0.5 * length) report->wrong_normals++;
-        report->area += 0.5 * dem__length(twice);
-        report->volume += dem__dot(dem__sub(a, report->low), twice) / 6.0;
-        memcpy(&m->triangle[3 * m->triangles++], t, sizeof t);
-    }
-}
-
-static inline void dem__count_edges(dem__workshop *s, const dem_mesh *m, dem_stl_report *report) {
-    for (ptrdiff_t k = 0; k < m->triangles; k++) dem__count_edges_of(s, &m->triangle[3 * k]);
-    dem__close_junctions(s);
-    for (size_t k = 0; k < s->capacity; k++) {
-        const int32_t f = s->slots[k].forward, b = s->slots[k].backward;
-        report->open_edges += f + b == 1;
-        report->nonmanifold += f + b > 2;
-        report->inconsistent += f + b == 2 && f != b;
-    }
-}
-
-/* Fills an empty mesh, whose arrays have room, and the report. */
-static inline void dem__make_mesh(dem_mesh *m, dem__workshop *s, double scale, double weld, dem_stl_report *report) {
-    const ptrdiff_t n = dem__keep_finite(s, scale, report);
-    if (n == 0) return;
-    const double size = dem__length(dem__sub(report->high, report->low));
-    s->weld = weld < size ? weld : size;
-    s->cell = 4.0 * s->weld;
-    memset(s->slots, 0, s->capacity * sizeof *s->slots);
-    for (ptrdiff_t k = 0; k < 3 * n; k++)
-        m->triangle[k] = dem__weld(s, (dem_vec *)(void *)m->vertex, &m->vertices, s->facets[k / 3].corner[k % 3]);
-    memset(s->slots, 0, s->capacity * sizeof *s->slots);
-    dem__keep_triangles(s, m, n, report);
-    memset(s->slots, 0, s->capacity * sizeof *s->slots);
-    dem__count_edges(s, m, report);
-}
-
-DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld, const dem_allocator *allocator, dem_mesh *mesh,
-                                dem_stl_report *report) {
-    const unsigned char *text = (const unsigned char *)bytes;
-    dem_stl_report found;
-    dem_allocator memory;
-    dem__workshop shop;
-    if (!mesh) return DEM_BAD_ARGUMENT;
-    memset(mesh, 0, sizeof *mesh);
-    memset(&found, 0, sizeof found);
-    memset(&shop, 0, sizeof shop);
-    if (report) *report = found;
-    if ((size > 0 && !bytes) || !dem__positive(scale) || !dem__not_negative(weld)) return DEM_BAD_ARGUMENT;
-    memory.fn = dem__default_allocator;
-    memory.user = NULL;
-    if (allocator) memory = *allocator;
-    if (!memory.fn) return DEM_BAD_ARGUMENT;
-
-    dem__count_facets(text, size, &found);
-    if (report) *report = found;
-    if (found.facets == 0) return DEM_BAD_DATA;
-    if (found.facets > INT32_MAX / 12) return DEM_TOO_MANY;
-    const size_t n = (size_t)found.facets;
-    shop.n = found.facets;
-    for (shop.capacity = 64; shop.capacity < 6 * n;) shop.capacity *= 2;
-    const size_t scratch = n * sizeof(dem__facet) + shop.capacity * sizeof(dem__slot) + 3 * n * sizeof(int32_t);
-    mesh->bytes = 3 * n * sizeof(dem_vec) + 3 * n * sizeof(int32_t);
-    mesh->allocator = memory;
-    mesh->block = memory.fn(memory.user, NULL, 0, mesh->bytes);
-    shop.facets = mesh->block ? (dem__facet *)memory.fn(memory.user, NULL, 0, scratch) : NULL;
-    if (!shop.facets) {
-        dem_free_mesh(mesh);
-        return DEM_OUT_OF_MEMORY;
-    }
-    shop.slots = (dem__slot *)(void *)(shop.facets + n);
-    shop.next = (int32_t *)(void *)(shop.slots + shop.capacity);
-    mesh->vertex = (double *)mesh->block;
-    mesh->triangle = (int32_t *)(void *)(mesh->vertex + 9 * n);
-    if (!found.binary) dem__read_text(text, size, shop.facets, &found);
-    for (size_t k = 0; k < n && found.binary; k++) dem__read_facet(text, k, &shop.facets[k]);
-    dem__make_mesh(mesh, &shop, scale, weld, &found);
-    memory.fn(memory.user, shop.facets, scratch, 0);
-    if (report) *report = found;
-    if (mesh->triangles > 0) return DEM_OK;
-    dem_free_mesh(mesh);
-    return DEM_BAD_DATA;
-}
-
-DEM_API void dem_free_mesh(dem_mesh *mesh) {
-    if (!mesh) return;
-    if (mesh->block) mesh->allocator.fn(mesh->allocator.user, mesh->block, mesh->bytes, 0);
-    memset(mesh, 0, sizeof *mesh);
-}
-
-/* ------------------------------------------------------------------------------------------- >>solid */
-/* Closed meshes: what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not closed has no inside;
-   in a closed one only points within round-off of the surface depend on how it is cut into triangles.
-   May be changed here alone: how rays are chosen. */
-/* Returns whether the line from p along +z crosses a triangle. Both triangles of an edge test it with its ends in the same order, so that a
-   line through an edge or a corner crosses the surface as often as one beside it. */
-static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
-    const dem_vec corner[3] = {a, b, c};
-    int inside = 0;
-    for (int e = 0; e < 3; e++) {
-        const dem_vec u = corner[e], v = corner[(e + 1) % 3];
-        const int low = u.y <= p.y;
-        if (low == (v.y <= p.y)) continue;
-        const dem_vec from = low ? u : v, to = low ? v : u;
-        inside ^= (to.x - from.x) * (p.y - from.y) > (p.x - from.x) * (to.y - from.y);
-    }
-    if (!inside) return 0;
-    const dem_vec n = dem__area(a, b, c);
-    return ((p.x - a.x) * n.x + (p.y - a.y) * n.y + (p.z - a.z) * n.z) * n.z < 0.0;
-}
-
-/* Returns whether p, in the wall's own frame, is inside a closed surface: a line from it crosses the surface an odd number of times. */
-static inline int dem__is_inside_tree(const dem__tree *t, dem_vec p) {
-    int inside = 0;
-    for (int32_t b = 0; b < t->nodes;) {
-        const dem__node *node = &t->node[b];
-        if (!(p.x >= node->low[0] && p.x <= node->high[0] && p.y >= node->low[1] && p.y <= node->high[1] && p.z <= node->high[2])) {
-            b = node->skip;
-            continue;
-        }
-        b++;
-        for (int32_t k = node->first; k < node->first + node->count; k++) {
-            const int32_t *c = &t->corner[3 * k];
-            inside ^= dem__is_under(t->vertex[c[0]], t->vertex[c[1]], t->vertex[c[2]], p);
-        }
-    }
-    return inside;
-}
-
-/* Returns whether a point is inside a wall that is a solid body. */
-static inline int dem__is_inside_wall(const dem_wall *w, dem_vec x) {
-    return w->solid && dem__is_inside_tree(w->tree, dem__to_frame(w, dem__sub(x, w->position)));
-}
-
-static inline dem_vec dem__mesh_vertex(const dem_mesh *m, ptrdiff_t k, int corner) {
-    const double *x = &m->vertex[3 * (ptrdiff_t)m->triangle[3 * k + corner]];
-    return dem_vec3(x[0], x[1], x[2]);
-}
-
-static inline int dem__is_inside_mesh(const dem_mesh *m, dem_vec p) {
-    int inside = 0;
-    for (ptrdiff_t k = 0; k < m->triangles; k++)
-        inside ^= dem__is_under(dem__mesh_vertex(m, k, 0), dem__mesh_vertex(m, k, 1), dem__mesh_vertex(m, k, 2), p);
-    return inside;
-}
-
-/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, even with different indices; triangles
-   without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a triangle that is there twice, DEM_TOO_MANY or
-   DEM_OUT_OF_MEMORY. */
-static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_t triangles, const dem_vec *vertex, const int32_t *corner) {
-    const size_t n = (size_t)triangles;
-    dem_stl_report report;
-    dem__workshop shop;
-    dem_mesh mesh;
-    int closed;
-    memset(&report, 0, sizeof report);
-    memset(&shop, 0, sizeof shop);
-    memset(&mesh, 0, sizeof mesh);
-    if (triangles > INT32_MAX / 12) return DEM_TOO_MANY;
-    shop.n = triangles;
-    for (shop.capacity = 64; shop.capacity < 6 * n;) shop.capacity *= 2;
-    const size_t bytes = n * sizeof(dem__facet) + shop.capacity * sizeof(dem__slot) + 3 * n * sizeof(dem_vec) + 6 * n * sizeof(int32_t);
-    shop.facets = (dem__facet *)memory->fn(memory->user, NULL, 0, bytes);
-    if (!shop.facets) return DEM_OUT_OF_MEMORY;
-    shop.slots = (dem__slot *)(void *)(shop.facets + n);
-    mesh.vertex = (double *)(void *)(shop.slots + shop.capacity);
-    shop.next = (int32_t *)(void *)(mesh.vertex + 9 * n);
-    mesh.triangle = shop.next + 3 * n;
-    memset(shop.facets, 0, n * sizeof(dem__facet));
-    for (size_t k = 0; k < 3 * n; k++) shop.facets[k / 3].corner[k % 3] = vertex[corner[k]];
-    dem__make_mesh(&mesh, &shop, 1.0, 0.0, &report);
-    closed = mesh.triangles > 0 && report.duplicate == 0 && report.not_finite == 0;
-    for (size_t k = 0; k < shop.capacity && closed; k++) closed = (shop.slots[k].forward + shop.slots[k].backward) % 2 == 0;
-    memory->fn(memory->user, shop.facets, bytes, 0);
-    return closed ? DEM_OK : DEM_BAD_ARGUMENT;
-}
-
-DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || !world->def.allocator.fn || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
-    dem_wall *w = &world->wall[wall];
-    if (solid) {
-        if (w->kind != DEM_MESH) return DEM_BAD_ARGUMENT;
-        const dem_status status = dem__check_closed(&world->def.allocator, w->tree->triangles, w->tree->vertex, w->tree->corner);
-        if (status != DEM_OK) return status;
-    }
-    w->solid = solid != 0;
-    return DEM_OK;
-}
-
-/* Returns whether a mesh's numbers are valid; low, high: its bounding box. */
-static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
-    if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
-        m->triangles > INT32_MAX / 4)
-        return 0;
-    *low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), *high = dem__scale(-1.0, *low);
-    for (ptrdiff_t k = 0; k < 3 * m->triangles; k++) {
-        if (m->triangle[k] < 0 || m->triangle[k] >= m->vertices) return 0;
-    }
-    for (ptrdiff_t k = 0; k < 3 * m->vertices; k++) {
-        double *l = dem_axis_of(low, (int)(k % 3)), *h = dem_axis_of(high, (int)(k % 3)), x = m->vertex[k];
-        if (!(fabs(x) < 1e50)) return 0; /* so that squares of areas are finite */
-        *l = x < *l ? x : *l;
-        *h = x > *h ? x : *h;
-    }
+static inline int dem__unit(dem_vec v, dem_vec *unit) {
+    double length = dem__length(v);
+    if (!(length >= 1e-140 && length <= DBL_MAX)) return 0; /* squares of shorter lengths lose digits */
+    *unit = dem__scale(1.0 / length, v);
     return 1;
 }
 
-DEM_API dem_region dem_mesh_region(const dem_mesh *mesh) {
-    const dem_allocator memory = {dem__default_allocator, NULL};
-    dem_region region;
-    memset(&region, 0, sizeof region);
-    region.kind = DEM_REGION_MESH;
-    if (dem__is_mesh(mesh, &region.low, &region.high) &&
-        dem__check_closed(&memory, mesh->triangles, (const dem_vec *)(const void *)mesh->vertex, mesh->triangle) == DEM_OK)
-        region.mesh = mesh;
-    return region;
-}
-
-/* Returns the volume of a closed mesh [m3]; all its triangles may be turned either way. */
-static inline double dem__mesh_volume(const dem_mesh *m) {
-    const dem_vec from = dem__mesh_vertex(m, 0, 0);
-    double sum = 0.0;
-    for (ptrdiff_t k = 0; k < m->triangles; k++) {
-        const dem_vec a = dem__sub(dem__mesh_vertex(m, k, 0), from), b = dem__sub(dem__mesh_vertex(m, k, 1), from),
-                      c = dem__sub(dem__mesh_vertex(m, k, 2), from);
-        sum += dem__dot(a, dem__cross(b, c)) / 6.0;
+/* Completes a frame whose third axis is given. The first axis is near `along`, or any if that is parallel to the third. Returns 0 if the
+   third has no direction. */
+static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
+    dem_vec z, x;
+    if (!dem__unit(normal, &z)) return 0;
+    x = dem__sub(along, dem__scale(dem__dot(along, z), z));
+    if (!(dem__length(x) > 1e-6)) {
+        dem_vec other = fabs(z.x) < 0.9 ? dem_vec3(1, 0, 0) : dem_vec3(0, 1, 0);
+        x = dem__sub(other, dem__scale(dem__dot(other, z), z));
     }
-    return fabs(sum);
+    if (!dem__unit(x, &x)) return 0;
+    wall->axis[0] = wall->asked.rest_axis[0] = x;
+    wall->axis[1] = wall->asked.rest_axis[1] = dem__cross(z, x);
+    wall->axis[2] = wall->asked.rest_axis[2] = z;
+    return 1;
 }
 
+/* Adds a wall at rest. Returns its index, or minus a dem_status. */
+static inline int dem__add_wall(dem_world *w, const dem_wall *wall) {
+    if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
+    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
+    w->wall[w->walls] = *wall;
+    w->wall[w->walls].enabled = 1;
+    w->wall[w->walls].groups = 0xffffffffu;
+    w->wall[w->walls].position = wall->asked.origin;
+    w->wall[w->walls].asked.motion_start = w->time;
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return w->walls++;
+}
+
+static inline int dem__add_flat(dem_world *w, int kind, int material, dem_vec point, dem_vec normal) {
+    if (dem__is_running(w)) return -(int)DEM_BUSY;
+    dem_wall wall;
+    memset(&wall, 0, sizeof wall);
+    if (!w || material < 0 || material >= w->def.materials || !dem__is_place(point) || !dem__finite_vec(normal))
+        return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__frame(&wall, normal, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
+    wall.kind = kind;
+    wall.material = material;
+    wall.asked.origin = point;
+    return dem__add_wall(w, &wall);
+}
+
+DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal) {
+    return dem__add_flat(world, DEM_PLANE, material, point, normal);
+}
+DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) { return dem__add_flat(world, DEM_EXIT, 0, point, normal); }
+
+static inline int dem__add_round(dem_world *w, int kind, int material, dem_vec point, dem_vec axis, double radius, int inside) {
+    if (dem__is_running(w)) return -(int)DEM_BUSY;
+    dem_wall wall;
+    memset(&wall, 0, sizeof wall);
+    if (!w || material < 0 || material >= w->def.materials || !dem__is_place(point) || !dem__finite_vec(axis) || !dem__positive(radius))
+        return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
+    wall.kind = kind;
+    wall.material = material;
+    wall.asked.origin = point;
+    wall.radius = radius;
+    wall.inside = inside != 0;
+    return dem__add_wall(w, &wall);
+}
+
+DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside) {
+    return dem__add_round(world, DEM_CYLINDER, material, point, axis, radius, inside);
+}
+DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside) {
+    return dem__add_round(world, DEM_SPHERE, material, centre, dem_vec3(0, 0, 1), radius, inside);
+}
+
+/* Makes room for what contacts with meshes and cones keep. Returns 0 when out of memory. */
+static inline int dem__make_touch_memory(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__array list[DEM__ARRAYS_MAX];
+    if (w->engine->walls.touch_keepers++ > 0 || contacts->capacity == 0) return 1;
+    if (dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity, contacts->capacity))
+        return 1;
+    w->engine->walls.touch_keepers--;
+    return 0;
+}
+
+DEM_API dem_cone dem_default_cone(void) {
+    dem_cone c;
+    c.low = dem_vec3(0, 0, 0);
+    c.high = dem_vec3(0, 0, 0.1);
+    c.low_radius = 0.02;
+    c.high_radius = 0.1;
+    return c;
+}
+
+DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
+    if (dem__is_running(world)) return -(int)DEM_BUSY;
+    dem_wall wall;
+    memset(&wall, 0, sizeof wall);
+    if (!world || !world->def.allocator.fn || !cone || material < 0 || material >= world->def.materials || !dem__is_place(cone->low) ||
+        !dem__is_place(cone->high))
+        return -(int)DEM_BAD_ARGUMENT;
+    const dem_vec axis = dem__sub(cone->high, cone->low);
+    if (!dem__not_negative(cone->low_radius) || !dem__not_negative(cone->high_radius) ||
+        !dem__positive(cone->low_radius + cone->high_radius) || !dem__frame(&wall, axis, dem_vec3(1, 0, 0)))
+        return -(int)DEM_BAD_ARGUMENT;
+    wall.kind = DEM_CONE;
+    wall.material = material;
+    wall.asked.origin = cone->low;
+    wall.radius = cone->low_radius;
+    wall.high_radius = cone->high_radius;
+    wall.length = dem__length(axis);
+    return dem__make_touch_memory(world) ? dem__add_wall(world, &wall) : -(int)DEM_OUT_OF_MEMORY;
+}
+
+DEM_API dem_screen dem_default_screen(void) {
+    dem_screen s;
+    memset(&s, 0, sizeof s);
+    s.aperture = 8e-3;
+    s.wire = 2e-3;
+    s.profile = DEM_SEMICIRCLE;
+    s.circular = 1;
+    s.half_x = s.half_y = 0.095;
+    s.normal = dem_vec3(0, 0, 1);
+    s.direction = dem_vec3(1, 0, 0);
+    return s;
+}
+
+/* Returns whether a screen has lengths, and no more bars and apertures than integers count. */
+static inline int dem__is_deck(const dem_wall *w) {
+    const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
+    return dem__positive(w->aperture) && dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 && x * y < 2.5e8;
+}
+
+DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen) {
+    if (dem__is_running(world)) return -(int)DEM_BUSY;
+    dem_wall wall;
+    memset(&wall, 0, sizeof wall);
+    if (!world || !screen || material < 0 || material >= world->def.materials || !dem__is_place(screen->centre) ||
+        !dem__finite_vec(screen->normal) || !dem__finite_vec(screen->direction))
+        return -(int)DEM_BAD_ARGUMENT;
+    if (screen->profile != DEM_ROUND && screen->profile != DEM_SEMICIRCLE) return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__frame(&wall, screen->normal, screen->direction)) return -(int)DEM_BAD_ARGUMENT;
+    wall.kind = DEM_SCREEN;
+    wall.material = material;
+    wall.asked.origin = screen->centre;
+    wall.aperture = screen->aperture;
+    wall.wire = screen->wire;
+    wall.profile = (int)screen->profile;
+    wall.circular = screen->circular != 0;
+    wall.half_x = screen->half_x;
+    wall.half_y = screen->circular ? screen->half_x : screen->half_y;
+    if (!dem__is_deck(&wall)) return -(int)DEM_BAD_ARGUMENT;
+    return dem__add_wall(world, &wall);
+}
+
+/* ------------------------------------------------------------------------------------------------ >>walls/motion.h */
+/* Motion of walls that the caller prescribes, and walls driven by forces. Relies on shapes.h, which places a wall at a time.
+   May be changed here alone: what is refused; how a driven wall is integrated. */
+
+/* Places a wall of the world, or a copy of one, where it is now. Its function may not change the world. */
+static inline void dem__place_wall(dem_world *w, dem_wall *a) {
+    w->engine->run.running = 1;
+    dem__move_wall(a, w->time);
+    w->engine->run.running = 0;
+}
+
+/* Begins a new kinematic motion where the wall is. Returns NULL if there is no such wall. */
+static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
+    if (!w || wall < 0 || wall >= w->walls) return NULL;
+    dem_wall *a = &w->wall[wall];
+    dem__place_wall(w, a);
+    a->asked.origin = a->position;
+    for (int k = 0; k < 3; k++) a->asked.rest_axis[k] = a->axis[k];
+    a->asked.spin_centre = dem__add(a->asked.spin_centre, dem__scale(w->time - a->asked.motion_start, a->asked.drift));
+    a->asked.motion_start = w->time;
+    if (a->asked.drive != DEM_KINEMATIC) a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
+    a->asked.drive = DEM_KINEMATIC;
+    w->engine->run.needs_lists = 1;
+    return a;
+}
+
+/* Sets the limits of a kinematic wall's speed, acceleration and spin, which timers rely on. */
+static inline void dem__bound_speed(dem_wall *a) {
+    double rate = 2.0 * RIDDLE_PI * a->asked.frequency;
+    const dem_vec n = a->axis[2];
+    const double x = fabs(a->asked.amplitude.x), y = fabs(a->asked.amplitude.y), z = fabs(a->asked.amplitude.z);
+    a->speed_bound = rate * (x + y + z) + dem__length(a->asked.drift);
+    a->acceleration_bound = rate * rate * (x + y + z);
+    a->side_bound = rate * rate * (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
+    a->spin_bound = fabs(a->spin);
+    a->slides = a->spin != 0.0 || a->asked.belt.x != 0.0 || a->asked.belt.y != 0.0 || a->asked.belt.z != 0.0;
+}
+
+DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(amplitude) || !dem__finite_vec(phase) ||
+        !(frequency >= 0.0 && dem__moderate(frequency)))
+        return DEM_BAD_ARGUMENT;
+    if (!(fabs(phase.x) < 1e3 && fabs(phase.y) < 1e3 && fabs(phase.z) < 1e3)) return DEM_BAD_ARGUMENT;
+    dem_wall *a = dem__rebase_wall(world, wall);
+    a->asked.amplitude = amplitude;
+    a->asked.phase = phase;
+    a->asked.frequency = frequency;
+    dem__set_phase_sine(a);
+    dem__bound_speed(a);
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
+    dem_wall *a = dem__rebase_wall(world, wall);
+    a->asked.drift = velocity;
+    dem__bound_speed(a);
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_vec unit;
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(centre) || !dem__finite_vec(axis) || !dem__moderate(spin) ||
+        !dem__unit(axis, &unit))
+        return DEM_BAD_ARGUMENT;
+    dem_wall *a = dem__rebase_wall(world, wall);
+    a->asked.spin_centre = centre;
+    a->spin_axis = unit;
+    a->spin = spin;
+    dem__bound_speed(a);
+    return DEM_OK;
+}
+
+/* Makes a drive the only motion of a wall from now on. */
+static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
+    dem_wall *a = dem__rebase_wall(w, wall);
+    a->asked.amplitude = a->asked.drift = dem_vec3(0.0, 0.0, 0.0);
+    a->spin = a->spin_rate = a->coordinate = a->rate = a->rate_change = 0.0;
+    a->speed_bound = a->spin_bound = 0.0; /* the first step sets them */
+    a->slides = 1;
+    a->asked.drive = (int)drive;
+    w->engine->run.needs_forces = 1; /* its acceleration must be computed */
+    return a;
+}
+
+static inline int dem__wall_is_finite(const dem_wall *a) {
+    return dem__finite_vec(a->position) && dem__finite_vec(a->velocity) && dem__finite_vec(a->acceleration) && dem__finite(a->spin) &&
+           dem__finite_vec(a->axis[0]) && dem__finite_vec(a->axis[1]) && dem__finite_vec(a->axis[2]);
+}
+
+DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls || !motion || !dem__is_place(centre)) return DEM_BAD_ARGUMENT;
+    dem_wall *a = &world->wall[wall], before = *a, probe = *a;
+    if (a->asked.drive != DEM_PRESCRIBED) probe.asked.origin = a->position, memcpy(probe.asked.rest_axis, a->axis, sizeof a->axis);
+    probe.asked.drive = DEM_PRESCRIBED;
+    probe.asked.spin_centre = centre;
+    probe.asked.motion = motion, probe.asked.motion_user = user;
+    probe.asked.interval = world->engine->run.dt;
+    dem__place_wall(world, &probe);
+    if (!dem__wall_is_finite(&probe)) return DEM_BAD_ARGUMENT;
+    if (before.asked.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->asked.interval = world->engine->run.dt;
+    a->asked.spin_centre = centre;
+    a->asked.motion = motion, a->asked.motion_user = user;
+    world->engine->run.needs_lists = 1; /* another function may place it elsewhere */
+    return DEM_OK;
+}
+
+/* Makes a force or a torque the only drive of a wall, which keeps its speed along the axis. */
+static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, dem_vec centre, dem_vec axis, double inertia, double load,
+                                      double damping) {
+    if (dem__is_running(w)) return DEM_BUSY;
+    dem_vec unit;
+    if (!w || wall < 0 || wall >= w->walls || !dem__is_place(centre) || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
+        !dem__positive(inertia) || !dem__moderate(load / inertia) || !(damping >= 0.0 && dem__moderate(damping / inertia)))
+        return DEM_BAD_ARGUMENT;
+    dem__place_wall(w, &w->wall[wall]);
+    const dem_vec spin = dem__scale(w->wall[wall].spin, w->wall[wall].spin_axis);
+    const double rate = dem__dot(drive == DEM_FORCE_CONTROLLED ? w->wall[wall].velocity : spin, unit);
+    dem_wall *a = dem__drive(w, wall, drive);
+    a->asked.spin_centre = centre;
+    a->spin_axis = unit;
+    a->asked.inertia = inertia;
+    a->asked.load = load;
+    a->asked.damping = damping;
+    a->rate = rate;
+    w->engine->walls.controls = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_control_force(dem_world *world, int wall, dem_vec axis, double mass, double force, double damping) {
+    return dem__control(world, wall, DEM_FORCE_CONTROLLED, dem_vec3(0, 0, 0), axis, mass, force, damping);
+}
+DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre, dem_vec axis, double inertia, double torque,
+                                      double damping) {
+    return dem__control(world, wall, DEM_TORQUE_CONTROLLED, centre, axis, inertia, torque, damping);
+}
+
+DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
+    world->wall[wall].asked.belt = velocity;
+    world->wall[wall].slides = 1;
+    return DEM_OK;
+}
+
+/* Computes the accelerations of controlled walls from the forces on them, and corrects their predicted rates. The damper is implicit. */
+static inline void dem__kick_walls(dem_world *w, double h) {
+    const dem__run *run = &w->engine->run;
+    for (int k = 0; k < w->walls && w->engine->walls.controls; k++) {
+        dem_wall *a = &w->wall[k];
+        if (a->asked.drive < DEM_FORCE_CONTROLLED) continue;
+        const dem_vec torque = dem__add(a->torque, dem__cross(dem__sub(a->position, a->asked.spin_centre), a->force));
+        const double push = a->asked.load + dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? a->force : torque, a->spin_axis),
+                     half = 0.5 * h;
+        const double rate =
+            (a->rate + half * (a->rate_change + push / a->asked.inertia)) / (1.0 + half * a->asked.damping / a->asked.inertia);
+        a->coordinate += h * (a->rate + half * a->rate_change);
+        a->rate = dem__flushed(rate);
+        a->rate_change = (push - a->asked.damping * rate) / a->asked.inertia;
+        a->asked.motion_start = h > 0.0 ? run->start_time + (double)(w->step + 1 - run->start_step) * run->dt : w->time;
+        dem__rated_wall(a, a->rate);
+    }
+}
+
+/* Applies an impulse at a sphere's place and an angular impulse to a wall, in addition to the forces of the step. */
+static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse, dem_vec angular) {
+    a->impulse = dem__add(a->impulse, impulse);
+    if (a->asked.drive < DEM_FORCE_CONTROLLED) return;
+    const dem_vec turning = dem__add(angular, dem__cross(dem__sub(place, a->asked.spin_centre), impulse));
+    a->rate += dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? impulse : turning, a->spin_axis) / a->asked.inertia;
+    dem__rated_wall(a, a->rate);
+}
+
+DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i) {
+    return world && world->engine && wall >= 0 && wall < world->walls && i >= 0 && i < world->count && dem__is_at_wall(world, i, wall);
+}
+
+DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    world->wall[wall].groups = groups;
+    world->engine->run.needs_lists = world->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    world->wall[wall].enabled = enabled != 0;
+    world->engine->run.needs_lists = world->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+/* ----------------------------------------------------------------------------------------------- >>search/bounds.h */
 /* Bounds on particles' motion, and the timers that depend on them. Relies on detect.h and timers.h.
    May be changed here alone: tolerances; a particle never leaves its bound unnoticed. */
 
@@ -6240,196 +5504,7 @@ static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, pt
     if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, 4 * n), w->engine->pairs.timers.pages, dem__reset_timers_range, &list);
 }
 
-/* Lists of active particles, and arrays without the particles that are gone. Relies on store.h's tables.
-   May be changed here alone: when gaps are closed: no result depends on it. */
-
-/* Lets particles fly that nothing touches or loads any more, after changes by the caller. */
-static inline void dem__release_unloaded(dem_world *w) {
-    dem__bodies *bodies = &w->engine->bodies;
-    for (ptrdiff_t i = 0; i < w->count && bodies->loads_on; i++) {
-        if (!bodies->activity[i] || !w->alive[i] || w->touching[i] > 0 || dem__is_loaded(w, i)) continue;
-        dem__free_acceleration(w, i);
-        bodies->activity[i] = DEM__FLYING;
-    }
-}
-
-/* Lists active particles in the order of memory. */
-static inline void dem__list_active(dem_world *w) {
-    dem__bodies *bodies = &w->engine->bodies;
-    bodies->active_count = bodies->to_check_count = 0;
-    for (int32_t i = 0; i < (int32_t)w->count; i++) {
-        bodies->active[bodies->active_count] = i;
-        bodies->active_count += bodies->activity[i] != 0;
-        if (bodies->activity[i] == 2) bodies->to_check[bodies->to_check_count++] = i;
-    }
-}
-
-/* Moves the wall timers of the `left` particles that stay to their new numbers, which are in scratch.index. */
-static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
-    dem__wall_state *walls = &w->engine->walls;
-    dem__timers *t = &walls->timers;
-    if (w->engine->run.needs_lists) return; /* they are built anew */
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        for (int k = 0; k < w->walls && w->engine->scratch.index[i] >= 0; k++) {
-            t->due[w->engine->scratch.index[i] * w->walls + k] = t->due[i * w->walls + k];
-            walls->sure[w->engine->scratch.index[i] * w->walls + k] = walls->sure[i * w->walls + k];
-        }
-    }
-    dem__stop_timers(t, left * w->walls, left * w->walls);
-}
-
-DEM_INLINE void dem__close_gaps(char *base, size_t size, const int32_t *remap, ptrdiff_t first, ptrdiff_t count) {
-    for (ptrdiff_t i = first; i < count; i++) {
-        if (remap[i] >= 0) memcpy(base + (size_t)remap[i] * size, base + (size_t)i * size, size);
-    }
-}
-
-/* Returns the new number of particle i, or of the first after it that stays. */
-static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
-    while (i < (int32_t)w->count && w->engine->scratch.index[i] < 0) i++;
-    return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);
-}
-
-/* Renumbers rigid bodies and their first particles after dropped particles have been removed. Bodies are in the order of their
-   particles. */
-static inline void dem__compact_bodies(dem_world *w) {
-    dem__bodies *bodies = &w->engine->bodies;
-    ptrdiff_t n = 0;
-    for (ptrdiff_t i = 0; i < w->count && bodies->rigid; i++) {
-        if (bodies->rigid_of[i] == 0) continue;
-        dem__rigid *r = &bodies->rigid[n++];
-        *r = bodies->rigid[bodies->rigid_of[i] - 1];
-        r->first = (int32_t)i;
-        for (ptrdiff_t end = i + r->pieces; i < end; i++) bodies->rigid_of[i] = (int32_t)n;
-        i--;
-    }
-    if (bodies->rigid) bodies->rigid_count = n;
-}
-
-/* Removes dropped particles from the arrays; the others keep their order. */
-static inline void dem__compact(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    dem__links *links = &w->engine->links;
-    if (!w->engine->bodies.dropped) return;
-    ptrdiff_t to = 0;
-    dem__array list[DEM__ARRAYS_MAX];
-    int n = dem__particle_arrays(w, list);
-    for (ptrdiff_t i = 0; i < w->count; i++) w->engine->scratch.index[i] = w->alive[i] ? (int32_t)to++ : -1;
-    int32_t *remap = w->engine->scratch.index;
-    ptrdiff_t first = 0;
-    while (first < w->count && remap[first] == first) first++;
-    for (int k = 0; k < n; k++) {
-        char *base;
-        memcpy(&base, list[k].address, sizeof base);
-        if ((void *)base == (void *)remap) continue;
-        if (list[k].size == sizeof(double)) dem__close_gaps(base, sizeof(double), remap, first, w->count);
-        else if (list[k].size == sizeof(int32_t)) dem__close_gaps(base, sizeof(int32_t), remap, first, w->count);
-        else dem__close_gaps(base, list[k].size, remap, first, w->count);
-    }
-    dem__move_wall_timers(w, to);
-    DEM__EACH_CONTACT(w, c) {
-        contacts->i[c] = remap[contacts->i[c]];
-        if (contacts->j[c] >= 0) contacts->j[c] = remap[contacts->j[c]];
-    }
-    for (int q = 0; q < contacts->chunk_count; q++) contacts->chunk[q].first_particle = dem__remapped(w, contacts->chunk[q].first_particle);
-    for (ptrdiff_t k = 0; k < links->count; k++) {
-        links->i[k] = remap[links->i[k]];
-        if (links->j[k] >= 0) links->j[k] = remap[links->j[k]];
-    }
-    w->count = to;
-    w->engine->bodies.dropped = 0;
-    dem__compact_bodies(w);
-}
-
-/* -------------------------------------------------------------------------------------------- >>grid */
-/* Cells: one grid for each size class of spheres. Reads positions; keeps nothing.
-   May be changed here alone: sizes of cells. */
-/* The grid of one size class: spheres up to DEM__CLASS times as large as its smallest. */
-typedef struct dem__grid {
-    double low[3], inverse[3]; /* lower corner [m]; 1 / cell size [1/m] */
-    double widest;             /* radius of its largest sphere [m] */
-    int32_t n[3], wraps[3];
-    ptrdiff_t count, first; /* number of spheres; its first cell in the common list */
-} dem__grid;
-
-#define DEM__CLASS 2.5         /* from 2 to 3 the time is the same: fewer levels, but more spheres in a cell */
-enum { DEM__LEVELS_MAX = 16 }; /* beyond 1 : 2.5^15 the last takes all */
-
-/* Returns the number of a sphere's size class. */
-DEM_INLINE int dem__level(double radius, double smallest) {
-    int level = 0;
-    for (double bound = DEM__CLASS * smallest; radius >= bound && level < DEM__LEVELS_MAX - 1; level++) bound *= DEM__CLASS;
-    return level;
-}
-
-/* Finds the range along an axis in which most points lie: four standard deviations each way from the mean, again among the points in that
-   range as long as this halves its length. The few outside go into the cells at the border; otherwise one particle far away would make all
-   cells large. */
-static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double *low, double *high) {
-    double from = HUGE_VAL, to = -HUGE_VAL, span;
-    for (ptrdiff_t i = 0; i < n; i++) {
-        const double v = dem_axis(point[i], axis);
-        from = v < from ? v : from;
-        to = v > to ? v : to;
-    }
-    do {
-        double sum = 0.0, square = 0.0, inside = 0.0;
-        span = to - from;
-        for (ptrdiff_t i = 0; i < n; i++) {
-            const double v = dem_axis(point[i], axis), d = v - from;
-            if (!(v >= from && v <= to)) continue;
-            sum += d, square += d * d, inside += 1.0;
-        }
-        const double mean = sum / inside, variance = square / inside - mean * mean, reach = variance > 0.0 ? 4.0 * sqrt(variance) : 0.0;
-        to = mean + reach < span ? from + (mean + reach) : to;
-        from = mean - reach > 0.0 ? from + (mean - reach) : from;
-    } while (to > from && to - from < 0.5 * span);
-    *low = from, *high = to;
-}
-
-/* Lays cells no smaller than `size` over a box, at most four a sphere. */
-static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size, dem_vec low, dem_vec high) {
-    double span[3];
-    for (int a = 0; a < 3; a++) {
-        g->wraps[a] = w->def.periodic[a];
-        g->low[a] = dem_axis(g->wraps[a] ? w->def.low : low, a);
-        span[a] = dem_axis(g->wraps[a] ? w->def.high : high, a) - g->low[a];
-    }
-    for (;; size *= 1.26) {
-        double cells = 1.0;
-        for (int a = 0; a < 3; a++) cells *= floor(span[a] / size) + 1.0;
-        if (!(cells > 4.0 * (double)g->count + 64.0)) break; /* NaN: an infinite span has one cell */
-    }
-    for (int a = 0; a < 3; a++) {
-        const double n = floor(span[a] / size);
-        g->n[a] = n > 1.0 ? (int32_t)n : 1; /* periodic: a whole number of cells, each a little larger */
-        g->inverse[a] = g->wraps[a] ? g->n[a] / span[a] : 1.0 / size;
-        if (!g->wraps[a]) g->n[a]++;
-    }
-}
-
-/* Finds the cells of an axis that [v - reach, v + reach] meets, each at most once. Returns their number; first: the first one, from which
-   the caller counts on and wraps. */
-DEM_INLINE int32_t dem__cells(const dem__grid *g, int a, double v, double reach, int32_t *first) {
-    const double from = (v - reach - g->low[a]) * g->inverse[a], to = (v + reach - g->low[a]) * g->inverse[a], last = (double)(g->n[a] - 1);
-    if (g->wraps[a]) {
-        const double low = floor(from), high = floor(to);
-        *first = 0;
-        if (!(high - low < last)) return g->n[a];
-        *first = (int32_t)low; /* v is in the box, or at its upper end */
-        *first += *first < 0 ? g->n[a] : (*first >= g->n[a] ? -g->n[a] : 0);
-        return (int32_t)(high - low) + 1;
-    }
-    *first = (int32_t)(from > 0.0 ? (from < last ? from : last) : 0.0);
-    return (int32_t)(to > 0.0 ? (to < last ? to : last) : 0.0) - *first + 1;
-}
-
-DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
-    int32_t cx, cy, cz;
-    dem__cells(g, 0, at.x, 0.0, &cx), dem__cells(g, 1, at.y, 0.0, &cy), dem__cells(g, 2, at.z, 0.0, &cz);
-    return g->first + ((ptrdiff_t)cz * g->n[1] + cy) * g->n[0] + cx;
-}
-
+/* ----------------------------------------------------------------------------------------------- >>search/margin.h */
 /* The frame and the margin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these fields of pairs.
    Relies on bounds.h.
    May be changed here alone: all but that a list lasts for at least one step; no result depends on it. */
@@ -6510,10 +5585,11 @@ static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, 
     pairs->position_tolerance = 2e-6 * smallest + (rounding < most ? rounding : most);
 }
 
-/* ------------------------------------------------------------------------------------------- >>pairs */
+/* --------------------------------------------------------------------------------------- >>search/neighbour_list.h */
 /* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two spheres that are not
    listed cannot touch before the next check.
    May be changed here alone: margins and the list's life: no result depends on them. */
+
 /* The near pairs that a thread finds; room: how many fit. */
 typedef struct dem__found_pairs {
     dem__near *pair;
@@ -6941,10 +6017,11 @@ static DEM__NOINLINE int dem__check_list(dem_world *w) {
     return 1;
 }
 
-/* -------------------------------------------------------------------------------------------- >>rows */
+/* ---------------------------------------------------------------------------------------------- >>contacts/block.h */
 /* A block of contacts as rows of numbers: gathered from bodies, walls and contact types, completed, and stored. Reads bodies, walls and
    contacts; writes contacts through columns. Promises: what it writes of a contact depends on that contact and its bodies alone.
    May be changed here alone: how rows are gathered, bit for bit the same. */
+
 /* Geometry and motion of a block of contacts, before the law is called. */
 typedef struct dem__rows {
     dem__row dx, dy, dz;             /* to the centre of i, from that of j or from the axis of a round wall */
@@ -7269,10 +6346,11 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
     }
 }
 
-/* ------------------------------------------------------------------------------------------- >>edges */
+/* -------------------------------------------------------------------------------- >>contacts/first_and_last_step.h */
 /* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction, history and losses.
    Promises: an impulse and a shift that make the motion of the two bodies as accurate as in the steps between.
    May be changed here alone: how the two bodies' motion within the step is integrated. */
+
 /* Returns the part of the law's normal force that the overlap makes [N], at a gap [m] and a closing speed [m/s]. Leaves the history
    unchanged. */
 DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing, double *elastic,
@@ -7501,10 +6579,11 @@ DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, con
     at.power[2][0] = m.start != 0.0 ? dem__dot(dem_vec3(was->out[0][0], was->out[1][0], was->out[2][0]), was->wall_speed) : 0.0;
 }
 
-/* ------------------------------------------------------------------------------------------- >>kernel */
+/* --------------------------------------------------------------------------------------------- >>contacts/kernel.h */
 /* Forces of contacts and links, block by block: rows, law, edges, sums. Reads bodies, walls, contacts, links; writes contacts, the sums of
    bodies and the forces on walls. Promises: the same bits for any division among threads.
    May be changed here alone: how a block is processed, in the order of slots. */
+
 /* What one thread needs for a block. It lies in the engine, because a stack may be small (64 kB in WebAssembly). */
 struct dem__work {
     dem__rows rows;
@@ -7876,10 +6955,11 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
     DEM__LOOP(name##_loop, dem__link_kernel(world, first, end, part, &(law)))                                                              \
     static const dem_link_kernel name = {&(law), name##_loop};
 
-/* ----------------------------------------------------------------------------------------- >>removal */
+/* -------------------------------------------------------------------------------------------- >>particles/detach.h */
 /* Particles that leave, and their links, which end with them. Reads bodies, walls, pairs; writes links and lists. Promises: a particle that
    is gone is in no list.
    May be changed here alone: the order in which a particle is removed from lists. */
+
 /* Removes link k from particle i's list, or puts another link in its place. */
 static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t replacement) {
     dem__links *links = &w->engine->links;
@@ -7963,10 +7043,11 @@ static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
     for (ptrdiff_t k = own.first; k < own.end; k++) dem__detach_one(w, k);
 }
 
-/* ---------------------------------------------------------------------------------------- >>contacts */
+/* ------------------------------------------------------------------------------------------- >>contacts/contacts.h */
 /* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and timers. Promises: the
    order depends only on the history of the scene, never on threads.
    May be changed here alone: how slots are filled; the order is in the hashes. */
+
 /* Returns whether contact a comes before b: by i, the last first, then by j (walls last), then by element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -8357,7 +7438,7 @@ static inline int dem__reorder_contacts(dem_world *w) {
     return 1;
 }
 
-/* ------------------------------------------------------------------------------------------- >>remove */
+/* -------------------------------------------------------------------------------------------- >>particles/remove.h */
 /* Consequences of a removal of particles: the ends of their contacts, the numbers of those present. Reads bodies; writes contacts.
    Promises: a particle that has no contact left is in flight afterwards.
    May be changed here alone: the order of the two. */
@@ -8403,10 +7484,11 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
     return DEM_OK;
 }
 
-/* ------------------------------------------------------------------------------------------ >>forces */
+/* --------------------------------------------------------------------------------------------- >>contacts/forces.h */
 /* Forces of all contacts, on one thread or several. Reads contacts; writes the sums of bodies and the forces on walls.
    Promises: every sum is added in the order of slots, whatever the number of threads.
    May be changed here alone: how chunks are shared among threads. */
+
 /* An evaluation of all contacts on several threads. */
 typedef struct dem__evaluation {
     dem_loop_fn loop;
@@ -8491,10 +7573,214 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
     }
 }
 
-/* ----------------------------------------------------------------------------------------- >>advance */
+/* -------------------------------------------------------------------------------------------- >>search/due_tests.h */
+/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers. Promises: every contact
+   that begins is found; a step that cannot be finished leaves no trace.
+   May be changed here alone: how due timers are found. */
+
+/* Sets the status, and failed_id to the first particle whose state is not finite. Returns 0. */
+static inline int dem__fail(dem_world *w, dem_status status) {
+    w->status = status;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem_particle *p = &w->particle[i];
+        const dem_vec sum = dem__add(dem__add(p->v, p->a), dem__add(p->spin, w->spin_rate[i]));
+        const double v = sum.x + sum.y + sum.z;
+        if (!(fabs(v) <= DBL_MAX)) {
+            w->failed_id = w->id[i];
+            break;
+        }
+    }
+    return 0;
+}
+
+/* Tests the due pairs in pages first .. end-1. */
+DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step, int rigid) {
+    dem__pairs *pairs = &w->engine->pairs;
+    int32_t *due = pairs->timers.list + first * DEM__PAGE;
+    ptrdiff_t n;
+    dem__list_due(&pairs->timers, first, end, step, DEM__NEVER, &n);
+    dem__clear_batch(waits);
+    waits->found = due; /* pairs that are found overwrite pairs that have been tested */
+    for (ptrdiff_t k = dem__prefetch_from(n, 2 * DEM__AHEAD); k < n; k++) {
+        const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
+        if (pair < n) DEM__PREFETCH(&pairs->near[due[pair]]);
+        if (flight >= 0 && flight < n) {
+            dem__prefetch_flight(w, pairs->near[due[flight]].i);
+            dem__prefetch_flight(w, pairs->near[due[flight]].j);
+        }
+        if (k >= 0) dem__test_pair(w, waits, due[k], step, rigid);
+    }
+    dem__flush_batch(w, waits, step);
+}
+
+static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
+    dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 0);
+}
+
+/* Tests the due pairs. The number of threads follows from the number of due pairs in the step before. */
+static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
+    dem__pairs *pairs = &w->engine->pairs;
+    const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
+    dem__in_parts(w, parts, pairs->timers.pages, w->engine->bodies.rigid ? w->engine->bodies.calls->test_due : dem__test_due_range, &step);
+    pairs->due_count = 0;
+    for (int q = 0; q < parts; q++) {
+        dem__timer_batch *batch = &dem__work_of(w, q)->batch;
+        pairs->due_count += (ptrdiff_t)batch->looks;
+        dem__new_pair_contacts(w, batch);
+    }
+}
+
+/* Tests all pairs that do not touch. */
+static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
+    const dem__pairs *pairs = &w->engine->pairs;
+    dem__timer_batch waits;
+    dem__clear_batch(&waits);
+    waits.found = pairs->timers.list;
+    for (int32_t p = 0; p < (int32_t)pairs->count; p++) {
+        if (pairs->timers.due[p] != DEM__STOPPED) dem__test_pair(w, &waits, p, step, 1);
+    }
+    dem__new_pair_contacts(w, &waits);
+}
+
+/* Tests everything that is due at a step. */
+static inline void dem__detect(dem_world *w, int64_t step) {
+    dem__wall_state *walls = &w->engine->walls;
+    if (walls->meshes) walls->follow_meshes(w, step);
+    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, step);
+    if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__test_all_pairs(w, step);
+    if (!(w->def.skip & DEM_SKIP_SPACE)) {
+        for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
+            if (dem__needs_test(w, e / w->walls, (int)(e % w->walls))) dem__test_wall(w, e, step);
+        }
+    }
+    dem__test_due_pairs(w, step);
+    ptrdiff_t n;
+    dem__list_due(&walls->timers, 0, walls->timers.pages, step, DEM__STOPPED, &n);
+    for (ptrdiff_t k = 0; k < n; k++) dem__test_wall(w, walls->timers.list[k], step);
+}
+
+/* Fails if a contact begins between two different materials whose pair was never set. Until it is set, later runs fail at the same
+   place. */
+static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t end = dem__next_slot(w);
+    for (ptrdiff_t c = end - contacts->begun; c < end && w->status == DEM_OK; c++) {
+        const int32_t i = contacts->i[c], j = contacts->j[c];
+        const int a = w->material[i], b = j < 0 ? w->wall[-1 - j].material : w->material[j];
+        const int low = a < b ? a : b, high = a < b ? b : a;
+        if (low == high || w->def.pair[low][high].given) continue;
+        w->status = DEM_PAIR_NOT_SET;
+        w->failed_id = w->id[i];
+        w->failed_pair[0] = low, w->failed_pair[1] = high;
+        w->engine->run.needs_lists = 1; /* what was found must be found again */
+    }
+}
+
+/* Undoes what was found in a step that cannot be finished. Returns 0. */
+static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    for (; contacts->begun > 0; contacts->begun--) {
+        const int32_t p = contacts->near[dem__next_slot(w) - 1];
+        contacts->chunk[contacts->chunk_count - 1].count--;
+        contacts->count--;
+        if (p >= 0) w->engine->pairs.timers.due[p] = DEM__NEVER;
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (w->alive[i] >= 0) continue;
+        w->alive[i] = 1;
+        if (!r || r->first == i) w->passed_count--, w->passed_total--;
+    }
+    w->engine->run.leaving = 0;
+    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    return 0;
+}
+
+/* --------------------------------------------------------------------------------------------- >>particles/fixed.h */
+/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on body.h; every part that turns forces into
+   motion calls dem__is_fixed().
+   May be changed here alone: what is recorded of the force on a fixed particle. */
+
+/* Makes room for the state of fixed particles. Returns 0 when out of memory; then nothing has changed. */
+static inline int dem__reserve_fixed(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__array list[DEM__ARRAYS_MAX];
+    if (bodies->has_fixed) return 1;
+    bodies->has_fixed = 1;
+    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + 1)) return 1;
+    bodies->has_fixed = 0, bodies->fixed = NULL;
+    return 0;
+}
+
+DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!dem__is_present(w, i) || (fixed != 0 && fixed != 1)) return DEM_BAD_ARGUMENT;
+    dem__rigid *r = dem__rigid_of(w, i);
+    const dem__pieces own = dem__pieces_of(w, i);
+    if (dem__is_fixed(w, i) == fixed) return DEM_OK;
+    if (!dem__reserve_fixed(w)) return DEM_OUT_OF_MEMORY;
+    i = own.first;
+    dem__stop_link_work(w, own);
+    dem__restart(w, i);
+    dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
+    if (r && fixed) r->v = r->momentum = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t k = own.first; k < own.end; k++) {
+        memset(&w->engine->bodies.fixed[k], 0, sizeof *w->engine->bodies.fixed);
+        w->engine->bodies.fixed[k].on = fixed;
+        dem__set_inverse_mass(w, k);
+        dem__set_mass_share(w, k);
+        if (fixed) w->particle[k].v = w->particle[k].spin = dem_vec3(0.0, 0.0, 0.0);
+    }
+    dem__free_acceleration(w, i);
+    dem__book_added(w, dem__potential(w, i));
+    dem__book_motion(w, dem__motion_energy(w, i));
+    dem__resume_link_work(w, own);
+    dem__wake(w, i); /* it takes steps, as a particle with a load does */
+    w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i) { return dem__is_present(world, i) && dem__is_fixed(world, i); }
+
+DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque, dem_vec *impulse) {
+    const dem_world *w = world;
+    if (!force || !torque || !impulse) return DEM_BAD_ARGUMENT;
+    *force = *torque = *impulse = dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    if (!dem_is_fixed(w, i)) return DEM_BAD_ARGUMENT;
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const dem__pieces own = dem__pieces_of(w, i);
+    *force = *torque = *impulse = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t k = own.first; k < own.end; k++) {
+        const dem__fixed *f = &w->engine->bodies.fixed[k];
+        const dem_vec on = dem__first(f->load), turning = dem__second(f->load);
+        *force = dem__add(*force, on), *impulse = dem__add(*impulse, f->impulse);
+        *torque = dem__add(*torque, r ? dem__add(turning, dem__cross(w->engine->bodies.arm[k], on)) : turning);
+    }
+    return DEM_OK;
+}
+
+/* Records the force on a fixed particle at the end of a step, without the caller's loads. half: half of the step [s]. */
+DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, dem_vec torque, double half) {
+    dem__fixed *f = &w->engine->bodies.fixed[i];
+    const double *external = w->engine->bodies.external[i];
+    force = dem__sub(force, dem__first(external)), torque = dem__sub(torque, dem__second(external));
+    f->impulse = dem__plus(f->impulse, half, dem__add(dem__first(f->load), force));
+    for (int a = 0; a < 3; a++) f->load[a] = dem_axis(force, a), f->load[3 + a] = dem_axis(torque, a);
+}
+
+/* Records the impulse of a contact that begins or ends within a step on a fixed particle, and its work if the particle moves. */
+static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
+    const dem_particle *p = &w->particle[i];
+    w->engine->bodies.fixed[i].impulse = dem__add(w->engine->bodies.fixed[i].impulse, impulse);
+    if (w->engine->run.features & DEM_ENERGY) dem__book_work_of_fixed(w, -dem__dot(impulse, p->v) - dem__dot(turn, p->spin));
+}
+
+/* ---------------------------------------------------------------------------------------------- >>step/integrate.h */
 /* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies and timers.
    Promises: a particle whose velocity left its bound has a new one before the next step.
    May be changed here alone: when memory is prefetched; what is checked stays. */
+
 /* Returns where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far apart in memory. */
 DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
@@ -8822,129 +8108,7 @@ static inline void dem__check_bounds(dem_world *w) {
     if (2 * kept > w->count && w->step % 16 == 0) dem__list_active(w);
 }
 
-/* --------------------------------------------------------------------------------------------- >>due */
-/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers. Promises: every contact
-   that begins is found; a step that cannot be finished leaves no trace.
-   May be changed here alone: how due timers are found. */
-/* Sets the status, and failed_id to the first particle whose state is not finite. Returns 0. */
-static inline int dem__fail(dem_world *w, dem_status status) {
-    w->status = status;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem_particle *p = &w->particle[i];
-        const dem_vec sum = dem__add(dem__add(p->v, p->a), dem__add(p->spin, w->spin_rate[i]));
-        const double v = sum.x + sum.y + sum.z;
-        if (!(fabs(v) <= DBL_MAX)) {
-            w->failed_id = w->id[i];
-            break;
-        }
-    }
-    return 0;
-}
-
-/* Tests the due pairs in pages first .. end-1. */
-DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step, int rigid) {
-    dem__pairs *pairs = &w->engine->pairs;
-    int32_t *due = pairs->timers.list + first * DEM__PAGE;
-    ptrdiff_t n;
-    dem__list_due(&pairs->timers, first, end, step, DEM__NEVER, &n);
-    dem__clear_batch(waits);
-    waits->found = due; /* pairs that are found overwrite pairs that have been tested */
-    for (ptrdiff_t k = dem__prefetch_from(n, 2 * DEM__AHEAD); k < n; k++) {
-        const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
-        if (pair < n) DEM__PREFETCH(&pairs->near[due[pair]]);
-        if (flight >= 0 && flight < n) {
-            dem__prefetch_flight(w, pairs->near[due[flight]].i);
-            dem__prefetch_flight(w, pairs->near[due[flight]].j);
-        }
-        if (k >= 0) dem__test_pair(w, waits, due[k], step, rigid);
-    }
-    dem__flush_batch(w, waits, step);
-}
-
-static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
-    dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 0);
-}
-
-/* Tests the due pairs. The number of threads follows from the number of due pairs in the step before. */
-static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
-    dem__pairs *pairs = &w->engine->pairs;
-    const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
-    dem__in_parts(w, parts, pairs->timers.pages, w->engine->bodies.rigid ? w->engine->bodies.calls->test_due : dem__test_due_range, &step);
-    pairs->due_count = 0;
-    for (int q = 0; q < parts; q++) {
-        dem__timer_batch *batch = &dem__work_of(w, q)->batch;
-        pairs->due_count += (ptrdiff_t)batch->looks;
-        dem__new_pair_contacts(w, batch);
-    }
-}
-
-/* Tests all pairs that do not touch. */
-static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
-    const dem__pairs *pairs = &w->engine->pairs;
-    dem__timer_batch waits;
-    dem__clear_batch(&waits);
-    waits.found = pairs->timers.list;
-    for (int32_t p = 0; p < (int32_t)pairs->count; p++) {
-        if (pairs->timers.due[p] != DEM__STOPPED) dem__test_pair(w, &waits, p, step, 1);
-    }
-    dem__new_pair_contacts(w, &waits);
-}
-
-/* Tests everything that is due at a step. */
-static inline void dem__detect(dem_world *w, int64_t step) {
-    dem__wall_state *walls = &w->engine->walls;
-    if (walls->meshes) walls->follow_meshes(w, step);
-    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, step);
-    if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__test_all_pairs(w, step);
-    if (!(w->def.skip & DEM_SKIP_SPACE)) {
-        for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
-            if (dem__needs_test(w, e / w->walls, (int)(e % w->walls))) dem__test_wall(w, e, step);
-        }
-    }
-    dem__test_due_pairs(w, step);
-    ptrdiff_t n;
-    dem__list_due(&walls->timers, 0, walls->timers.pages, step, DEM__STOPPED, &n);
-    for (ptrdiff_t k = 0; k < n; k++) dem__test_wall(w, walls->timers.list[k], step);
-}
-
-/* Fails if a contact begins between two different materials whose pair was never set. Until it is set, later runs fail at the same
-   place. */
-static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const ptrdiff_t end = dem__next_slot(w);
-    for (ptrdiff_t c = end - contacts->begun; c < end && w->status == DEM_OK; c++) {
-        const int32_t i = contacts->i[c], j = contacts->j[c];
-        const int a = w->material[i], b = j < 0 ? w->wall[-1 - j].material : w->material[j];
-        const int low = a < b ? a : b, high = a < b ? b : a;
-        if (low == high || w->def.pair[low][high].given) continue;
-        w->status = DEM_PAIR_NOT_SET;
-        w->failed_id = w->id[i];
-        w->failed_pair[0] = low, w->failed_pair[1] = high;
-        w->engine->run.needs_lists = 1; /* what was found must be found again */
-    }
-}
-
-/* Undoes what was found in a step that cannot be finished. Returns 0. */
-static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    for (; contacts->begun > 0; contacts->begun--) {
-        const int32_t p = contacts->near[dem__next_slot(w) - 1];
-        contacts->chunk[contacts->chunk_count - 1].count--;
-        contacts->count--;
-        if (p >= 0) w->engine->pairs.timers.due[p] = DEM__NEVER;
-    }
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem__rigid *r = dem__rigid_of(w, i);
-        if (w->alive[i] >= 0) continue;
-        w->alive[i] = 1;
-        if (!r || r->first == i) w->passed_count--, w->passed_total--;
-    }
-    w->engine->run.leaving = 0;
-    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
-    return 0;
-}
-
-/* ------------------------------------------------------------------------------------------- >>field */
+/* --------------------------------------------------------------------------------------------------- >>gas/field.h */
 /* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads bodies, the law; writes
    bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end, computed at its origin and the same
    whatever is skipped.
@@ -9207,7 +8371,7 @@ DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_ve
     }
 }
 
-/* ----------------------------------------------------------------------------------------- >>flights */
+/* ------------------------------------------------------------------------------------------------- >>gas/flights.h */
 /* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. Relies on field.h,
    which computes them.
    May be changed here alone: how long a bound lasts. */
@@ -9497,10 +8661,11 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
     return DEM_OK;
 }
 
-/* -------------------------------------------------------------------------------------------- >>step */
+/* --------------------------------------------------------------------------------------------------- >>step/step.h */
 /* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved
    and freed.
    May be changed here alone: the order of a step (hashes follow). */
+
 /* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip, and set none if it
    is 0. */
 static inline void dem__test_everything(dem_world *w) {
@@ -9870,10 +9035,11 @@ DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) 
     }
 }
 
-/* ------------------------------------------------------------------------------------------- >>links */
+/* ------------------------------------------------------------------------------------------------- >>links/links.h */
 /* Links, which have a step of their own: setting them and adding one, and their step. Reads bodies and the law of links; writes links, the
    loads and velocities of bodies. The engine calls links.step, which dem_set_links sets: a program without links compiles none of it.
    May be changed here alone: how links are integrated. */
+
 /* Runs the links' loop on blocks first .. end - 1. */
 static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__links *links = &w->engine->links;
@@ -10037,229 +9203,7 @@ DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int3
     return DEM_OK;
 }
 
-/* ----------------------------------------------------------------------------------------------- >>reading */
-/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. Relies on body.h and the ledger.
-   May be changed here alone: all but what a result means. */
-
-DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    return dem__in_box(world, dem__at(world, i, dem__now(world, i)));
-}
-
-DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    return dem__true_velocity_at(world, i, dem__now(world, i));
-}
-
-DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    return dem__spin_at(world, i, dem__now(world, i));
-}
-
-DEM_API double dem_radius(const dem_world *world, ptrdiff_t i) {
-    return world && i >= 0 && i < world->count ? world->particle[i].radius : (double)NAN;
-}
-DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
-    return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
-}
-
-DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count) return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
-    const dem__rigid *r = dem__rigid_of(world, i);
-    if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
-}
-
-/* Returns the position of a rigid body now, within the periodic box. */
-static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
-    const double tau = dem__now(w, r->first);
-    return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
-}
-
-DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
-    dem_body body;
-    memset(&body, 0, sizeof body);
-    body.first = -1;
-    if (!world || i < 0 || i >= world->count) return body;
-    const dem__rigid *r = dem__rigid_of(world, i);
-    const dem__pieces own = dem__pieces_of(world, i);
-    const double tau = dem__now(world, i);
-    body.first = own.first, body.pieces = own.end - own.first;
-    body.mass = world->particle[i].mass;
-    body.diameter = r ? dem__equal_diameter(world, r) : 2.0 * world->particle[i].radius;
-    body.position = r ? dem__body_position(world, r) : dem_position(world, i);
-    body.velocity = dem__drift_at(world, i, tau);
-    body.velocity = dem__add(body.velocity, dem__velocity_error(world, i, tau));
-    body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
-    const double inertia = dem__inertia(world, i);
-    body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
-    body.axes = r ? dem__posture_at(world, r, tau).turn : body.orientation;
-    return body;
-}
-
-DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    dem_quaternion q;
-    if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
-    dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) return DEM_BAD_ARGUMENT;
-    dem__stop_link_work(w, dem__pieces_of(w, i));
-    dem__restart(w, i);
-    dem__book_motion(w, -dem__rotational(w, r->first));
-    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    r->turn = dem__turns(q, r->frame);
-    w->engine->bodies.calls->set_motion(w, r, r->v, spin);
-    dem__book_motion(w, dem__rotational(w, r->first));
-    if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
-    dem__resume_link_work(w, dem__pieces_of(w, i));
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return DEM_OK;
-}
-
-DEM_API dem_vec dem_momentum(const dem_world *world) {
-    dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t i = 0; world && i < world->count; i++) {
-        const dem__rigid *r = dem__rigid_of(world, i);
-        if (!world->alive[i] || (r && r->first != i)) continue;
-        sum = dem__add(sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
-    }
-    return sum;
-}
-
-/* Returns the remainder of the energy balance [J]. */
-static inline double dem__ledger_error(const dem_energy_ledger *l) {
-    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss + l->removed -
-           l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
-}
-
-DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
-    dem_energy_ledger l;
-    memset(&l, 0, sizeof l);
-    if (!world || !world->engine) return l;
-    const dem__ledger *ledger = &world->engine->ledger;
-    l = ledger->sums;
-    l.kinetic = l.rotational = l.potential = 0.0;
-    for (ptrdiff_t i = 0; i < world->count; i++) {
-        if (!world->alive[i]) continue;
-        l.kinetic += dem__kinetic(world, i);
-        l.rotational += dem__rotational(world, i);
-        l.potential += dem__potential(world, i);
-        if (ledger->on) l.link_work += dem__link_work(world, i);
-    }
-    l.elastic = dem__stored_energy(world);
-    if (!ledger->started) return l;
-    l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
-    l.released = l.released > 0.0 ? l.released : 0.0;
-    l.error = ledger->counts ? dem__ledger_error(&l) : ledger->paused_error;
-    return l;
-}
-
-DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world && world->engine ? world->engine->contacts.count : 0; }
-
-/* Computes normal and point of the contact in a slot, or of a link (slot -1), from the present positions. */
-static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
-    const dem_vec x = dem_position(w, info->i);
-    const double radius = w->particle[info->i].radius;
-    if (info->j < 0) {
-        dem__touch touch;
-        dem__touch_place(w, slot, &w->wall[-1 - info->j], x, radius, info->element, &touch);
-        info->normal = touch.normal;
-        info->point = dem__plus(x, -(radius + touch.gap), touch.normal);
-        return;
-    }
-    const dem_vec d = dem__nearest_image(w, dem__sub(x, dem_position(w, info->j)));
-    info->point = dem__plus(x, -radius / (radius + w->particle[info->j].radius), d);
-    dem__unit(d, &info->normal);
-}
-
-DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
-    dem_contact_info info;
-    memset(&info, 0, sizeof info);
-    info.gap = (double)NAN;
-    if (!world || !world->engine || k < 0 || k >= world->engine->contacts.count) return info;
-    k = dem__slot_of(world, k);
-    info.i = world->engine->contacts.i[k];
-    info.j = world->engine->contacts.j[k];
-    info.gap = world->engine->contacts.gap[k];
-    info.force = dem_vec3(world->engine->contacts.wrench[0][k], world->engine->contacts.wrench[1][k], world->engine->contacts.wrench[2][k]);
-    info.element = world->engine->contacts.element[k];
-    for (int a = 0; a < world->engine->contacts.states; a++) info.state[a] = world->engine->contacts.state[a][k];
-    dem__find_point(world, k, &info);
-    return info;
-}
-
-DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state) {
-    if (!world || !world->engine || !state || k < 0 || k >= world->engine->contacts.count) return;
-    for (int a = 0; a < world->engine->contacts.states; a++) world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
-    if (!dem__is_running(world)) world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
-}
-
-DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world && world->engine ? world->engine->links.count : 0; }
-
-DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
-    dem_contact_info info;
-    memset(&info, 0, sizeof info);
-    info.gap = (double)NAN;
-    if (!world || !world->engine || k < 0 || k >= world->engine->links.count) return info;
-    info.i = world->engine->links.i[k];
-    info.j = world->engine->links.j[k];
-    info.element = world->engine->links.element[k];
-    info.gap = world->engine->links.gap[k];
-    info.force = dem_vec3(world->engine->links.wrench[0][k], world->engine->links.wrench[1][k], world->engine->links.wrench[2][k]);
-    for (int a = 0; a < world->engine->links.states; a++) info.state[a] = world->engine->links.state[a][k];
-    dem__find_point(world, -1, &info);
-    return info;
-}
-
-DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element) {
-    return world && i >= 0 && i < world->count ? dem__link_of(world, i, j, element) : -1;
-}
-
-DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
-    dem_apertures count = {0, 0, 0};
-    if (!world || wall < 0 || wall >= world->walls || world->wall[wall].kind != DEM_SCREEN) return count;
-    const dem_wall *s = &world->wall[wall];
-    const double pitch = s->aperture + s->wire, half = 0.5 * pitch;
-    const int nx = (int)(s->half_x / pitch) + 1, ny = (int)(s->half_y / pitch) + 1;
-    for (int a = -nx; a <= nx; a++) {
-        for (int b = -ny; b <= ny; b++) {
-            double x = fabs(a * pitch) + half, y = fabs(b * pitch) + half;
-            count.total += s->circular ? x * x + y * y <= s->half_x * s->half_x : x <= s->half_x && y <= s->half_y;
-        }
-    }
-    count.free = count.total;
-    for (ptrdiff_t i = 0; i < world->count; i++) {
-        if (!world->alive[i] || world->touching[i] < 2 || dem__shape_of(world, i)) continue;
-        const dem_vec d = dem__sub(dem__at(world, i, dem__now(world, i)), s->position);
-        if (!(fabs(dem__dot(d, s->axis[2])) < world->particle[i].radius)) continue;
-        dem_vec normal[DEM__TOUCHES];
-        int n = 0, holding = 0;
-        for (int32_t c = world->engine->walls.first_contact[i]; c >= 0 && n < DEM__TOUCHES; c = world->engine->contacts.wall_next[c]) {
-            dem__touch touch;
-            if (world->engine->contacts.j[c] != -1 - wall || !(world->engine->contacts.gap[c] < 0.0)) continue;
-            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius, world->engine->contacts.element[c], &touch);
-            normal[n++] = touch.normal;
-        }
-        if (n < 2) continue;
-        const int m = s->material < world->material[i] ? s->material : world->material[i];
-        const double mu = world->def.pair[m][s->material + world->material[i] - m].friction;
-        const dem_vec up = s->axis[2];
-        for (int a = 0; a < n; a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
-            for (int b = a + 1; b < n; b++) {
-                const double za = dem__dot(normal[a], up), zb = dem__dot(normal[b], up);
-                const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)), flat_b = dem__sub(normal[b], dem__scale(zb, up));
-                if (dem__dot(flat_a, flat_b) < -0.5 && fabs(za) <= mu * dem__length(flat_a) && fabs(zb) <= mu * dem__length(flat_b))
-                    holding = 1;
-            }
-        }
-        count.occupied++;
-        count.free -= holding;
-    }
-    return count;
-}
-
-/* --------------------------------------------------------------------------------------------- >>rigid */
+/* ------------------------------------------------------------------------------------------------ >>bodies/rigid.h */
 /* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in engine.h). Reads the
    sums of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one
    thread, so that bits do not depend on threads.
@@ -10269,6 +9213,7 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
    one lies at its centre of mass; its radius is that of the sphere that the search for contacts uses. The forces on a body are those added
    to the sums of its particles, bodies.sum[i].load: force, and torque about the particle's centre. dem__rigid_of(w, i) returns the body of
    particle i. Its orientation at the end of the present step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
+
 /* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter radian at most. */
 DEM_INLINE int dem__strides(const dem__rigid *r) {
     return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
@@ -10692,7 +9637,7 @@ static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
     return r->first;
 }
 
-/* --------------------------------------------------------------------------------------- >>clump-shape */
+/* ------------------------------------------------------------------------------------------ >>bodies/clump_shape.h */
 /* Mass properties of bodies made of spheres. Relies on vectors and quaternions only. Promises: what dem_make_clump says.
    May be changed here alone: how volumes and moments are computed. */
 
@@ -10919,2500 +9864,10 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
     return DEM_OK;
 }
 
-/* -------------------------------------------------------------------------------------------- >>clumps */
-/* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body.
-   May be changed here alone: what is refused and how bodies are made of shapes. */
-
-static inline int dem__is_clump(const dem_clump *c) {
-    dem_quaternion unit;
-    if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) || !dem__unit_turn(c->axes, &unit)) return 0;
-    const dem_vec m = c->moments;
-    if (!dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
-    const double most = (1.0 + 1e-6) * (m.x + m.y + m.z); /* no moment exceeds the sum of the two others */
-    if (2.0 * m.x > most || 2.0 * m.y > most || 2.0 * m.z > most) return 0;
-    for (int k = 0; k < c->spheres; k++) {
-        if (!dem__positive(c->radius[k]) || !dem__finite_vec(c->centre[k])) return 0;
-    }
-    return 1;
-}
-
-DEM_API double dem_clump_diameter(const dem_clump *clump) {
-    return clump && dem__positive(clump->volume) ? riddle_cbrt(6.0 / RIDDLE_PI * clump->volume) : (double)NAN;
-}
-
-/* Returns the radius of the sphere about the centre of mass that contains a clump [m]. */
-static inline double dem__clump_reach(const dem_clump *c) {
-    double reach = 0.0;
-    for (int k = 0; k < c->spheres; k++) {
-        const double r = dem__length(c->centre[k]) + c->radius[k];
-        reach = r > reach ? r : reach;
-    }
-    return reach;
-}
-
-/* Returns the definition of a body with a clump's shape, `scale` times as large, of a material. offset and radius: [spheres], filled
-   here. */
-static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material, dem_vec *offset,
-                                            double *radius) {
-    const double density = w->def.material[material].density, cube = scale * scale * scale;
-    dem__body_def def;
-    dem_quaternion axes = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    memset(&def, 0, sizeof def);
-    dem__unit_turn(c->axes, &axes);
-    for (int k = 0; k < c->spheres; k++) offset[k] = dem__scale(scale, dem__to_body(axes, c->centre[k])), radius[k] = scale * c->radius[k];
-    def.mass = density * cube * c->volume;
-    def.moments = dem__scale(density * cube * scale * scale, c->moments);
-    def.frame = axes, def.turn = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    def.pieces = c->spheres, def.offset = offset, def.radius = radius, def.material = material;
-    return def;
-}
-
-/* Returns whether a body's mass and moments, and their inverses, are valid numbers. */
-static inline int dem__is_body_def(const dem__body_def *def) {
-    const dem_vec m = def->moments;
-    if (!dem__positive(def->mass) || !dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
-    if (!dem__positive(1.0 / m.x) || !dem__positive(1.0 / m.y) || !dem__positive(1.0 / m.z)) return 0;
-    for (ptrdiff_t k = 0; k < def->pieces; k++) {
-        const double r = def->radius[k];
-        if (!dem__positive(def->mass * r * r) || !dem__positive(1.0 / (def->mass * r * r))) return 0;
-    }
-    return 1;
-}
-
-DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres, const double *diameters,
-                                  const double *orientations, int material, int group) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    dem_vec offset[DEM_CLUMP_MAX];
-    double radius[DEM_CLUMP_MAX];
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials || !dem__is_clump(clump))
-        return DEM_BAD_ARGUMENT;
-    if (n > (INT32_MAX / 4 - w->count) / clump->spheres) return DEM_TOO_MANY;
-    const double own = dem_clump_diameter(clump);
-    for (ptrdiff_t k = 0; k < n; k++) {
-        dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-        const double *o = orientations ? orientations + 4 * k : NULL;
-        if (diameters && !dem__positive(diameters[k])) return DEM_BAD_ARGUMENT;
-        const dem__body_def def = dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
-        if (!dem__is_body_def(&def) || !dem__finite_vec(dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2])))
-            return DEM_BAD_ARGUMENT;
-        if (o && !dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return DEM_BAD_ARGUMENT;
-    }
-    if (n == 0) return DEM_OK;
-    if (!dem__reserve_bodies(w, n, n * clump->spheres)) return DEM_OUT_OF_MEMORY;
-    for (ptrdiff_t k = 0; k < n; k++) {
-        const double *o = orientations ? orientations + 4 * k : NULL;
-        dem__body_def def = dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
-        def.x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]), def.group = group;
-        if (o) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &def.turn);
-        dem__add_body(w, &def);
-    }
-    return DEM_OK;
-}
-
-/* ------------------------------------------------------------------------------------ >>convex_shape */
-/* Convex polyhedra: faces from corners, mass properties, erosion. Relies on vectors only. Promises: what is accepted is closed and convex,
-   and its tables agree with each other.
-   May be changed here alone: how faces are found; tables stay closed and convex. */
-
-/* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough. */
-#define DEM__FLAT 1e-6
-
-/* The hull of a set of points: the planes that have all other points behind them, and the points in each. */
-typedef struct dem__hull {
-    int faces;
-    uint32_t holds[DEM_FACES_MAX];
-    double plane[DEM_FACES_MAX][4], area[DEM_FACES_MAX];
-} dem__hull;
-
-DEM_INLINE dem_vec dem__point(const double *x) { return dem_vec3(x[0], x[1], x[2]); }
-
-/* Returns half the size of a set of points: half of the longest side of the box around it. */
-static inline double dem__half_size(const double *x, int n) {
-    double size = 0.0;
-    for (int a = 0; a < 3; a++) {
-        double low = x[a], high = x[a];
-        for (int k = 1; k < n; k++) low = x[3 * k + a] < low ? x[3 * k + a] : low, high = x[3 * k + a] > high ? x[3 * k + a] : high;
-        size = 0.5 * (high - low) > size ? 0.5 * (high - low) : size;
-    }
-    return size;
-}
-
-/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. Returns 0 if there are too
-   many. */
-static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, double offset, double area) {
-    int f = 0;
-    while (f < hull->faces && hull->holds[f] != holds) f++;
-    if (f < hull->faces && hull->area[f] >= area) return 1;
-    if (f == DEM_FACES_MAX) return 0;
-    if (f == hull->faces) hull->faces++;
-    hull->holds[f] = holds, hull->area[f] = area;
-    hull->plane[f][0] = n.x, hull->plane[f][1] = n.y, hull->plane[f][2] = n.z, hull->plane[f][3] = offset;
-    return 1;
-}
-
-/* Adds the face in which three points lie, if no point is in front of it. Returns 0 if there are too many faces. */
-static inline int dem__try_face(dem__hull *hull, const double *x, int n, int a, int b, int c, double flat) {
-    const dem_vec p = dem__point(x + 3 * a), u = dem__sub(dem__point(x + 3 * b), p), v = dem__sub(dem__point(x + 3 * c), p),
-                  cross = dem__cross(u, v);
-    const double area = dem__length(cross), longest = dem__dot(u, u) > dem__dot(v, v) ? dem__dot(u, u) : dem__dot(v, v);
-    double lowest = 0.0, highest = 0.0;
-    uint32_t holds = 0;
-    if (!(area > 1e-5 * longest)) return 1;
-    const dem_vec normal = dem__scale(1.0 / area, cross);
-    for (int k = 0; k < n; k++) {
-        const double height = dem__dot(normal, dem__sub(dem__point(x + 3 * k), p));
-        lowest = height < lowest ? height : lowest, highest = height > highest ? height : highest;
-        if (fabs(height) <= flat) holds |= (uint32_t)1 << k;
-    }
-    if (highest <= flat && lowest < -flat) return dem__add_face(hull, holds, normal, dem__dot(normal, p), area);
-    if (lowest >= -flat && highest > flat) return dem__add_face(hull, holds, dem__scale(-1.0, normal), -dem__dot(normal, p), area);
-    return 1;
-}
-
-/* Finds the faces of the hull of points. Returns 0 if there are too many. */
-static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double flat) {
-    hull->faces = 0;
-    for (int a = 0; a < n; a++) {
-        for (int b = a + 1; b < n; b++) {
-            for (int c = b + 1; c < n; c++) {
-                if (!dem__try_face(hull, x, n, a, b, c, flat)) return 0;
-            }
-        }
-    }
-    return 1;
-}
-
-/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they are no polygon. */
-static inline int dem__go_round(const dem__hull *hull, int f, const double *x, int n, uint8_t *corner, int count) {
-    const dem_vec normal = dem__point(hull->plane[f]);
-    const int begin = count;
-    int first = 0, at, total = 0;
-    while (!(hull->holds[f] >> first & 1)) first++;
-    for (int k = 0; k < n; k++) total += (int)(hull->holds[f] >> k & 1);
-    at = first;
-    do {
-        int next = -1;
-        if (count == 2 * DEM_EDGES_MAX || count - begin == total) return 0;
-        corner[count++] = (uint8_t)at;
-        for (int k = 0; k < n; k++) {
-            if (k == at || !(hull->holds[f] >> k & 1)) continue;
-            const dem_vec u = dem__sub(dem__point(x + 3 * k), dem__point(x + 3 * at));
-            if (next < 0 || dem__dot(normal, dem__cross(dem__sub(dem__point(x + 3 * next), dem__point(x + 3 * at)), u)) < 0.0) next = k;
-        }
-        at = next;
-    } while (at != first);
-    return count - begin == total && total > 2 ? count : 0;
-}
-
-/* Finds the edges from the corners of faces. Returns 0 if an edge has not two faces or is too short, or the surface is not that of a
-   ball. */
-static inline int dem__find_edges(dem_convex *s, double shortest) {
-    s->edges = 0;
-    for (int f = 0; f < s->faces; f++) {
-        for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
-            const int from = s->face_corner[k], to = s->face_corner[k + 1 < end ? k + 1 : s->face_start[f]];
-            int e = 0, backward = 0;
-            for (; e < s->edges; e++) {
-                if (s->edge[e][0] == from && s->edge[e][1] == to) return 0;
-                if (s->edge[e][0] == to && s->edge[e][1] == from) break;
-            }
-            backward = e < s->edges;
-            if (!backward && s->edges++ == DEM_EDGES_MAX) return 0;
-            if (!(dem__length(dem__sub(dem__point(s->corner[from]), dem__point(s->corner[to]))) > shortest)) return 0;
-            if (!backward) s->edge[e][0] = (uint8_t)from, s->edge[e][1] = (uint8_t)to;
-            s->edge_face[e][backward] = (uint8_t)f;
-        }
-    }
-    int sides = 0;
-    for (int f = 0; f < s->faces; f++) sides += s->face_start[f + 1] - s->face_start[f];
-    return sides == 2 * s->edges && s->corners - s->edges + s->faces == 2;
-}
-
-/* Finds faces and edges of a shape whose corners are set. Returns NULL, or what is wrong. */
-static inline const char *dem__find_surface(dem_convex *s, double flat) {
-    dem__hull hull;
-    int count = 0, used[DEM_CORNERS_MAX] = {0};
-    if (!dem__find_hull(&hull, s->corner[0], s->corners, flat)) return "its faces are more than DEM_FACES_MAX";
-    if (hull.faces < 4) return "the corners lie in one plane";
-    s->faces = hull.faces;
-    for (int f = 0; f < hull.faces; f++) {
-        s->face_start[f] = (uint8_t)count;
-        count = dem__go_round(&hull, f, s->corner[0], s->corners, s->face_corner, count);
-        if (count == 0) return "a point is no corner: it lies in a face, on an edge or on another point";
-        for (int a = 0; a < 4; a++) s->plane[f][a] = hull.plane[f][a];
-        for (int k = s->face_start[f]; k < count; k++) used[s->face_corner[k]]++;
-    }
-    s->face_start[hull.faces] = (uint8_t)count;
-    for (int k = 0; k < s->corners; k++) {
-        if (used[k] == 0) return "a point is no corner: it lies inside";
-        if (used[k] < 3) return "a point is no corner: it lies in a face, on an edge or on another point";
-    }
-    return dem__find_edges(s, flat) ? NULL : "a point is no corner: it lies in a face, on an edge or on another point";
-}
-
-/* Volume, first and second moments of a polyhedron, by signed tetrahedra from the origin to triangles of its faces. */
-typedef struct dem__moments {
-    double volume;
-    dem_vec first;
-    double second[3][3];
-} dem__moments;
-static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
-    memset(bulk, 0, sizeof *bulk);
-    for (int f = 0; f < s->faces; f++) {
-        const double *a = s->corner[s->face_corner[s->face_start[f]]];
-        for (int k = s->face_start[f] + 2; k < s->face_start[f + 1]; k++) {
-            const double *b = s->corner[s->face_corner[k - 1]], *c = s->corner[s->face_corner[k]];
-            const double six = dem__dot(dem__point(a), dem__cross(dem__point(b), dem__point(c)));
-            const double sum[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
-            bulk->volume += six / 6.0;
-            bulk->first = dem__plus(bulk->first, six / 24.0, dem__point(sum));
-            for (int p = 0; p < 3; p++) {
-                for (int q = 0; q < 3; q++) bulk->second[p][q] += six / 120.0 * (sum[p] * sum[q] + a[p] * a[q] + b[p] * b[q] + c[p] * c[q]);
-            }
-        }
-    }
-}
-
-/* Turns a symmetric matrix to its principal axes (Jacobi); axis[k][a]: component a of axis k. A diagonal matrix is left as it is. */
-static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
-    const double size = m[0][0] + m[1][1] + m[2][2];
-    for (int p = 0; p < 3; p++) {
-        for (int q = 0; q < 3; q++) axis[p][q] = p == q ? 1.0 : 0.0;
-    }
-    for (int sweep = 0; sweep < 30; sweep++) {
-        for (int p = 0; p < 2; p++) {
-            for (int q = p + 1; q < 3; q++) {
-                if (fabs(m[p][q]) <= 1e-13 * size) continue;
-                const double theta = 0.5 * (m[q][q] - m[p][p]) / m[p][q], root = sqrt(theta * theta + 1.0);
-                const double t = theta < 0.0 ? -1.0 / (root - theta) : 1.0 / (root + theta), c = 1.0 / sqrt(t * t + 1.0), s = t * c;
-                for (int a = 0; a < 3; a++) {
-                    const double old = m[a][p];
-                    m[a][p] = c * old - s * m[a][q], m[a][q] = s * old + c * m[a][q];
-                }
-                for (int a = 0; a < 3; a++) {
-                    double old = m[p][a];
-                    m[p][a] = c * old - s * m[q][a], m[q][a] = s * old + c * m[q][a];
-                    old = axis[p][a];
-                    axis[p][a] = c * old - s * axis[q][a], axis[q][a] = s * old + c * axis[q][a];
-                }
-            }
-        }
-    }
-}
-
-/* Sets volume, centroid and moments; moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what is
-   wrong. */
-static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
-    dem__moments bulk;
-    double second[3][3], axis[3][3];
-    dem__integrate(s, &bulk);
-    if (!(bulk.volume > 0.0 && bulk.volume < HUGE_VAL)) return "the corners lie in one plane";
-    const dem_vec c = dem__scale(1.0 / bulk.volume, bulk.first);
-    for (int p = 0; p < 3; p++) {
-        for (int q = 0; q < 3; q++) second[p][q] = bulk.second[p][q] - bulk.volume * dem_axis(c, p) * dem_axis(c, q);
-    }
-    dem__principal(second, axis);
-    s->volume = bulk.volume;
-    s->centroid = dem__add(middle, c);
-    for (int a = 0; a < 3; a++) {
-        s->axis[a] = dem__point(axis[a]);
-        s->moment[a] = second[(a + 1) % 3][(a + 1) % 3] + second[(a + 2) % 3][(a + 2) % 3];
-        if (!(s->moment[a] > 0.0 && s->moment[a] < HUGE_VAL)) return "it is too small or too large for its inertia to be a number";
-    }
-    for (int k = 0; k < s->corners; k++) {
-        const dem_vec d = dem__sub(dem__point(s->corner[k]), c);
-        for (int a = 0; a < 3; a++) s->corner[k][a] = dem__dot(d, s->axis[a]);
-    }
-    return NULL;
-}
-
-/* Finds the point where three planes meet that have moved inwards. Returns their determinant; 0 if they hardly meet. */
-static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, dem_vec *at) {
-    const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
-    const double det = dem__dot(a, bc);
-    if (fabs(det) < 1e-6) return 0.0;
-    const dem_vec sum = dem__add(dem__scale(p[3] - inwards, bc),
-                                 dem__add(dem__scale(q[3] - inwards, dem__cross(c, a)), dem__scale(r[3] - inwards, dem__cross(a, b))));
-    *at = dem__scale(1.0 / det, sum);
-    return fabs(det);
-}
-
-/* Adds a corner of the core unless it is there; of two equal ones the better determined one stays. Returns 0 if there are too many. */
-static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, double det, double same) {
-    int k = 0;
-    while (k < core->corners && !(dem__length(dem__sub(x, dem__point(core->corner[k]))) <= same)) k++;
-    if (k == DEM_CORNERS_MAX) return 0;
-    if (k < core->corners && sure[k] >= det) return 1;
-    if (k == core->corners) core->corners++;
-    core->corner[k][0] = x.x, core->corner[k][1] = x.y, core->corner[k][2] = x.z;
-    sure[k] = det;
-    return 1;
-}
-
-/* Finds the corners of a shape whose faces have moved inwards by a radius: where three of the planes meet, behind all others. Returns 0 if
-   there are too many. */
-static inline int dem__erode(const dem_convex *s, dem_convex *core, double radius, double flat) {
-    double sure[DEM_CORNERS_MAX];
-    core->corners = 0;
-    for (int a = 0; a < s->faces; a++) {
-        for (int b = a + 1; b < s->faces; b++) {
-            for (int c = b + 1; c < s->faces; c++) {
-                dem_vec x;
-                int f = 0;
-                const double det = dem__meet(s->plane[a], s->plane[b], s->plane[c], radius, &x);
-                if (det == 0.0) continue;
-                while (f < s->faces && dem__dot(dem__point(s->plane[f]), x) <= s->plane[f][3] - radius + 0.1 * flat) f++;
-                if (f == s->faces && !dem__add_corner(core, sure, x, det, flat)) return 0;
-            }
-        }
-    }
-    return 1;
-}
-
-/* Returns the smallest distance of a face from the corner opposite to it. */
-static inline double dem__least_width(const dem_convex *s) {
-    double least = HUGE_VAL;
-    for (int f = 0; f < s->faces; f++) {
-        double deepest = 0.0;
-        for (int k = 0; k < s->corners; k++) {
-            const double depth = s->plane[f][3] - dem__dot(dem__point(s->plane[f]), dem__point(s->corner[k]));
-            deepest = depth > deepest ? depth : deepest;
-        }
-        least = deepest < least ? deepest : least;
-    }
-    return least;
-}
-
-/* Finds whether the core is a box along the axes, with its middle at the centroid. Sets its corners to the half lengths to the last bit,
-   because its distances are computed from these. */
-static inline void dem__find_box(dem_convex *s) {
-    const double *h = s->corner[0];
-    s->half = dem_vec3(fabs(h[0]), fabs(h[1]), fabs(h[2]));
-    s->is_box = s->corners == 8 && s->faces == 6;
-    for (int k = 0; k < s->corners; k++) {
-        for (int a = 0; a < 3; a++) s->is_box &= fabs(fabs(s->corner[k][a]) - dem_axis(s->half, a)) <= 1e-9 * s->reach;
-    }
-    for (int k = 0; k < s->corners && s->is_box; k++) {
-        for (int a = 0; a < 3; a++) s->corner[k][a] = s->corner[k][a] < 0.0 ? -dem_axis(s->half, a) : dem_axis(s->half, a);
-    }
-}
-
-/* Returns the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), as a mean over all
-   directions. Weight: the energy that this corner takes up in an impact, which is proportional to the share. Directions: the middles of 8 x
-   8 squares on each side of a cube. */
-static inline double dem__mean_share(const dem_convex *s) {
-    double sum = 0.0, weights = 0.0;
-    for (int k = 0; k < 6 * 64; k++) {
-        const double a = 0.25 * (double)(k % 8) - 0.875, b = 0.25 * (double)(k / 8 % 8) - 0.875, c = k % 128 < 64 ? 1.0 : -1.0;
-        const int side = k / 128;
-        const double length = sqrt(1.0 + a * a + b * b), weight = 1.0 / (length * length * length);
-        double farthest = -HUGE_VAL, turned = 0.0;
-        dem_vec n;
-        *dem_axis_of(&n, side) = c / length, *dem_axis_of(&n, (side + 1) % 3) = a / length, *dem_axis_of(&n, (side + 2) % 3) = b / length;
-        for (int q = 0; q < s->corners; q++) {
-            const dem_vec r = dem__point(s->corner[q]), t = dem__cross(r, n);
-            if (dem__dot(r, n) <= farthest) continue;
-            farthest = dem__dot(r, n);
-            turned = s->volume * (t.x * t.x / s->moment[0] + t.y * t.y / s->moment[1] + t.z * t.z / s->moment[2]);
-        }
-        const double share = 1.0 / (1.0 + turned);
-        sum += weight * share * share, weights += weight * share;
-    }
-    return sum / weights;
-}
-
-/* Makes the shape from corners about their middle. Returns NULL, or what is wrong. */
-static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding) {
-    dem_convex core;
-    const double flat = DEM__FLAT * dem__half_size(s->corner[0], s->corners);
-    const char *reason;
-    if (!(flat > 0.0)) return "the corners lie in one point";
-    if ((reason = dem__find_surface(s, flat)) != NULL) return reason;
-    if ((reason = dem__set_bulk(s, middle)) != NULL) return reason;
-    if ((reason = dem__find_surface(s, flat)) != NULL) return reason; /* planes in the new frame */
-    core = *s;
-    core.radius = rounding * dem__least_width(s);
-    if (!dem__erode(s, &core, core.radius, flat)) return "its core has more than DEM_CORNERS_MAX corners: where over three faces meet";
-    if ((reason = dem__find_surface(&core, 0.1 * flat)) != NULL) return "its core is no polyhedron: a smaller rounding leaves one";
-    core.reach = 0.0;
-    for (int k = 0; k < core.corners; k++) {
-        const double far = dem__length(dem__point(core.corner[k])) + core.radius;
-        core.reach = far > core.reach ? far : core.reach;
-    }
-    dem__find_box(&core);
-    core.share = dem__mean_share(&core);
-    *s = core;
-    return NULL;
-}
-
-DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding, const char **reason) {
-    const char *wrong = NULL;
-    dem_vec middle = dem_vec3(0.0, 0.0, 0.0);
-    if (!shape || !corners) wrong = "there is no place for the shape, or there are no corners";
-    else if (n < 4 || n > DEM_CORNERS_MAX) wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
-    else if (!(rounding >= 0.001 && rounding <= 0.4)) wrong = "the rounding is not 0.001 .. 0.4";
-    for (int k = 0; k < 3 * n && !wrong; k++) {
-        if (!dem__moderate(corners[k])) wrong = "a corner is not finite";
-    }
-    if (!wrong) {
-        memset(shape, 0, sizeof *shape);
-        shape->corners = n;
-        for (int k = 0; k < n; k++) middle = dem__plus(middle, 1.0 / (double)n, dem__point(corners + 3 * k));
-        for (int k = 0; k < 3 * n; k++) shape->corner[k / 3][k % 3] = corners[k] - dem_axis(middle, k % 3);
-        wrong = dem__shape_from(shape, middle, rounding);
-    }
-    if (reason) *reason = wrong;
-    return wrong ? DEM_BAD_ARGUMENT : DEM_OK;
-}
-
-DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason) {
-    double corner[8][3];
-    if (!dem__positive(lengths.x) || !dem__positive(lengths.y) || !dem__positive(lengths.z)) {
-        if (reason) *reason = "a length is not a number above 0";
-        return DEM_BAD_ARGUMENT;
-    }
-    for (int k = 0; k < 24; k++) corner[k / 3][k % 3] = (k / 3 >> k % 3 & 1 ? 0.5 : -0.5) * dem_axis(lengths, k % 3);
-    return dem_make_convex(shape, 8, corner[0], rounding, reason);
-}
-
-/* Returns whether every edge of a mesh has one other triangle, which runs along it the other way. */
-static inline int dem__is_closed(const dem_mesh *mesh) {
-    for (ptrdiff_t p = 0; p < 3 * mesh->triangles; p++) {
-        const int32_t from = mesh->triangle[p], to = mesh->triangle[p % 3 < 2 ? p + 1 : p - 2];
-        int same = 0, opposite = 0;
-        for (ptrdiff_t q = 0; q < 3 * mesh->triangles; q++) {
-            const int32_t a = mesh->triangle[q], b = mesh->triangle[q % 3 < 2 ? q + 1 : q - 2];
-            same += a == from && b == to;
-            opposite += a == to && b == from;
-        }
-        if (same != 1 || opposite != 1) return 0;
-    }
-    return 1;
-}
-
-/* Returns whether every corner of a mesh is behind every triangle, or in its plane. */
-static inline int dem__is_convex(const dem_mesh *mesh) {
-    const double flat = DEM__FLAT * dem__half_size(mesh->vertex, (int)mesh->vertices);
-    for (ptrdiff_t t = 0; t < mesh->triangles; t++) {
-        const dem_vec a = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t]),
-                      b = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 1]),
-                      c = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 2]);
-        const dem_vec n = dem__cross(dem__sub(b, a), dem__sub(c, a));
-        const double area = dem__length(n);
-        for (ptrdiff_t k = 0; k < mesh->vertices; k++) {
-            if (dem__dot(n, dem__sub(dem__point(mesh->vertex + 3 * k), a)) > flat * area) return 0;
-        }
-    }
-    return 1;
-}
-
-DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason) {
-    const char *wrong = NULL;
-    if (!mesh || !mesh->vertex || !mesh->triangle) wrong = "there is no mesh";
-    else if (mesh->vertices < 4 || mesh->vertices > DEM_CORNERS_MAX) wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
-    else if (mesh->triangles < 4 || mesh->triangles > DEM_FACES_MAX) wrong = "the number of triangles is not 4 .. DEM_FACES_MAX";
-    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->triangles; k++) {
-        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices) wrong = "a triangle has a corner that is not there";
-    }
-    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->vertices; k++) {
-        if (!dem__moderate(mesh->vertex[k])) wrong = "a corner is not finite";
-    }
-    if (!wrong && !dem__is_closed(mesh)) wrong = "the surface is not closed: an edge has not two triangles that run along it both ways";
-    if (!wrong && !dem__is_convex(mesh)) wrong = "the surface is not convex, or its triangles face inwards";
-    if (!wrong) return dem_make_convex(shape, (int)mesh->vertices, mesh->vertex, rounding, reason);
-    if (reason) *reason = wrong;
-    return DEM_BAD_ARGUMENT;
-}
-
-/* --------------------------------------------------------------------------------- >>convex_distance */
-/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Relies on shapes and vectors. Promises: a separation that is
-   returned is never more than the true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge) and a
-   triangle (3 corners, 3 edges, 2 faces) are cores like any other.
-   May be changed here alone: iterations and their order; a separation is never too large. */
-
-DEM_INLINE dem_vec dem__from_core_frame(const dem__placed *p, dem_vec v) {
-    return dem__add(dem__scale(v.x, p->axis[0]), dem__plus(dem__scale(v.y, p->axis[1]), v.z, p->axis[2]));
-}
-DEM_INLINE dem_vec dem__into_core(const dem__placed *p, dem_vec v) {
-    return dem_vec3(dem__dot(v, p->axis[0]), dem__dot(v, p->axis[1]), dem__dot(v, p->axis[2]));
-}
-DEM_INLINE dem_vec dem__corner_at(const dem_convex *s, const dem__placed *p, int k) {
-    return dem__add(p->x, dem__from_core_frame(p, dem__point(s->corner[k])));
-}
-
-/* Returns the corner of a core that is farthest along u, in the core's own frame. */
-DEM_INLINE int dem__farthest(const dem_convex *s, dem_vec u) {
-    int best = 0;
-    double most = dem__dot(u, dem__point(s->corner[0]));
-    for (int k = 1; k < s->corners; k++) {
-        const double along = dem__dot(u, dem__point(s->corner[k]));
-        best = along > most ? k : best, most = along > most ? along : most;
-    }
-    return best;
-}
-
-/* A simplex of corners of the difference of two cores: the corners of each, their places, and their weights in the nearest point. */
-typedef struct dem__simplex {
-    int n;
-    uint8_t a[4], b[4];
-    dem_vec at[4];
-    double part[4];
-} dem__simplex;
-
-DEM_INLINE void dem__keep_corners(dem__simplex *s, int n, const int *kept, const double *part) {
-    for (int k = 0; k < n; k++) { /* `kept` ascends */
-        s->a[k] = s->a[kept[k]], s->b[k] = s->b[kept[k]], s->at[k] = s->at[kept[k]];
-        s->part[k] = part[k];
-    }
-    s->n = n;
-}
-
-/* Returns the point of segment i, j of a simplex that is nearest to the origin, and keeps the corners between which it lies. */
-static inline dem_vec dem__near_segment(dem__simplex *s, int i, int j) {
-    const dem_vec p = s->at[i], u = dem__sub(s->at[j], p);
-    const double along = -dem__dot(p, u), length = dem__dot(u, u);
-    const int both[2] = {i < j ? i : j, i < j ? j : i};
-    if (!(along > 0.0) || !(along < length)) {
-        const int one = along > 0.0 ? j : i;
-        const double whole = 1.0;
-        dem__keep_corners(s, 1, &one, &whole);
-        return s->at[0];
-    }
-    const double t = along / length, part[2] = {i < j ? 1.0 - t : t, i < j ? t : 1.0 - t};
-    dem__keep_corners(s, 2, both, part);
-    return dem__plus(p, t, u);
-}
-
-/* Does the same for triangle i < j < k (Ericson 2005, section 5.1.5). */
-static inline dem_vec dem__near_triangle(dem__simplex *s, int i, int j, int k) {
-    const dem_vec a = s->at[i], ab = dem__sub(s->at[j], a), ac = dem__sub(s->at[k], a);
-    const double d1 = -dem__dot(ab, a), d2 = -dem__dot(ac, a);
-    const double d3 = -dem__dot(ab, s->at[j]), d4 = -dem__dot(ac, s->at[j]), d5 = -dem__dot(ab, s->at[k]), d6 = -dem__dot(ac, s->at[k]);
-    const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4, all = va + vb + vc;
-    if (!(all > 0.0) || vc <= 0.0 || vb <= 0.0 || va <= 0.0) { /* on the border: the nearest of three segments */
-        const int pair[3][2] = {{i, j}, {i, k}, {j, k}};
-        dem__simplex best = *s;
-        dem_vec least = a;
-        double shortest = HUGE_VAL;
-        for (int q = 0; q < 3; q++) {
-            dem__simplex side = *s;
-            const dem_vec v = dem__near_segment(&side, pair[q][0], pair[q][1]);
-            if (dem__dot(v, v) < shortest) shortest = dem__dot(v, v), least = v, best = side;
-        }
-        *s = best;
-        return least;
-    }
-    const int kept[3] = {i, j, k};
-    const double part[3] = {va / all, vb / all, vc / all};
-    dem__keep_corners(s, 3, kept, part);
-    return dem__plus(dem__plus(a, part[1], ab), part[2], ac);
-}
-
-/* Does the same for a tetrahedron. Returns 0 where it contains the origin. */
-static inline dem_vec dem__near_tetrahedron(dem__simplex *s) {
-    const int face[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
-    dem__simplex best = *s;
-    dem_vec least = dem_vec3(0.0, 0.0, 0.0);
-    double shortest = HUGE_VAL;
-    for (int f = 0; f < 4; f++) {
-        const dem_vec p = s->at[face[f][0]], n = dem__cross(dem__sub(s->at[face[f][1]], p), dem__sub(s->at[face[f][2]], p));
-        const double inner = dem__dot(n, dem__sub(s->at[face[f][3]], p)), origin = -dem__dot(n, p);
-        if (inner * origin > 0.0) continue; /* on the side of the fourth corner */
-        dem__simplex side = *s;
-        const dem_vec v = dem__near_triangle(&side, face[f][0], face[f][1], face[f][2]);
-        if (dem__dot(v, v) < shortest) shortest = dem__dot(v, v), least = v, best = side;
-    }
-    *s = best;
-    return least;
-}
-
-static inline dem_vec dem__near_simplex(dem__simplex *s) {
-    s->part[0] = 1.0;
-    if (s->n == 1) return s->at[0];
-    if (s->n == 2) return dem__near_segment(s, 0, 1);
-    return s->n == 3 ? dem__near_triangle(s, 0, 1, 2) : dem__near_tetrahedron(s);
-}
-
-/* Distance of two cores. */
-typedef struct dem__gap_of_cores {
-    dem_vec normal;      /* from b to a, a unit vector */
-    double separation;   /* of the two cores along it: their distance, or a lower limit of it; less than 0 where they overlap */
-    dem_vec at_a, at_b;  /* the points nearest to each other, where they do not overlap */
-    int overlap, rounds; /* whether they overlap; number of iterations */
-} dem__gap_of_cores;
-
-DEM_INLINE void dem__add_corners(dem__simplex *s, const dem_convex *a, const dem__placed *pa, int i, const dem_convex *b,
-                                 const dem__placed *pb, int j) {
-    const int k = s->n++;
-    s->a[k] = (uint8_t)i, s->b[k] = (uint8_t)j;
-    s->at[k] = dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j));
-}
-
-/* Begins with the corners of the last test, or with those that face each other. */
-static inline void dem__begin_simplex(dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
-                                      const dem__placed *pb, const dem__nearest_cache *cache) {
-    s->n = 0;
-    for (int k = 0; cache && k < cache->n; k++) dem__add_corners(s, a, pa, cache->a[k], b, pb, cache->b[k]);
-    if (s->n > 0) return;
-    const dem_vec d = dem__sub(pa->x, pb->x);
-    dem__add_corners(s, a, pa, dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, d))), b, pb, dem__farthest(b, dem__into_core(pb, d)));
-}
-
-/* Returns how far a core extends from its centre in the direction n [m]. */
-DEM_INLINE double dem__reach_along(const dem_convex *s, const dem__placed *p, dem_vec n) {
-    const dem_vec u = dem__into_core(p, n);
-    if (s->is_box) return fabs(u.x) * s->half.x + fabs(u.y) * s->half.y + fabs(u.z) * s->half.z;
-    return dem__dot(u, dem__point(s->corner[dem__farthest(s, u)]));
-}
-/* Returns a lower limit of the distance of two cores [m]: that along n, a unit vector from b to a. A negative value says nothing: they may
-   be apart in another direction. */
-DEM_INLINE double dem__apart_along(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec n) {
-    if (n.x == 0.0 && n.y == 0.0 && n.z == 0.0) return -HUGE_VAL;
-    return dem__dot(n, dem__sub(pa->x, pb->x)) - dem__reach_along(a, pa, dem__scale(-1.0, n)) - dem__reach_along(b, pb, n);
-}
-/* Two boxes, seen from the first one: where the other one's centre is not, but whence it is seen (from b to a), and its axes. */
-typedef struct dem__two_boxes {
-    const dem_convex *a, *b;
-    double from[3], turn[3][3], size[3][3]; /* along a's axes; turn[i][m]: cosine of a's axis i and b's axis m; size: without sign */
-} dem__two_boxes;
-
-/* Finds the axis k < 3 of a, or k - 3 of b, along which two boxes are farthest apart. Returns how far, as dem__apart_along; along: k, and
-   the component of the distance along it. */
-static inline double dem__apart_along_faces(const dem__two_boxes *q, int *k, double *along) {
-    double most = -HUGE_VAL;
-    for (int n = 0; n < 6; n++) {
-        const int i = n % 3, of_a = n < 3;
-        const double *u = q->size[i];
-        const dem_vec half = of_a ? q->b->half : q->a->half;
-        const double d = of_a ? q->from[i] : q->from[0] * q->turn[0][i] + q->from[1] * q->turn[1][i] + q->from[2] * q->turn[2][i];
-        const double reach =
-            of_a ? half.x * u[0] + half.y * u[1] + half.z * u[2] : half.x * q->size[0][i] + half.y * q->size[1][i] + half.z * q->size[2][i];
-        const double apart = fabs(d) - dem_axis(of_a ? q->a->half : q->b->half, i) - reach;
-        if (apart > most) most = apart, *k = n, *along = d;
-    }
-    return most;
-}
-/* Does the same for the products of an axis of a and one of b: k = 3 i + m. */
-static inline double dem__apart_along_edges(const dem__two_boxes *q, int *k, double *along) {
-    double most = -HUGE_VAL;
-    for (int n = 0; n < 9; n++) {
-        const int i = n / 3, m = n % 3, j = (i + 1) % 3, l = (i + 2) % 3, r = (m + 1) % 3, s = (m + 2) % 3;
-        const double square = 1.0 - q->turn[i][m] * q->turn[i][m];
-        const double d = q->from[l] * q->turn[j][m] - q->from[j] * q->turn[l][m];
-        const double apart = fabs(d) - dem_axis(q->a->half, j) * q->size[l][m] - dem_axis(q->a->half, l) * q->size[j][m] -
-                             dem_axis(q->b->half, r) * q->size[i][s] - dem_axis(q->b->half, s) * q->size[i][r];
-        if (!(apart > 0.0) || !(square > 1e-6)) continue;
-        const double distance = apart / sqrt(square);
-        if (distance > most) most = distance, *k = n, *along = d;
-    }
-    return most;
-}
-
-/* Looks for a direction along which two boxes are farther apart than `enough`, a unit vector from b to a, among the normals of faces, then
-   the products of edges (separating axes). Returns how far, as dem__apart_along; if it is not enough, the direction is not set. */
-static inline double dem__part_boxes(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
-                                     dem_vec *normal) {
-    dem__two_boxes q;
-    int k = 0;
-    double along = 0.0;
-    const dem_vec d = dem__into_core(pa, dem__sub(pa->x, pb->x));
-    q.a = a, q.b = b;
-    q.from[0] = d.x, q.from[1] = d.y, q.from[2] = d.z;
-    for (int i = 0; i < 3; i++) {
-        for (int m = 0; m < 3; m++) q.turn[i][m] = dem__dot(pa->axis[i], pb->axis[m]), q.size[i][m] = fabs(q.turn[i][m]);
-    }
-    double apart = dem__apart_along_faces(&q, &k, &along);
-    dem_vec n = k < 3 ? pa->axis[k] : pb->axis[k - 3];
-    if (!(apart > enough)) {
-        apart = dem__apart_along_edges(&q, &k, &along);
-        if (!(apart > enough)) return apart;
-        n = dem__cross(pa->axis[k / 3], pb->axis[k % 3]);
-        n = dem__scale(1.0 / dem__length(n), n);
-    }
-    *normal = along < 0.0 ? dem__scale(-1.0, n) : n;
-    return apart;
-}
-
-/* Finds the direction of least overlap of two overlapping cores, among the normals of faces and the products of edges (separating axis
-   theorem). */
-static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
-                                      dem__gap_of_cores *gap) {
-    const int axes = a->faces + b->faces + a->edges * b->edges;
-    gap->separation = -HUGE_VAL, gap->normal = dem_vec3(0.0, 0.0, 1.0);
-    for (int m = 0; m < axes; m++) {
-        dem_vec n;
-        if (m < a->faces) n = dem__scale(-1.0, dem__from_core_frame(pa, dem__point(a->plane[m])));
-        else if (m < a->faces + b->faces) n = dem__from_core_frame(pb, dem__point(b->plane[m - a->faces]));
-        else {
-            const int e = (m - a->faces - b->faces) / b->edges, f = (m - a->faces - b->faces) % b->edges;
-            const dem_vec u = dem__sub(dem__corner_at(a, pa, a->edge[e][1]), dem__corner_at(a, pa, a->edge[e][0]));
-            const dem_vec v = dem__sub(dem__corner_at(b, pb, b->edge[f][1]), dem__corner_at(b, pb, b->edge[f][0]));
-            n = dem__cross(u, v);
-            const double size = dem__length(n);
-            if (!(size > 1e-6 * dem__length(u) * dem__length(v))) continue;
-            n = dem__scale((dem__dot(n, dem__sub(pa->x, pb->x)) < 0.0 ? -1.0 : 1.0) / size, n);
-        }
-        const dem_vec in_a = dem__scale(-1.0, dem__into_core(pa, n)), in_b = dem__into_core(pb, n);
-        const double low = dem__dot(n, pa->x) - dem__dot(in_a, dem__point(a->corner[dem__farthest(a, in_a)])),
-                     high = dem__dot(n, pb->x) + dem__dot(in_b, dem__point(b->corner[dem__farthest(b, in_b)]));
-        if (low - high > gap->separation) gap->separation = low - high, gap->normal = n;
-    }
-}
-
-/* Computes the points of the two cores that are nearest to each other, from a simplex. */
-static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
-                                       const dem__placed *pb, dem__gap_of_cores *gap) {
-    gap->at_a = gap->at_b = dem_vec3(0.0, 0.0, 0.0);
-    for (int k = 0; k < s->n; k++) {
-        gap->at_a = dem__plus(gap->at_a, s->part[k], dem__corner_at(a, pa, s->a[k]));
-        gap->at_b = dem__plus(gap->at_b, s->part[k], dem__corner_at(b, pb, s->b[k]));
-    }
-}
-
-/* A direction is good enough to find the points of two cores if they are as far apart along it as this share of the radii. */
-#define DEM__GOOD_AXIS 0.9
-
-/* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart than `enough`, or
-   certainly nearer and apart along a good direction. cache: of this pair, read and written, or NULL. */
-static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
-                                 dem__nearest_cache *cache, dem__gap_of_cores *gap) {
-    dem__simplex s;
-    const double tiny = 1e-12 * (a->reach + b->reach);
-    gap->separation = -HUGE_VAL, gap->overlap = 0;
-    dem__begin_simplex(&s, a, pa, b, pb, cache);
-    for (gap->rounds = 0; gap->rounds < 32; gap->rounds++) {
-        const dem_vec v = dem__near_simplex(&s);
-        const double distance = dem__length(v);
-        if (!(distance > tiny)) {
-            gap->overlap = 1;
-            break;
-        }
-        const dem_vec n = dem__scale(1.0 / distance, v);
-        const int i = dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, n))), j = dem__farthest(b, dem__into_core(pb, n));
-        const double along = dem__dot(n, dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j)));
-        int known = s.n == 4;
-        if (along > gap->separation) gap->separation = along, gap->normal = n;
-        for (int k = 0; k < s.n; k++) known |= s.a[k] == i && s.b[k] == j;
-        if (known || along > enough || distance - along <= 1e-7 * distance) break;
-        if (distance < enough && along > DEM__GOOD_AXIS * enough) break;
-        dem__add_corners(&s, a, pa, i, b, pb, j);
-    }
-    if (cache) {
-        cache->n = (uint8_t)(s.n < 4 ? s.n : 0);
-        for (int k = 0; k < cache->n; k++) cache->a[k] = s.a[k], cache->b[k] = s.b[k];
-    }
-    if (gap->overlap) dem__least_overlap(a, pa, b, pb, gap);
-    else dem__nearest_points(&s, a, pa, b, pb, gap);
-}
-
-/* Makes a core of a segment, or of a triangle. Its centre is the first corner; its axes are the world's. */
-static inline void dem__segment_core(dem_convex *s, dem__placed *p, dem_vec from, dem_vec to, double radius) {
-    const dem_vec u = dem__sub(to, from);
-    memset(s, 0, sizeof *s);
-    p->x = from, p->axis[0] = dem_vec3(1.0, 0.0, 0.0), p->axis[1] = dem_vec3(0.0, 1.0, 0.0), p->axis[2] = dem_vec3(0.0, 0.0, 1.0);
-    s->corners = 2, s->edges = 1, s->radius = radius, s->reach = dem__length(u) + radius;
-    s->corner[1][0] = u.x, s->corner[1][1] = u.y, s->corner[1][2] = u.z;
-    s->edge[0][1] = 1;
-}
-static inline void dem__triangle_core(dem_convex *s, dem__placed *p, dem_vec a, dem_vec b, dem_vec c) {
-    const dem_vec u = dem__sub(b, a), v = dem__sub(c, a), n = dem__cross(u, v);
-    dem__segment_core(s, p, a, b, 0.0);
-    const double area = dem__length(n), along = dem__length(v);
-    s->corners = s->edges = 3, s->faces = 2, s->reach = s->reach > along ? s->reach : along;
-    s->corner[2][0] = v.x, s->corner[2][1] = v.y, s->corner[2][2] = v.z;
-    for (int k = 0; k < 3; k++) {
-        s->edge[k][0] = (uint8_t)k, s->edge[k][1] = (uint8_t)((k + 1) % 3), s->edge_face[k][1] = 1;
-        s->face_corner[k] = (uint8_t)k, s->face_corner[3 + k] = (uint8_t)(2 - k);
-        s->plane[0][k] = dem_axis(n, k) / area, s->plane[1][k] = -s->plane[0][k];
-    }
-    s->face_start[1] = 3, s->face_start[2] = 6;
-}
-/* Makes a core of a point: the centre of a sphere. */
-static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, double radius) {
-    dem__segment_core(s, p, x, x, radius);
-    s->corners = 1, s->edges = 0;
-}
-
-/* ----------------------------------------------------------------------------------- >>convex_points */
-/* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Relies on distances of cores, which
-   only choose the features that are tested. Promises: a point depends on its own two features alone; weight times overlap along the normals
-   is the gradient of a potential (of a linear law), and continuous in the motion.
-   May be changed here alone: which features are tested; every point that touches is found. */
-
-enum { DEM__POINTS_MAX = 256 }; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
-#define DEM__WINDOW 1.000001    /* features are tested up to this multiple of the radii, so that rounding of directions does not decide */
-
-/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. Beyond `enough`, any larger value
-   without a direction. */
-DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, double enough, dem_vec *n) {
-    const dem_vec out = dem_vec3(fabs(p.x) - half.x, fabs(p.y) - half.y, fabs(p.z) - half.z);
-    const dem_vec d = dem_vec3(out.x > 0.0 ? out.x : 0.0, out.y > 0.0 ? out.y : 0.0, out.z > 0.0 ? out.z : 0.0);
-    const dem_vec side = dem_vec3(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0, p.z < 0.0 ? -1.0 : 1.0);
-    const double square = dem__dot(d, d);
-    if (square > enough * enough) return HUGE_VAL;
-    if (square > 0.0) {
-        const double distance = sqrt(square);
-        *n = dem_vec3(side.x * d.x / distance, side.y * d.y / distance, side.z * d.z / distance);
-        return distance;
-    }
-    const int k = out.x > out.y ? (out.x > out.z ? 0 : 2) : out.y > out.z ? 1 : 2;
-    *n = dem_vec3(k == 0 ? side.x : 0.0, k == 1 ? side.y : 0.0, k == 2 ? side.z : 0.0);
-    return dem_axis(out, k);
-}
-
-/* Returns whether the foot of a point p lies within face f. */
-DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
-    const dem_vec n = dem__point(s->plane[f]);
-    for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
-        const dem_vec from = dem__point(s->corner[s->face_corner[k]]),
-                      to = dem__point(s->corner[s->face_corner[k + 1 < end ? k + 1 : s->face_start[f]]]);
-        if (dem__dot(dem__cross(n, dem__sub(to, from)), dem__sub(p, from)) < 0.0) return 0;
-    }
-    return 1;
-}
-
-/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. */
-static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n) {
-    int top = -1;
-    double highest = -HUGE_VAL, least = HUGE_VAL;
-    for (int f = 0; f < s->faces; f++) {
-        const double height = dem__dot(dem__point(s->plane[f]), p) - s->plane[f][3];
-        if (height > highest) highest = height, top = f;
-    }
-    *n = top < 0 ? dem_vec3(0.0, 0.0, 1.0) : dem__point(s->plane[top]);
-    for (int f = 0; f < s->faces; f++) {
-        const double height = dem__dot(dem__point(s->plane[f]), p) - s->plane[f][3];
-        if ((f != top && !(height > 0.0)) || !dem__over_face(s, f, p)) continue;
-        *n = dem__point(s->plane[f]);
-        return height;
-    }
-    const dem_vec outward = *n;
-    for (int e = 0; e < s->edges || e == 0; e++) { /* a point has a corner, but no edge */
-        const dem_vec from = dem__point(s->corner[s->edge[e][0]]), u = dem__sub(dem__point(s->corner[s->edge[e][1]]), from);
-        const double length = dem__dot(u, u), t = length > 0.0 ? dem__clamp(dem__dot(dem__sub(p, from), u) / length, 0.0, 1.0) : 0.0;
-        const dem_vec d = dem__sub(p, dem__plus(from, t, u));
-        const double distance = dem__length(d);
-        if (!(distance < least)) continue;
-        least = distance;
-        *n = distance > 1e-12 * s->reach ? dem__scale(1.0 / distance, d) : outward;
-    }
-    return least;
-}
-
-/* Returns the signed distance of a point p from a core; n: the direction away from it. Beyond `enough`, any larger value. */
-DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, double enough, dem_vec *n) {
-    const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
-    dem_vec m = dem_vec3(0.0, 0.0, 1.0);
-    const double distance = s->is_box ? dem__from_box(s->half, x, enough, &m) : dem__from_faces(s, x, &m);
-    *n = distance > enough ? m : dem__from_core_frame(place, m);
-    return distance;
-}
-
-/* An edge in the world: where it begins, its direction, its length; in each of its two faces the direction away from it; the sum of their
-   normals. */
-typedef struct dem__placed_edge {
-    dem_vec from, along, in[2], outward;
-    double length, middle, half; /* [m]; the middle of the part that is near the other core, along it, and half the length of that */
-    int number, ends;            /* ends: bits of the ends that are corners, which have points of their own */
-    int sided;                   /* of a wall's edge: whether it is touched only from the side of `outward` */
-} dem__placed_edge;
-
-/* Heights of corners along a direction, and which corners are near the other core. */
-typedef struct dem__side {
-    const dem_convex *shape;
-    const dem__placed *place;
-    double height[DEM_CORNERS_MAX], limit; /* limit: a corner is near if sign times its height is below it */
-    double sign;
-    int n; /* near corners */
-    uint8_t corner[DEM_CORNERS_MAX], is_near[DEM_CORNERS_MAX];
-} dem__side;
-
-DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, double *highest) {
-    const double centre = dem__dot(n, side->place->x);
-    const dem_vec in_body = dem__into_core(side->place, n);
-    *lowest = HUGE_VAL, *highest = -HUGE_VAL;
-    for (int k = 0; k < side->shape->corners; k++) {
-        const double h = side->height[k] = centre + dem__dot(in_body, dem__point(side->shape->corner[k]));
-        *lowest = h < *lowest ? h : *lowest, *highest = h > *highest ? h : *highest;
-    }
-}
-
-/* Chooses the corners whose height times sign is below `low`. */
-DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
-    side->n = 0, side->limit = low, side->sign = sign;
-    for (int k = 0; k < side->shape->corners; k++) { /* without branches, as is all that follows: they could not be predicted */
-        side->corner[side->n] = (uint8_t)k;
-        side->n += side->is_near[k] = sign * side->height[k] < low;
-    }
-}
-
-/* Finds the part of an edge that is near the other core: all of it, or from its near end to the limit. a, b: heights of its ends [m]. */
-DEM_INLINE void dem__find_near_part(const dem__side *side, double a, double b, dem__placed_edge *p) {
-    a *= side->sign, b *= side->sign;
-    const double at_limit = p->length * ((side->limit - a) / (b != a ? b - a : 1.0));
-    const double from = a < side->limit ? 0.0 : at_limit, to = b < side->limit ? p->length : at_limit;
-    p->middle = 0.5 * (from + to);
-    p->half = 0.5 * (to - from);
-}
-
-/* Returns whether edge e ends at a near corner. */
-DEM_INLINE int dem__is_near_edge(const dem__side *side, int e) {
-    return side->is_near[side->shape->edge[e][0]] | side->is_near[side->shape->edge[e][1]];
-}
-
-/* Places edge e in the world. apart: the cores do not overlap, and the directions in its faces are not needed. */
-static inline void dem__place_edge(const dem__side *side, int e, int apart, dem__placed_edge *p) {
-    const dem_convex *s = side->shape;
-    const int from = s->edge[e][0], to = s->edge[e][1];
-    const dem_vec u = dem__sub(dem__point(s->corner[to]), dem__point(s->corner[from]));
-    p->number = e, p->ends = 3, p->sided = 0;
-    p->from = dem__corner_at(s, side->place, from);
-    if (s->is_box) { /* along an axis */
-        const int k = !(fabs(u.x) > 0.0) * (1 + !(fabs(u.y) > 0.0));
-        p->length = fabs(dem_axis(u, k)), p->along = dem__scale(1.0 / p->length * dem_axis(u, k), side->place->axis[k]);
-    } else {
-        p->length = dem__length(u), p->along = dem__from_core_frame(side->place, dem__scale(1.0 / p->length, u));
-    }
-    const double a = side->height[from], b = side->height[to];
-    dem__find_near_part(side, a, b, p);
-    p->outward = p->in[0] = p->in[1] = dem_vec3(0.0, 0.0, 0.0); /* a segment has no faces */
-    if (apart) return;
-    for (int f = 0; f < 2 && s->faces > 0; f++) {
-        const dem_vec n = dem__from_core_frame(side->place, dem__point(s->plane[s->edge_face[e][f]]));
-        p->outward = dem__add(p->outward, n);
-        p->in[f] = dem__cross(n, f ? dem__scale(-1.0, p->along) : p->along);
-    }
-    if (dem__dot(p->outward, p->outward) < 1e-6) p->outward = dem__scale(-1.0, p->in[0]); /* the rim of a sheet */
-}
-
-/* Returns how much the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals. */
-DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
-    double lean = 0.0;
-    for (int f = 0; f < 2; f++) {
-        const double over = dem__dot(n, e->in[f]);
-        lean = over > lean ? over : lean;
-    }
-    return lean;
-}
-
-/* Returns the vector from the nearest point of an edge to x. */
-DEM_INLINE dem_vec dem__off_edge(const dem__placed_edge *e, dem_vec x) {
-    const dem_vec d = dem__sub(x, e->from);
-    return dem__plus(d, -dem__clamp(dem__dot(d, e->along), 0.0, e->length), e->along);
-}
-/* Returns whether x is farther than a distance from an edge. */
-DEM_INLINE int dem__is_off_edge(const dem__placed_edge *e, dem_vec x, double distance) {
-    const dem_vec off = dem__off_edge(e, x);
-    return dem__dot(off, off) > distance * distance;
-}
-/* Returns the distance of a corner from an edge; n: the unit vector from the nearest point to it. */
-DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *n) {
-    const dem_vec off = dem__off_edge(e, x);
-    const double distance = dem__length(off);
-    *n = distance > 0.0 ? dem__scale(1.0 / distance, off) : dem_vec3(0.0, 0.0, 1.0);
-    return distance;
-}
-
-/* Finds where two edges cross: s along p, the unit vector from q to p, and the signed distance. Returns 0 if they do not cross. apart: the
-   cores do not overlap, so that nearest points tell the direction. */
-static inline int dem__find_crossing(const dem__placed_edge *p, const dem__placed_edge *q, int apart, double *s, dem_vec *normal,
-                                     double *distance) {
-    const dem_vec d = dem__sub(p->from, q->from), product = dem__cross(p->along, q->along);
-    const double c = dem__dot(p->along, q->along), square = dem__dot(product, product);
-    if (!(square > 1e-12)) return 0; /* parallel: corners suffice */
-    const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), s_square = c * on_q - on_p, t_square = on_q - c * on_p;
-    const double wide = DEM__WINDOW * square; /* most do not cross, which is seen without a division */
-    if (!((s_square > 0.0) & (s_square < p->length * wide) & (t_square > 0.0) & (t_square < q->length * wide))) return 0;
-    const double t = t_square / square;
-    *s = s_square / square;
-    if (!(*s > 0.0 && *s < p->length && t > 0.0 && t < q->length)) return 0;
-    const dem_vec from_q = dem__sub(dem__plus(p->from, *s, p->along), dem__plus(q->from, t, q->along));
-    const dem_vec guide = apart ? from_q : dem__sub(q->outward, p->outward);
-    *normal = dem__scale((dem__dot(product, guide) < 0.0 ? -1.0 : 1.0) / sqrt(square), product);
-    *distance = dem__dot(*normal, from_q);
-    if (q->sided) {
-        if (dem__dot(*normal, q->outward) < 0.0) *normal = dem__scale(-1.0, *normal), *distance = -*distance;
-        return dem__dot(*normal, p->outward) < 0.0;
-    }
-    return apart || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
-}
-
-/* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the crossing counts only
-   beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2. It is 0 with slope 0
-   where the crossing reaches an end, and that corner's own point continues. Forces are its gradient: D at the crossing and D_i at the ends,
-   with weights. The point of the crossing gets `key`, those of the ends the next four. */
-static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, int32_t key,
-                                   dem__convex_point *out) {
-    double s, distance, rest[4], left = 1.0, share[4];
-    if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
-    const double overlap = radii - distance;
-    if (!(overlap > 0.0) || !(overlap < 2.0 * radii)) return 0; /* deeper: on far sides of the cores */
-    int n = 1;
-    out->key = key, out->taken = 0;
-    out->gap = -overlap;
-    out->at = dem__plus(p->from, s, p->along);
-    for (int k = 0; k < 4; k++) {
-        const dem__placed_edge *own = k < 2 ? p : q, *other = k < 2 ? q : p;
-        const dem_vec x = k % 2 ? dem__plus(own->from, own->length, own->along) : own->from;
-        dem__convex_point *end = &out[n];
-        dem_vec off;
-        share[k] = 0.0, rest[k] = 1.0;
-        if (!(own->ends >> k % 2 & 1) || dem__is_off_edge(other, x, DEM__WINDOW * radii)) continue;
-        const double from = dem__from_edge(other, x, &off), at_end = radii - from;
-        if (!(at_end > 0.0)) continue;
-        share[k] = at_end * at_end / (overlap * overlap);
-        rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
-        left *= rest[k];
-        if (share[k] == 0.0) continue;
-        end->key = out->key + 1 + k, end->taken = 0, end->gap = -at_end, end->weight = k;
-        end->normal = dem__scale(k < 2 ? 1.0 : -1.0, off);
-        end->at = k < 2 ? x : dem__plus(x, -from, off);
-        n++;
-    }
-    if (!(left > 1e-10)) return 0;
-    out->weight = left;
-    for (int k = 0; k < 4; k++) out->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) out[m].weight = -left / rest[(int)out[m].weight];
-    return n;
-}
-
-/* Returns whether a point is farther than a distance beyond a side of a box. */
-DEM_INLINE int dem__passes_box(const dem__side *box, dem_vec x, double distance) {
-    const dem_vec d = dem__sub(x, box->place->x), half = box->shape->half;
-    int passes = 0;
-    for (int k = 0; k < 3; k++) passes |= fabs(dem__dot(d, box->place->axis[k])) > dem_axis(half, k) + distance;
-    return passes;
-}
-
-/* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if above 0, a and b have
-   changed places. */
-static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out, int n) {
-    const double radii = a->shape->radius + b->shape->radius;
-    for (int m = 0; m < a->n && n < DEM__POINTS_MAX; m++) {
-        const int k = a->corner[m];
-        dem__convex_point *p = &out[n];
-        const dem_vec x = dem__corner_at(a->shape, a->place, k);
-        if (b->shape->is_box && dem__passes_box(b, x, DEM__WINDOW * radii)) continue;
-        const double distance = dem__from_core(b->shape, b->place, x, DEM__WINDOW * radii, &p->normal);
-        if (!(distance < radii)) continue;
-        p->key = key + k, p->taken = 0, p->weight = 1.0, p->at = x;
-        p->gap = distance - radii;
-        if (key > 0) { /* a and b have changed places */
-            p->at = dem__plus(x, -distance, p->normal);
-            p->normal = dem__scale(-1.0, p->normal);
-        }
-        n++;
-    }
-    return n;
-}
-
-/* Returns which sides of a box the near part of edge e of another core comes near to: bits 2 k and 2 k + 1 for the lower and the upper side
-   across axis k; 0 if it is not near to two sides that meet, where an edge of the box could be. seen: the core's place in the box's
-   frame. */
-DEM_INLINE unsigned dem__sides_near(const dem__side *side, const dem__placed *seen, int e, const dem_convex *box, double radii) {
-    const uint8_t *end = side->shape->edge[e];
-    const double a = side->sign * side->height[end[0]], b = side->sign * side->height[end[1]];
-    const double at_limit = (side->limit - a) / (b != a ? b - a : 1.0);
-    const double begins = a < side->limit ? 0.0 : at_limit, ends = b < side->limit ? 1.0 : at_limit;
-    const dem_vec from = dem__corner_at(side->shape, seen, end[0]), u = dem__sub(dem__corner_at(side->shape, seen, end[1]), from);
-    const dem_vec at = dem__plus(from, 0.5 * (begins + ends), u);
-    const double half_part = 0.5 * (ends - begins);
-    const double x[3] = {at.x, at.y, at.z}, half[3] = {box->half.x, box->half.y, box->half.z};
-    const double reach[3] = {half_part * fabs(u.x) + radii, half_part * fabs(u.y) + radii, half_part * fabs(u.z) + radii};
-    unsigned sides = 0, across = 0, passes = 0;
-    for (int k = 0; k < 3; k++) {
-        const unsigned low = fabs(x[k] + half[k]) < reach[k], high = fabs(x[k] - half[k]) < reach[k];
-        passes |= fabs(x[k]) > half[k] + reach[k];
-        sides |= low << 2 * k | high << (2 * k + 1);
-        across += low | high;
-    }
-    return sides * (unsigned)(!passes & (across > 1));
-}
-/* Returns the sides of a box at which a corner lies. */
-DEM_INLINE unsigned dem__sides_of(const dem_convex *box, int corner) {
-    const double *x = box->corner[corner];
-    return 1u << (x[0] > 0.0) | 4u << (x[1] > 0.0) | 16u << (x[2] > 0.0);
-}
-
-/* Edges of a core that end at a near corner. */
-typedef struct dem__edge_list {
-    int n;
-    uint8_t number[DEM_EDGES_MAX];
-    uint8_t sides[DEM_EDGES_MAX]; /* of a box: those at which an edge lies; or those of the other box that it is not near to */
-} dem__edge_list;
-
-/* Lists the edges that end at a near corner. */
-static inline void dem__list_near_edges(const dem__side *side, dem__edge_list *list) {
-    list->n = 0;
-    for (int e = 0; e < side->shape->edges; e++) {
-        list->number[list->n] = (uint8_t)e;
-        list->n += dem__is_near_edge(side, e);
-    }
-}
-/* Finds the sides of a box at which its edges lie. */
-static inline void dem__find_sides(const dem__side *side, dem__edge_list *list) {
-    for (int m = 0; m < list->n; m++) {
-        const uint8_t *end = side->shape->edge[list->number[m]];
-        list->sides[m] = side->shape->is_box ? (uint8_t)(dem__sides_of(side->shape, end[0]) & dem__sides_of(side->shape, end[1])) : 0;
-    }
-}
-/* Keeps the edges of a list that can cross one of the other core. */
-static inline void dem__keep_edges(const dem__side *side, const dem__side *other, double radii, dem__edge_list *list) {
-    const dem__placed *frame = other->place;
-    dem__placed seen;
-    int kept = 0;
-    seen.x = dem__into_core(frame, dem__sub(side->place->x, frame->x));
-    for (int k = 0; k < 3; k++) seen.axis[k] = dem__into_core(frame, side->place->axis[k]);
-    for (int m = 0; m < list->n; m++) {
-        const uint8_t number = list->number[m];
-        list->number[kept] = number;
-        const unsigned sides = other->shape->is_box ? dem__sides_near(side, &seen, number, other->shape, radii) : 63u;
-        list->sides[kept] = (uint8_t)~sides;
-        kept += sides > 0;
-    }
-    list->n = kept;
-}
-
-/* Appends the points where edges cross to a list of n. Returns the new number. The core with fewer near edges is looked at first: if none
-   of these can cross one of the other core, nothing else is done. Edges are placed as soon as they are needed. */
-static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out, int n) {
-    const double radii = a->shape->radius + b->shape->radius, window = DEM__WINDOW * radii;
-    uint8_t is_placed[DEM_EDGES_MAX], other[DEM_EDGES_MAX];
-    dem__placed_edge p, edge[DEM_EDGES_MAX]; /* of a, and all of b: a second table would make the frame too large */
-    dem__edge_list of_a, of_b;
-    dem__list_near_edges(a, &of_a), dem__list_near_edges(b, &of_b);
-    const int a_first = of_a.n <= of_b.n;
-    dem__keep_edges(a_first ? a : b, a_first ? b : a, window, a_first ? &of_a : &of_b);
-    if (of_a.n == 0 || of_b.n == 0) return n;
-    dem__find_sides(a_first ? b : a, a_first ? &of_b : &of_a);
-    memset(is_placed, 0, (size_t)of_b.n);
-    for (int e = 0; e < of_a.n; e++) {
-        int others = 0;
-        for (int f = 0; f < of_b.n; f++) other[others] = (uint8_t)f, others += !(of_a.sides[e] & of_b.sides[f]);
-        if (others > 0) dem__place_edge(a, of_a.number[e], apart, &p);
-        for (int m = 0; m < others && n + 5 <= DEM__POINTS_MAX; m++) {
-            const int f = other[m];
-            if (!is_placed[f]) dem__place_edge(b, of_b.number[f], apart, &edge[f]);
-            is_placed[f] = 1;
-            const dem__placed_edge *q = &edge[f];
-            const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p.number * DEM_EDGES_MAX + q->number);
-            const dem_vec d = dem__sub(dem__plus(p.from, p.middle, p.along), dem__plus(q->from, q->middle, q->along));
-            const double far_off = p.half + q->half + window;
-            if (dem__dot(d, d) < far_off * far_off) n += dem__cross_edges(&p, q, radii, apart, key, &out[n]);
-        }
-    }
-    return n;
-}
-
-/* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. Returns their number. If a
-   core is a point, only its own corner counts; otherwise it would be counted twice. */
-static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec normal,
-                                   dem__convex_point *out) {
-    dem__side sa, sb;
-    const double radii = DEM__WINDOW * (a->radius + b->radius);
-    double low_a, high_a, low_b, high_b;
-    int n = 0;
-    sa.shape = a, sa.place = pa, sb.shape = b, sb.place = pb;
-    dem__find_heights(&sa, normal, &low_a, &high_a);
-    dem__find_heights(&sb, normal, &low_b, &high_b);
-    if (!(low_a - high_b < radii)) return 0;
-    dem__choose_corners(&sa, high_b + radii, 1.0);
-    dem__choose_corners(&sb, radii - low_a, -1.0);
-    if (b->corners > 1 || a->corners == 1) n = dem__find_corner_points(&sa, &sb, 0, out, n);
-    if (a->corners > 1) n = dem__find_corner_points(&sb, &sa, DEM_CORNERS_MAX, out, n);
-    return dem__find_edge_points(&sa, &sb, low_a > high_b, out, n);
-}
-
-/* ------------------------------------------------------------------------------------- >>convex_mesh */
-/* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. Relies on mesh.h for the tree and the sort. The
-   table is made once for each mesh, in a world with polyhedra.
-   May be changed here alone: what counts as flat. */
-
-#define DEM__FLAT_EDGE 1e-3 /* edges: sine of the angle of two triangles, up to which they are flat; corners: the same for two edges */
-
-/* Flags of entry `at`: of an edge, and of the corner at which it begins. */
-enum {
-    DEM__EDGE = 1,     /* a sharp edge, which protrudes on one side, or a rim */
-    DEM__RIM = 2,      /* edge of one triangle, or of more than two: can be touched from all around */
-    DEM__CORNER = 4,   /* the corner is sharp, and this is its entry */
-    DEM__FROM_END = 8, /* the edge begins at a sharp corner */
-    DEM__TO_END = 16   /* the edge ends at one */
-};
-
-/* Finds the first vertex at the same place for each vertex. */
-static inline void dem__weld_places(const dem__tree *t, int32_t *same, dem__keyed *items) {
-    for (int32_t v = 0; v < t->vertices; v++) {
-        const double x[3] = {t->vertex[v].x + 0.0, t->vertex[v].y + 0.0, t->vertex[v].z + 0.0}; /* no -0 */
-        uint64_t hash = 0, bits;
-        for (int a = 0; a < 3; a++) {
-            memcpy(&bits, &x[a], sizeof bits);
-            hash = (hash ^ bits ^ bits >> 29) * 0x9e3779b97f4a7c15u;
-        }
-        items[v].key = hash, items[v].index = v;
-    }
-    dem__sort_keyed(items, items + t->vertices, t->vertices);
-    for (int32_t k = 0; k < t->vertices; k++) {
-        const dem_vec p = t->vertex[items[k].index];
-        same[items[k].index] = items[k].index;
-        for (int32_t q = k - 1; q >= 0 && items[q].key == items[k].key; q--) {
-            const dem_vec other = t->vertex[items[q].index];
-            if (p.x == other.x && p.y == other.y && p.z == other.z) same[items[k].index] = same[items[q].index];
-        }
-    }
-}
-
-/* Finds the ends of edge `at`: edge at % 3 of triangle at / 3. */
-DEM_INLINE void dem__ends_of(const dem__tree *t, int32_t at, int32_t *from, int32_t *to) {
-    *from = t->corner[at], *to = t->corner[at % 3 < 2 ? at + 1 : at - 2];
-}
-/* Returns the direction from an edge into its triangle, perpendicular to the edge. */
-DEM_INLINE dem_vec dem__into_face(const dem__tree *t, int32_t at) {
-    int32_t from, to;
-    dem__ends_of(t, at, &from, &to);
-    const dem_vec along = dem__sub(t->vertex[to], t->vertex[from]);
-    return dem__scale(1.0 / dem__length(along), dem__cross(t->normal[at / 3], along));
-}
-
-/* Finds the sharp edges. */
-static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same, dem__keyed *items) {
-    const ptrdiff_t n = 3 * (ptrdiff_t)t->triangles;
-    for (int32_t at = 0; at < (int32_t)n; at++) {
-        int32_t from, to;
-        dem__ends_of(t, at, &from, &to);
-        const int32_t p = same[from], q = same[to];
-        items[at].key = (uint64_t)(uint32_t)(p < q ? p : q) << 32 | (uint32_t)(p < q ? q : p), items[at].index = at;
-    }
-    dem__sort_keyed(items, items + n, n);
-    for (ptrdiff_t k = 0, next; k < n; k = next) {
-        const int32_t at = items[k].index;
-        for (next = k + 1; next < n && items[next].key == items[k].key;) next++;
-        edges->kind[at] = next - k == 2 ? 0 : DEM__EDGE | DEM__RIM;
-        if (next - k != 2) continue;
-        const dem_vec in = dem__into_face(t, at), other = dem__into_face(t, items[k + 1].index), out = dem__add(in, other);
-        if (!(fabs(dem__dot(t->normal[at / 3], other)) > DEM__FLAT_EDGE)) continue;
-        edges->kind[at] = DEM__EDGE;
-        edges->outward[at] = dem__scale(-1.0, out);
-    }
-}
-
-/* Finds the sharp corners: ends of sharp edges, except where only two of these meet in one line. */
-static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same, dem__keyed *items) {
-    ptrdiff_t n = 0;
-    for (int32_t at = 0; at < 3 * t->triangles; at++) {
-        int32_t end[2];
-        if (!edges->kind[at]) continue;
-        dem__ends_of(t, at, &end[0], &end[1]);
-        for (int k = 0; k < 2; k++) items[n].key = (uint64_t)(uint32_t)same[end[k]], items[n++].index = 2 * at + k;
-    }
-    dem__sort_keyed(items, items + n, n);
-    for (ptrdiff_t k = 0, next; k < n; k = next) {
-        dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
-        int rims = 0;
-        for (next = k; next < n && items[next].key == items[k].key; next++) {
-            const int32_t at = items[next].index / 2;
-            int32_t end[2];
-            dem__ends_of(t, at, &end[0], &end[1]);
-            const int here = items[next].index % 2;
-            const dem_vec u = dem__sub(t->vertex[end[1 - here]], t->vertex[end[here]]);
-            sum = dem__plus(sum, -1.0 / dem__length(u), u);
-            rims |= edges->kind[at] & DEM__RIM;
-        }
-        if (next - k == 2 && !(dem__length(sum) > DEM__FLAT_EDGE)) continue;
-        for (ptrdiff_t q = k; q < next; q++) edges->kind[items[q].index / 2] |= items[q].index % 2 ? DEM__TO_END : DEM__FROM_END;
-        const int32_t at = items[k].index / 2, keeper = items[k].index % 2 == 0 ? at : at % 3 < 2 ? at + 1 : at - 2;
-        edges->kind[keeper] |= DEM__CORNER;
-        edges->tip[keeper] = rims ? dem_vec3(0.0, 0.0, 0.0) : sum;
-    }
-}
-
-/* Makes the table of a mesh that has none. Returns 0 when out of memory. */
-static inline int dem__make_mesh_edges(const dem_allocator *a, dem__tree *t) {
-    const size_t n = 3 * (size_t)t->triangles, v = (size_t)t->vertices, most = 2 * n > v ? 2 * n : v;
-    const size_t bytes = sizeof(dem__mesh_edges) + 2 * n * sizeof(dem_vec) + n;
-    const size_t scratch = 2 * most * sizeof(dem__keyed) + v * sizeof(int32_t);
-    if (t->edges) return 1;
-    dem__mesh_edges *edges = (dem__mesh_edges *)a->fn(a->user, NULL, 0, bytes);
-    dem__keyed *items = edges ? (dem__keyed *)a->fn(a->user, NULL, 0, scratch) : NULL;
-    if (!items) {
-        if (edges) a->fn(a->user, edges, bytes, 0);
-        return 0;
-    }
-    memset(edges, 0, bytes);
-    edges->bytes = bytes;
-    edges->outward = (dem_vec *)(void *)(edges + 1), edges->tip = edges->outward + n;
-    edges->kind = (uint8_t *)(void *)(edges->tip + n);
-    int32_t *same = (int32_t *)(void *)(items + 2 * most);
-    dem__weld_places(t, same, items);
-    dem__find_mesh_edges(t, edges, same, items);
-    dem__find_mesh_corners(t, edges, same, items);
-    a->fn(a->user, items, scratch, 0);
-    t->edges = edges;
-    return 1;
-}
-
-/* ------------------------------------------------------------------------------------ >>convex_walls */
-/* Contacts of a polyhedron with a wall: its corners are spheres, its edges capsules, and its faces touch the wall's own corners. Reads a
-   wall, a shape and its place. Promises: a point depends on these alone; forces are the gradient of a potential, as between polyhedra.
-   May be changed here alone: which features are tested; every point that touches is found. */
-
-/* A polyhedron at a wall, seen from its centre, and the points found so far. */
-typedef struct dem__at_wall {
-    const dem_wall *wall;
-    const dem_convex *shape;
-    dem_vec centre;   /* of the polyhedron */
-    dem__placed core; /* with x = 0 */
-    dem__placed_edge edge[DEM_EDGES_MAX];
-    int edges; /* length of the list; 0 until edges are needed */
-    int n;
-    dem__convex_point *out;
-} dem__at_wall;
-
-/* Keys of points: below 32, corners; then edges, five keys each; for a screen, the same again for each bar. */
-enum {
-    DEM__BAR_KEYS = DEM_CORNERS_MAX + 2 + 3 * 5 * DEM_EDGES_MAX,
-    DEM__BARS_FROM = 1 << 18,               /* added to the number of a bar, which may be negative */
-    DEM__MESH_PLACES = 54,                  /* directions of normals, for corners at a mesh */
-    DEM__MESH_KEYS = 1 + 5 * DEM_EDGES_MAX, /* of an edge of a mesh and its corner */
-    DEM__MESH_EDGES_MAX = (1 << 30) / DEM__MESH_KEYS,
-    DEM__RING_POINTS = 16, /* points of a cone's rim at which faces can touch it */
-    DEM__CROSSINGS_MAX = 4 /* of an edge with a cone, at most */
-};
-
-/* Returns the key of a corner at an element of a wall: a bar of a screen by its number, a place of a mesh by the direction of its normal in
-   the wall's frame. */
-static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
-    if (wall->kind == DEM_SCREEN) return corner + DEM__BAR_KEYS * (touch->element + DEM__BARS_FROM);
-    if (wall->kind != DEM_MESH) return corner;
-    const double n[3] = {dem__dot(touch->normal, wall->axis[0]), dem__dot(touch->normal, wall->axis[1]),
-                         dem__dot(touch->normal, wall->axis[2])};
-    int most = fabs(n[1]) > fabs(n[0]) ? 1 : 0;
-    most = fabs(n[2]) > fabs(n[most]) ? 2 : most;
-    int32_t place = 2 * most + (n[most] < 0.0);
-    for (int a = 1; a < 3; a++) {
-        const double over = n[(most + a) % 3] / fabs(n[most]);
-        place = 3 * place + (over < -0.41 ? 0 : over > 0.41 ? 2 : 1);
-    }
-    return corner + DEM_CORNERS_MAX * place;
-}
-
-/* Returns the element of a wall to which a key belongs. */
-DEM_INLINE int32_t dem__element_of_key(const dem_wall *wall, int32_t key) {
-    return wall->kind == DEM_SCREEN ? key / DEM__BAR_KEYS - DEM__BARS_FROM : 0;
-}
-
-/* Lists the edges of the polyhedron unless that is done. */
-static inline void dem__list_edges(dem__at_wall *q) {
-    dem__side side;
-    if (q->edges > 0) return;
-    memset(&side, 0, sizeof side);
-    side.shape = q->shape, side.place = &q->core, side.limit = HUGE_VAL, side.sign = 1.0;
-    for (int e = 0; e < q->shape->edges; e++) dem__place_edge(&side, e, 0, &q->edge[q->edges++]);
-}
-
-/* Sets an edge of a wall between two places, given from the polyhedron's centre. Returns 0 if it is too far away to touch. */
-DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec to, double radius, int ends, dem__placed_edge *e) {
-    const dem_vec u = dem__sub(to, from);
-    dem_vec n;
-    memset(e, 0, sizeof *e);
-    e->length = dem__length(u);
-    if (!(e->length > 0.0)) return 0;
-    e->from = from, e->along = dem__scale(1.0 / e->length, u), e->ends = ends;
-    return dem__from_edge(e, dem_vec3(0.0, 0.0, 0.0), &n) < q->shape->reach + radius;
-}
-
-/* Returns whether an edge of a wall lies wholly beyond a face of the core, by more than a distance. */
-static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_edge *e, double distance) {
-    const dem_vec from = dem__into_core(&q->core, e->from), to = dem__plus(from, e->length, dem__into_core(&q->core, e->along));
-    for (int f = 0; f < q->shape->faces; f++) {
-        const dem_vec n = dem__point(q->shape->plane[f]);
-        const double limit = q->shape->plane[f][3] + distance;
-        if (dem__dot(n, from) > limit && dem__dot(n, to) > limit) return 1;
-    }
-    return 0;
-}
-
-/* Adds the points of all edges of the polyhedron at an edge of a wall with a radius. sign: 1 or -1 takes only those whose normals are on
-   that side, 0 all. */
-static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge *e, double radius, int32_t key, dem_vec side, double sign) {
-    if (dem__is_beyond_face(q, e, DEM__WINDOW * (q->shape->radius + radius))) return;
-    dem__list_edges(q);
-    for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
-        const int n = dem__cross_edges(&q->edge[k], e, q->shape->radius + radius, !e->sided, key + 5 * q->edge[k].number, q->out + q->n);
-        if (n == 0) continue;
-        const double up = dem__dot(q->out[q->n].normal, side);
-        if (sign == 0.0 || (sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
-    }
-}
-
-/* Adds the point of a wall's corner, a sphere with a radius at x, at the polyhedron's core. tip: its outward direction; 0: it can be
-   touched from all sides. */
-static inline void dem__touch_wall_corner(dem__at_wall *q, dem_vec x, double radius, dem_vec tip, int32_t key) {
-    dem__convex_point *point = &q->out[q->n];
-    dem_vec n;
-    if (q->n == DEM__POINTS_MAX || !(dem__length(x) < q->shape->reach + radius)) return;
-    const double distance = dem__from_core(q->shape, &q->core, x, DEM__WINDOW * (radius + q->shape->radius), &n);
-    point->gap = distance - radius - q->shape->radius;
-    if (!(point->gap < 0.0) || dem__dot(n, tip) > 0.0) return;
-    point->key = key, point->taken = 0, point->weight = 1.0;
-    point->normal = dem__scale(-1.0, n), point->at = dem__plus(x, -distance, n);
-    q->n++;
-}
-
-/* Adds the points of the polyhedron's corners, which are spheres. */
-static inline void dem__touch_with_corners(dem__at_wall *q) {
-    dem__touch touch[DEM__TOUCHES];
-    double least;
-    for (int k = 0; k < q->shape->corners; k++) {
-        const dem_vec arm = dem__from_core_frame(&q->core, dem__point(q->shape->corner[k]));
-        const int found = dem__touch_wall(q->wall, dem__add(q->centre, arm), q->shape->radius, 0.0, touch, &least);
-        for (int m = 0; m < found && q->n < DEM__POINTS_MAX; m++) {
-            dem__convex_point *point = &q->out[q->n];
-            int is_new = touch[m].gap < 0.0;
-            point->key = dem__wall_key(q->wall, &touch[m], k), point->taken = 0;
-            point->normal = touch[m].normal, point->at = arm, point->gap = touch[m].gap, point->weight = 1.0;
-            for (int p = q->n - 1; p >= q->n - m && is_new && p >= 0; p--) is_new = q->out[p].key != point->key;
-            q->n += is_new;
-        }
-    }
-}
-
-/* Finds the ends of a bar's axis, from the screen's origin. Returns 0 if there is no such bar. */
-static inline int dem__bar_ends(const dem_wall *w, int family, double index, dem_vec end[2]) {
-    const double bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
-    dem_vec from;
-    if (dem__reach_bar(w, family, index, 0.0, bar, 0.0, &from) < 0.0) return 0;
-    const double reach = w->circular ? sqrt((w->half_x - bar) * (w->half_x + bar)) : length;
-    for (int k = 0; k < 2; k++) end[k] = dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0));
-    return 1;
-}
-/* Finds the first and the last bar of a family near a polyhedron at d from the screen's origin; reach: its own [m]. */
-DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double reach, double *first, double *last) {
-    const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]), half = family ? w->half_x : w->half_y;
-    const double low = dem__clamp(across - reach - 0.5 * w->wire, -half, half);
-    const double high = dem__clamp(across + reach + 0.5 * w->wire, -half, half);
-    *first = floor(low / pitch + 0.5), *last = floor(high / pitch + 0.5);
-}
-
-/* Adds the points of edges at a bar. A half-round bar is a capsule when touched from above, and two sharp edges when touched from below. */
-static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double index, dem_vec d) {
-    const dem_wall *w = q->wall;
-    const double half = 0.5 * w->wire;
-    const int32_t key = DEM__BAR_KEYS * (2 * (int32_t)index + family + DEM__BARS_FROM) + DEM_CORNERS_MAX;
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
-    dem__placed_edge e;
-    dem_vec end[2];
-    if (!dem__bar_ends(w, family, index, end)) return;
-    for (int k = 0; k < 2; k++) end[k] = dem__sub(end[k], d);
-    for (int k = 0; k < 2; k++) dem__touch_wall_corner(q, end[k], half, none, key + k);
-    if (!dem__set_wall_edge(q, end[0], end[1], half, 3, &e)) return;
-    dem__cross_wall_edge(q, &e, half, key + 2, w->axis[2], w->profile == DEM_ROUND ? 0.0 : 1.0);
-    for (int side = -1; side < 2 && w->profile != DEM_ROUND; side += 2) {
-        const dem_vec off = dem__scale(side * half, w->axis[1 - family]);
-        if (dem__set_wall_edge(q, dem__add(end[0], off), dem__add(end[1], off), 0.0, 0, &e))
-            dem__cross_wall_edge(q, &e, 0.0, key + 2 + 5 * DEM_EDGES_MAX * (side > 0 ? 2 : 1), w->axis[2], -1.0);
-    }
-}
-/* Adds the points of edges at all bars near the polyhedron. */
-static inline void dem__touch_screen_with_edges(dem__at_wall *q) {
-    const dem_wall *w = q->wall;
-    const dem_vec d = dem__sub(q->centre, w->position);
-    double first, last;
-    for (int family = 0; family < 2; family++) {
-        dem__bars_near(w, family, d, q->shape->reach, &first, &last);
-        for (double index = first; index <= last && q->n < DEM__POINTS_MAX; index += 1.0) dem__touch_bar_with_edges(q, family, index, d);
-    }
-}
-
-/* Adds the points of edges across the outside of a cylinder, whose axis has no ends. */
-static inline void dem__touch_cylinder_with_edges(dem__at_wall *q) {
-    const dem_wall *w = q->wall;
-    const dem_vec d = dem__sub(w->position, q->centre), foot = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
-    const double far_off = 4.0 * (q->shape->reach + w->radius);
-    dem__placed_edge e;
-    if (dem__set_wall_edge(q, dem__plus(foot, -far_off, w->axis[2]), dem__plus(foot, far_off, w->axis[2]), w->radius, 0, &e))
-        dem__cross_wall_edge(q, &e, w->radius, DEM_CORNERS_MAX, w->axis[2], 0.0);
-}
-
-/* Returns the key of an edge of a mesh. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the order of the tree. */
-DEM_INLINE int32_t dem__mesh_key(int32_t at) {
-    return DEM_CORNERS_MAX * DEM__MESH_PLACES + (int32_t)((int64_t)(at % DEM__MESH_EDGES_MAX) * DEM__MESH_KEYS);
-}
-
-/* Adds the points at the sharp edges and corners of a triangle. */
-static inline void dem__touch_triangle_with_edges(dem__at_wall *q, int32_t k, dem_vec d) {
-    const dem_wall *w = q->wall;
-    const dem__tree *t = w->tree;
-    dem__placed_edge e;
-    for (int32_t at = 3 * k; at < 3 * k + 3; at++) {
-        const int kind = t->edges->kind[at];
-        const int32_t key = dem__mesh_key(at);
-        if (!(kind & (DEM__EDGE | DEM__CORNER))) continue;
-        const dem_vec from = dem__sub(dem__from_frame(w, t->vertex[t->corner[at]]), d);
-        if (kind & DEM__CORNER) dem__touch_wall_corner(q, from, 0.0, dem__from_frame(w, t->edges->tip[at]), key);
-        if (!(kind & DEM__EDGE)) continue;
-        const dem_vec to = dem__sub(dem__from_frame(w, t->vertex[t->corner[at % 3 < 2 ? at + 1 : at - 2]]), d);
-        const int ends = (kind & DEM__FROM_END ? 1 : 0) | (kind & DEM__TO_END ? 2 : 0);
-        if (!dem__set_wall_edge(q, from, to, 0.0, ends, &e)) continue;
-        e.sided = !(kind & DEM__RIM), e.outward = dem__from_frame(w, t->edges->outward[at]);
-        dem__cross_wall_edge(q, &e, 0.0, key + 1, w->axis[2], 0.0);
-    }
-}
-/* Adds the points at all triangles near the polyhedron. */
-static inline void dem__touch_mesh_with_edges(dem__at_wall *q) {
-    const dem__tree *t = q->wall->tree;
-    const dem_vec d = dem__sub(q->centre, q->wall->position), p = dem__to_frame(q->wall, d);
-    if (!t->edges) return;
-    for (int32_t b = 0; b < t->nodes;) {
-        const dem__node *node = &t->node[b];
-        if (dem__is_far(node, p, q->shape->reach)) {
-            b = node->skip;
-            continue;
-        }
-        b++;
-        for (int32_t k = node->first; k < node->first + node->count; k++) dem__touch_triangle_with_edges(q, k, d);
-    }
-}
-
-/* Returns the touch of a cone with the sphere about the point at t of an edge. */
-DEM_INLINE dem__touch dem__touch_cone_along(const dem__at_wall *q, const dem__placed_edge *e, double t) {
-    dem__touch touch;
-    double least;
-    const dem_vec d = dem__sub(dem__add(q->centre, dem__plus(e->from, t, e->along)), q->wall->position);
-    touch.normal = q->wall->axis[2];
-    dem__touch_cone(q->wall, d, dem__dot(d, q->wall->axis[2]), q->shape->radius, HUGE_VAL, &touch, &least);
-    return touch;
-}
-
-/* Returns where an edge is nearest to a cone, between a place where it approaches and one where it recedes. */
-static inline double dem__nearest_between(const dem__at_wall *q, const dem__placed_edge *e, double low, double high) {
-    for (int k = 0; k < 50; k++) {
-        const double middle = 0.5 * (low + high);
-        if (dem__dot(dem__touch_cone_along(q, e, middle).normal, e->along) > 0.0) high = middle;
-        else low = middle;
-    }
-    return 0.5 * (low + high);
-}
-
-/* Finds the places at which an edge touches a cone between its ends, by steps along it: long ones where no contact is possible, otherwise
-   short ones. Returns their number. */
-static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_edge *e, double *at) {
-    const double step = 0.25 * q->shape->radius, least = 0.0625 * step;
-    dem__touch was = dem__touch_cone_along(q, e, 0.0);
-    int n = 0;
-    for (double t = 0.0; t < e->length && n < DEM__CROSSINGS_MAX;) {
-        const double ahead = was.gap <= 0.0    ? step
-                             : was.gap > least ? was.gap
-                                               : least,
-                     next = t + ahead < e->length ? t + ahead : e->length;
-        const dem__touch here = dem__touch_cone_along(q, e, next);
-        if (was.gap < least && dem__dot(was.normal, e->along) < 0.0 && dem__dot(here.normal, e->along) > 0.0)
-            at[n++] = dem__nearest_between(q, e, t, next);
-        t = next, was = here;
-    }
-    return n;
-}
-
-/* Adds the point of an edge at t with a cone, and the points of the edge's ends, with weights as for crossing edges. */
-static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, double t, int32_t key) {
-    dem__convex_point *point = &q->out[q->n];
-    double share[2], rest[2], left = 1.0;
-    int n = 1;
-    const dem__touch here = dem__touch_cone_along(q, e, t);
-    if (!(here.gap < 0.0) || q->n + 3 > DEM__POINTS_MAX) return;
-    for (int k = 0; k < 2; k++) {
-        const dem__touch end = dem__touch_cone_along(q, e, k ? e->length : 0.0);
-        share[k] = end.gap < 0.0 ? end.gap * end.gap / (here.gap * here.gap) : 0.0;
-        rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
-        left *= rest[k];
-        if (share[k] == 0.0) continue;
-        point[n].key = key + 1 + k, point[n].taken = 0, point[n].gap = end.gap, point[n].normal = end.normal;
-        point[n].at = dem__plus(e->from, k ? e->length : 0.0, e->along), point[n].weight = k;
-        n++;
-    }
-    if (!(left > 1e-10)) return;
-    point->key = key, point->taken = 0, point->gap = here.gap, point->normal = here.normal;
-    point->at = dem__plus(e->from, t, e->along), point->weight = left;
-    for (int k = 0; k < 2; k++) point->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) point[m].weight = -left / rest[(int)point[m].weight];
-    q->n += n;
-}
-
-/* Adds the points of edges at a cone and its rims, and of faces at points of the rims. */
-static inline void dem__touch_cone_with_edges(dem__at_wall *q) {
-    const dem_wall *w = q->wall;
-    const int32_t rings = DEM_CORNERS_MAX + 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX;
-    double at[DEM__CROSSINGS_MAX];
-    dem__list_edges(q);
-    for (int k = 0; k < q->edges; k++) {
-        const int n = dem__nearest_along(q, &q->edge[k], at);
-        for (int m = 0; m < n; m++)
-            dem__weigh_along(q, &q->edge[k], at[m], DEM_CORNERS_MAX + 3 * (DEM__CROSSINGS_MAX * q->edge[k].number + m));
-    }
-    for (int ring = 0; ring < 2; ring++) {
-        const double radius = ring ? w->high_radius : w->radius;
-        const dem_vec middle = dem__plus(dem__sub(w->position, q->centre), ring ? w->length : 0.0, w->axis[2]);
-        if (!(dem__length(middle) < radius + q->shape->reach)) continue;
-        for (int k = 0; k < (radius > 0.0 ? DEM__RING_POINTS : 1); k++) {
-            const dem_vec out = dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI / (double)DEM__RING_POINTS * (double)k);
-            dem__touch_wall_corner(q, dem__plus(middle, radius, out), 0.0, dem_vec3(0.0, 0.0, 0.0), rings + DEM__RING_POINTS * ring + k);
-        }
-    }
-}
-
-/* Finds the points of a polyhedron at a wall, both at the end of the step. Returns their number. */
-static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place, dem__convex_point *out) {
-    dem__touch touch[DEM__TOUCHES];
-    dem__at_wall q;
-    double least;
-    dem__touch_wall(wall, place->x, s->reach, 0.0, touch, &least);
-    if (!(least < 0.0)) return 0;
-    q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
-    q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);
-    if (wall->kind == DEM_SPHERE && !wall->inside) {
-        dem__touch_wall_corner(&q, dem__sub(wall->position, place->x), wall->radius, dem_vec3(0.0, 0.0, 0.0), 0);
-        return q.n;
-    }
-    dem__touch_with_corners(&q);
-    if (wall->kind == DEM_CYLINDER && !wall->inside) dem__touch_cylinder_with_edges(&q);
-    if (wall->kind == DEM_SCREEN) dem__touch_screen_with_edges(&q);
-    if (wall->kind == DEM_MESH) dem__touch_mesh_with_edges(&q);
-    if (wall->kind == DEM_CONE) dem__touch_cone_with_edges(&q);
-    return q.n;
-}
-
-/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that along the normal of
-   the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart in another direction. */
-static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t, int32_t k, double enough) {
-    const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
-    const double height = dem__dot(d, up);
-    double most = fabs(height) - dem__reach_along(s, core, dem__scale(height > 0.0 ? -1.0 : 1.0, up));
-    dem_vec corner[3];
-    if (most >= enough) return most;
-    for (int c = 0; c < 3; c++) corner[c] = dem__into_core(core, dem__sub(t->vertex[t->corner[3 * k + c]], core->x));
-    for (int f = 0; f < s->faces; f++) {
-        const dem_vec n = dem__point(s->plane[f]);
-        const double a = dem__dot(n, corner[0]), b = dem__dot(n, corner[1]), c = dem__dot(n, corner[2]);
-        const double lowest = a < b ? (a < c ? a : c) : b < c ? b : c, apart = lowest - s->plane[f][3];
-        most = apart > most ? apart : most;
-    }
-    return most;
-}
-
-/* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: of the core. */
-static inline double dem__clear_of_mesh(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
-    const dem__tree *t = wall->tree;
-    dem__placed core;
-    double least = s->reach;
-    core.x = dem__to_frame(wall, dem__sub(place->x, wall->position));
-    for (int k = 0; k < 3; k++) core.axis[k] = dem__to_frame(wall, place->axis[k]);
-    for (int32_t b = 0; b < t->nodes && least > 0.0;) {
-        const dem__node *node = &t->node[b];
-        if (dem__is_far(node, core.x, s->reach + least)) {
-            b = node->skip;
-            continue;
-        }
-        b++;
-        for (int32_t k = node->first; k < node->first + node->count; k++) {
-            const double apart = dem__apart_from_triangle(s, &core, t, k, least);
-            least = apart < least ? apart : least;
-        }
-    }
-    return least;
-}
-
-/* Returns a lower limit of the gap between a polyhedron that touches nothing and a wall [m]; 0 if none is known. */
-static inline double dem__clear_of_wall(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
-    dem__touch touch[DEM__TOUCHES];
-    double least = HUGE_VAL, gap;
-    if (wall->kind == DEM_MESH) return dem__clear_of_mesh(wall, s, place) - s->radius;
-    if (wall->kind != DEM_PLANE && !(wall->inside && (wall->kind == DEM_CYLINDER || wall->kind == DEM_SPHERE))) return 0.0;
-    for (int k = 0; k < s->corners; k++) { /* nothing of it is nearer than a corner */
-        dem__touch_wall(wall, dem__corner_at(s, place, k), s->radius, 0.0, touch, &gap);
-        least = gap < least ? gap : least;
-    }
-    return least;
-}
-
-/* ---- walls that cut a core ---- */
-
-/* Returns whether the line from p to q passes through a triangle. */
-static inline int dem__passes_triangle(dem_vec p, dem_vec q, dem_vec a, dem_vec b, dem_vec c) {
-    const dem_vec n = dem__cross(dem__sub(b, a), dem__sub(c, a)), u = dem__sub(q, p);
-    const dem_vec pa = dem__sub(a, p), pb = dem__sub(b, p), pc = dem__sub(c, p);
-    if (!(dem__dot(n, pa) * dem__dot(n, dem__sub(a, q)) < 0.0)) return 0;
-    const double ab = dem__dot(u, dem__cross(pa, pb)), bc = dem__dot(u, dem__cross(pb, pc)), ca = dem__dot(u, dem__cross(pc, pa));
-    return (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
-}
-/* Returns whether the line from p to q, given from a cone's lower end, passes through the cone. */
-static inline int dem__passes_cone(const dem_wall *w, dem_vec p, dem_vec q) {
-    const dem_vec u = dem__sub(q, p);
-    const double slope = (w->high_radius - w->radius) / w->length, z = dem__dot(p, w->axis[2]), along = dem__dot(u, w->axis[2]);
-    const double r = w->radius + slope * z, dr = slope * along; /* radius of the cone at p, and its change to q */
-    const double a = dem__dot(u, u) - along * along - dr * dr, b = dem__dot(p, u) - z * along - r * dr;
-    const double c = dem__dot(p, p) - z * z - r * r, root = sqrt(b * b > a * c ? b * b - a * c : 0.0);
-    const double t[2] = {b > 0.0 ? c / (-b - root) : (root - b) / a, b > 0.0 ? (-b - root) / a : c / (root - b)};
-    if (b * b < a * c) return 0;
-    for (int k = 0; k < 2; k++) {
-        if (t[k] >= 0.0 && t[k] <= 1.0 && z + t[k] * along >= 0.0 && z + t[k] * along <= w->length && r + t[k] * dr >= 0.0) return 1;
-    }
-    return 0;
-}
-/* Returns whether an edge of a core, whose corners are given in a mesh's frame, passes through the mesh. */
-static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s, const dem_vec *corner, dem_vec centre) {
-    for (int32_t b = 0; b < t->nodes;) {
-        const dem__node *node = &t->node[b];
-        if (dem__is_far(node, centre, s->reach)) {
-            b = node->skip;
-            continue;
-        }
-        b++;
-        for (int32_t k = 3 * node->first; k < 3 * (node->first + node->count); k += 3) {
-            const dem_vec *v = t->vertex;
-            const int32_t *c = t->corner + k;
-            for (int e = 0; e < s->edges; e++) {
-                if (dem__passes_triangle(corner[s->edge[e][0]], corner[s->edge[e][1]], v[c[0]], v[c[1]], v[c[2]])) return 1;
-            }
-        }
-    }
-    return 0;
-}
-/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
-static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
-    double low = 0.0, high = 1.0;
-    for (int f = 0; f < s->faces; f++) {
-        const dem_vec n = dem__point(s->plane[f]);
-        const double from = dem__dot(n, p) - s->plane[f][3], to = dem__dot(n, q) - s->plane[f][3];
-        if (from >= 0.0 && to >= 0.0) return 0;
-        if (from > 0.0 && from / (from - to) > low) low = from / (from - to);
-        if (to > 0.0 && from / (from - to) < high) high = from / (from - to);
-    }
-    return low < high;
-}
-static inline int dem__core_passes_screen(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
-    const dem_vec d = dem__sub(place->x, w->position);
-    double first, last;
-    dem_vec end[2];
-    for (int family = 0; family < 2; family++) {
-        dem__bars_near(w, family, d, s->reach, &first, &last);
-        for (double index = first; index <= last; index += 1.0) {
-            if (!dem__bar_ends(w, family, index, end)) continue;
-            for (int k = 0; k < 2; k++) end[k] = dem__into_core(place, dem__sub(end[k], d));
-            if (dem__core_holds_line(s, end[0], end[1])) return 1;
-        }
-    }
-    return 0;
-}
-/* Returns whether a core has passed into a sheet, a mesh or a cone, or into the axis of a bar: beyond them its corners touch nothing. */
-static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
-    dem_vec corner[DEM_CORNERS_MAX];
-    if (w->kind == DEM_SCREEN) return dem__core_passes_screen(w, s, place);
-    for (int k = 0; k < s->corners; k++) corner[k] = dem__sub(dem__corner_at(s, place, k), w->position);
-    for (int e = 0; e < s->edges && w->kind == DEM_CONE; e++) {
-        if (dem__passes_cone(w, corner[s->edge[e][0]], corner[s->edge[e][1]])) return 1;
-    }
-    if (w->kind != DEM_MESH) return 0;
-    for (int k = 0; k < s->corners; k++) corner[k] = dem__to_frame(w, corner[k]);
-    return dem__core_passes_mesh(w->tree, s, corner, dem__to_frame(w, dem__sub(place->x, w->position)));
-}
-
-/* ------------------------------------------------------------------------------------ >>convex_idle */
-/* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that cannot touch for some steps. Reads bodies and walls; writes pairs.
-   Promises: a pair is left alone only while both of its bodies fly on, and cannot touch in that time.
-   May be changed here alone: for how long a pair is left alone; never longer. */
-
-/* Returns whether particle i still is in the flight that began at a step. */
-DEM_INLINE int dem__flies_on(const dem_world *w, ptrdiff_t i, int64_t origin) {
-    return w->engine->bodies.activity[i] == DEM__FLYING && w->particle[i].origin == origin;
-}
-/* Returns whether a pair cannot touch at a step. */
-DEM_INLINE int dem__is_idle(const dem_world *w, const dem__convex_pair *p, int64_t step) {
-    if (p->idle_until <= step || !dem__flies_on(w, p->i, p->origin[0])) return 0;
-    if (p->j >= 0) return dem__flies_on(w, p->j, p->origin[1]);
-    const dem_wall *wall = &w->wall[-1 - p->j];
-    return wall->speed_bound <= p->speed && wall->spin_bound <= p->spin;
-}
-
-/* Lets a pair be idle for some steps from a step on. */
-DEM_INLINE void dem__leave_alone(const dem_world *w, dem__convex_pair *p, int64_t step, int steps) {
-    p->idle_until = step + steps;
-    p->origin[0] = w->particle[p->i].origin;
-    if (p->j >= 0) p->origin[1] = w->particle[p->j].origin;
-}
-
-/* Returns whether particle i moves on a parabola until it touches something. Polyhedra have no links. */
-DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
-    return w->engine->bodies.activity[i] == DEM__FLYING && !(w->engine->links.on && !dem__shape_of(w, i));
-}
-/* Returns how fast particle i turns about the centre of its clump, at most [m/s]. */
-DEM_INLINE double dem__swing_of(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
-    return r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
-}
-/* Returns how fast the surface of particle i, or a clump's sphere, moves relative to the centre of its body, at most [m/s]. */
-DEM_INLINE double dem__stir_of(const dem_world *w, ptrdiff_t i) {
-    const dem_convex *s = dem__shape_of(w, i);
-    return s ? w->engine->bodies.calls->swing(dem__rigid_of(w, i), s->reach) : dem__swing_of(w, i);
-}
-/* Returns the time from the origin step of particle i to a step [s]. */
-DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step) {
-    return (double)(step - w->particle[i].origin) * w->engine->run.dt;
-}
-/* Returns the centre of particle i at a step. That of a polyhedron that flies needs no orientation; others have been placed. */
-DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step) {
-    const double tau = dem__flown_until(w, i, step);
-    if (!dem__shape_of(w, i)) return dem__at(w, i, tau);
-    return w->engine->bodies.activity[i] == DEM__FLYING ? dem__centre_at(w, i, tau) : w->engine->convex.place[i].x;
-}
-
-/* Returns whether two particles may be left alone: both fly. */
-DEM_INLINE int dem__may_rest(const dem_world *w, const dem__convex_pair *p) {
-    return (w->def.skip & DEM_SKIP_PAIRS) && dem__is_in_flight(w, p->i) && dem__is_in_flight(w, p->j);
-}
-/* Returns the velocity of particle i relative to j, of their centres [m/s]. */
-DEM_INLINE dem_vec dem__drift_between(const dem_world *w, const dem__convex_pair *p, int64_t step) {
-    return dem__sub(dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)), dem__drift_at(w, p->j, dem__flown_until(w, p->j, step)));
-}
-/* Returns how fast their relative velocity changes [m/s2]. */
-DEM_INLINE double dem__pull_between(const dem_world *w, const dem__convex_pair *p) {
-    return dem__length(dem__sub(dem__centre_pull(w, p->i), dem__centre_pull(w, p->j)));
-}
-
-/* Finds whether the spheres around two particles touch at a step. If not, and both fly, the pair is left alone. */
-static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p, int64_t step) {
-    const double slack = 2.0 * w->engine->pairs.position_tolerance;
-    const double reach = w->particle[p->i].radius + w->particle[p->j].radius + slack;
-    const dem_vec d = dem__nearest_image(w, dem__sub(dem__centre_in(w, p->i, step), dem__centre_in(w, p->j, step)));
-    p->is_close = dem__dot(d, d) < reach * reach;
-    if (p->is_close || !dem__may_rest(w, p)) return;
-    const double speed = dem__length(dem__drift_between(w, p, step)) + dem__swing_of(w, p->i) + dem__swing_of(w, p->j);
-    dem__leave_alone(w, p, step, dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, dem__pull_between(w, p))));
-}
-
-/* Returns a lower limit of the distance to the images of j that are not the nearest one of i, which is at d from j [m]. */
-DEM_INLINE double dem__far_images(const dem_world *w, dem_vec d) {
-    double least = HUGE_VAL;
-    for (int a = 0; a < 3; a++) {
-        const double length = dem_axis(w->def.high, a) - dem_axis(w->def.low, a) - fabs(dem_axis(d, a));
-        if (w->def.periodic[a] && length < least) least = length;
-    }
-    return least;
-}
-
-/* Leaves two particles alone, if both fly, that do not touch although the spheres around them do. d: from j to i; gap: between their
-   surfaces along n, a direction from j to i, in which nothing of them is nearer. */
-static inline void dem__rest_apart(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec d, double gap, dem_vec n) {
-    const double slack = 2.0 * w->engine->pairs.position_tolerance;
-    if (!(gap > slack) || !dem__may_rest(w, p)) return;
-    const dem_vec v = dem__drift_between(w, p, step);
-    const double stir = dem__stir_of(w, p->i) + dem__stir_of(w, p->j), pull = dem__pull_between(w, p);
-    const double others = dem__far_images(w, d) - w->particle[p->i].radius - w->particle[p->j].radius;
-    const double soonest = dem__time_to_close(gap - slack, stir - dem__dot(n, v), pull),
-                 other = dem__time_to_cover(others - slack, dem__length(v) + stir, pull);
-    dem__leave_alone(w, p, step, dem__steps_until(w, other < soonest ? other : soonest));
-    p->is_close = 0;
-}
-
-/* How a particle moves in the frame of a wall. */
-typedef struct dem__approach {
-    double speed, pull; /* speed now [m/s]; limit of its change [m/s2] */
-    int most;           /* number of steps for which they hold */
-} dem__approach;
-/* Returns this for a particle at x with velocity v and acceleration a. */
-static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall *wall, dem_vec x, dem_vec v, dem_vec a) {
-    const double turn = DEM__RETEST_STEPS * w->engine->run.dt;
-    dem__approach q;
-    q.speed = dem__length(v) + wall->speed_bound, q.pull = dem__length(a), q.most = DEM__STEPS_MAX;
-    if (!(wall->spin_bound > 0.0)) return q;
-    q.most = DEM__RETEST_STEPS;
-    if (wall->asked.drive == DEM_KINEMATIC && wall->speed_bound == 0.0 && wall->spin_bound * turn < 0.02) { /* it turns evenly */
-        const dem_vec arm = dem__sub(x, wall->asked.spin_centre), spin = dem__scale(wall->spin, wall->spin_axis);
-        const double bound = wall->spin_bound;
-        q.speed = dem__length(dem__sub(v, dem__cross(spin, arm)));
-        q.pull = 1.05 * (q.pull + bound * (bound * dem__length(arm) + 2.02 * q.speed)); /* with what they gain meanwhile, 5 % at most */
-        return q;
-    }
-    const double out = turn * (q.speed + turn * q.pull); /* as in dem__test_wall */
-    q.speed += wall->spin_bound * (dem__arm(wall, x) + out);
-    return q;
-}
-
-/* Returns whether particle i may be left alone at walls. */
-DEM_INLINE int dem__may_rest_at_wall(const dem_world *w, ptrdiff_t i) { return (w->def.skip & DEM_SKIP_SPACE) && dem__is_in_flight(w, i); }
-
-/* Leaves a particle at x alone that flies and has a gap to a wall. reach: of what turns with it, 0 for the sphere around it [m]. */
-static inline void dem__rest_from_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec x, double gap, double reach) {
-    const dem_wall *wall = &w->wall[-1 - p->j];
-    const double slack = w->engine->pairs.position_tolerance;
-    if (!(gap > slack)) return;
-    const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
-    const dem_vec v = dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)), a = dem__centre_pull(w, p->i);
-    const dem__approach q = dem__approach_to(w, wall, x, v, a);
-    const double stir = reach > 0.0 ? w->engine->bodies.calls->swing(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound : 0.0;
-    const double touch = dem__time_to_cover(gap - slack, q.speed + stir, q.pull),
-                 cross = dem__time_to_cover(crossing - slack, dem__length(v), dem__length(a));
-    const int steps = dem__steps_until(w, cross < touch ? cross : touch);
-    p->speed = wall->speed_bound, p->spin = wall->spin_bound;
-    dem__leave_alone(w, p, step, steps < q.most ? steps : q.most);
-    p->is_close = 0;
-}
-
-/* Finds whether the sphere around a particle touches a wall, which has been moved to the step. If not, and it flies, it is left alone. */
-static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step) {
-    const int may_rest = dem__may_rest_at_wall(w, p->i);
-    const dem_vec x = dem__in_box(w, dem__centre_in(w, p->i, step));
-    dem__touch touch[DEM__TOUCHES];
-    double least;
-    p->is_close = 0;
-    if (!dem__is_at_wall(w, p->i, -1 - p->j)) return;
-    const double slack = w->engine->pairs.position_tolerance;
-    dem__touch_wall(&w->wall[-1 - p->j], x, w->particle[p->i].radius, may_rest ? w->engine->pairs.wall_reach : slack, touch, &least);
-    p->is_close = least < slack;
-    if (!p->is_close && may_rest) dem__rest_from_wall(w, p, step, x, least, 0.0);
-}
-
-/* ----------------------------------------------------------------------------------- >>convex_pairs */
-/* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin and end. Reads bodies,
-   walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact depends on its own pair and step alone,
-   never on earlier tests or on threads. A contact of pair q has near = -2 - q.
-   May be changed here alone: which pairs are tested, and when; every point that touches is found. */
-
-/* Places a polyhedron at a step. */
-static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    const dem__posture p = dem__posture_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
-    const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
-    dem__placed *place = &w->engine->convex.place[i];
-    place->x = dem__in_box(w, p.x);
-    place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn), place->axis[2] = dem__third_axis(turn);
-}
-/* Places those among particles first .. end-1 that take steps. */
-static inline void dem__place_active(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    (void)part;
-    for (ptrdiff_t i = first; i < end; i++) {
-        if (w->alive[i] && w->engine->bodies.activity[i] != DEM__FLYING && dem__shape_of(w, i))
-            dem__place_polyhedron(w, i, *(const int64_t *)context);
-    }
-}
-/* Places those among particles first .. end-1 that fly and are marked in scratch.index. */
-static inline void dem__place_flying(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    (void)part;
-    for (ptrdiff_t i = first; i < end; i++) {
-        if (w->engine->scratch.index[i] && w->engine->bodies.activity[i] == DEM__FLYING && dem__shape_of(w, i))
-            dem__place_polyhedron(w, i, *(const int64_t *)context);
-    }
-}
-
-/* ---- pairs that are close ---- */
-
-/* Finds which of pairs first .. end-1 are close at a step. */
-static inline void dem__find_close(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const int64_t step = *(const int64_t *)context;
-    (void)part;
-    for (ptrdiff_t k = first; k < end; k++) { /* by number: there may be no pairs, and no array */
-        dem__convex_pair *p = &w->engine->convex.pair[k];
-        if (dem__is_idle(w, p, step)) continue;
-        p->is_close = p->count = 0, p->idle_until = 0;
-        if (!w->alive[p->i] || (p->j >= 0 && !w->alive[p->j])) continue;
-        if (p->j < 0) dem__look_at_wall(w, p, step);
-        else dem__look_at_spheres(w, p, step);
-    }
-}
-
-/* Finds the pairs that are close at a step, and places their polyhedra. */
-static inline void dem__place_close(dem_world *w, int64_t step) {
-    dem__convex_state *convex = &w->engine->convex;
-    const int parts = dem__parts(w, w->count);
-    int32_t *marked = w->engine->scratch.index;
-    dem__in_parts(w, parts, w->count, dem__place_active, &step);
-    dem__in_parts(w, dem__parts(w, convex->pairs), convex->pairs, dem__find_close, &step);
-    if (w->engine->bodies.active_count == w->count - w->engine->bodies.dropped) return; /* none flies */
-    for (ptrdiff_t i = 0; i < w->count; i++) marked[i] = 0;
-    for (ptrdiff_t k = 0; k < convex->pairs; k++) {
-        const dem__convex_pair *p = &convex->pair[k];
-        if (!p->is_close) continue;
-        marked[p->i] = 1;
-        if (p->j >= 0) marked[p->j] = 1;
-    }
-    dem__in_parts(w, parts, w->count, dem__place_flying, &step);
-}
-
-/* ---- points ---- */
-
-/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch: then only its gap and normal
-   are set. sphere_first: the sphere is a, the polyhedron b. */
-static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius, int sphere_first,
-                                        dem__convex_point *out) {
-    dem_vec n;
-    const double distance = dem__from_core(s, place, x, HUGE_VAL, &n);
-    out->gap = distance - radius - s->radius;
-    out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
-    if (!(out->gap < 0.0)) return 0;
-    out->key = out->taken = 0, out->weight = 1.0;
-    out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
-    return 1;
-}
-
-/* Finds the points of two particles; `at` is measured from the centre of i. Returns their number. */
-static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out, int64_t *overlaps) {
-    const dem_convex *a = dem__shape_of(w, p->i), *b = dem__shape_of(w, p->j);
-    const dem__convex_state *convex = &w->engine->convex;
-    const dem_particle *particle = w->particle;
-    const double dt = w->engine->run.dt, reach = particle[p->i].radius + particle[p->j].radius;
-    const dem_vec xi = a ? convex->place[p->i].x : dem__at(w, p->i, (double)(step - particle[p->i].origin) * dt);
-    const dem_vec xj = b ? convex->place[p->j].x : dem__at(w, p->j, (double)(step - particle[p->j].origin) * dt);
-    const dem_vec d = dem__nearest_image(w, dem__sub(xi, xj));
-    if (!(dem__dot(d, d) < reach * reach)) return 0;
-    dem__placed pa = convex->place[p->i], pb = convex->place[p->j];
-    pa.x = pb.x = dem_vec3(0.0, 0.0, 0.0);
-    if (!a || !b) {
-        const double radius = particle[a ? p->j : p->i].radius;
-        const int n =
-            a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out) : dem__points_of_sphere(b, &pb, d, radius, 1, out);
-        *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
-        if (n == 0) dem__rest_apart(w, p, step, d, out->gap, out->normal);
-        return n;
-    }
-    const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
-    pb.x = dem__scale(-1.0, d);
-    /* A direction only decides which features are tested. That of an earlier step can be used as long as the cores are nearly as far apart
-       along it. */
-    double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
-    if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
-    if (!(apart > good)) {
-        dem__gap_of_cores gap;
-        dem__find_gap(a, &pa, b, &pb, DEM__WINDOW * radii, &p->cache, &gap);
-        *overlaps += gap.overlap;
-        apart = gap.separation, p->axis = gap.normal;
-    }
-    const int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
-    if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
-    return n;
-}
-
-/* Finds the points of a particle at a wall, both at the end of the step. Returns their number. */
-static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out) {
-    const dem_wall *wall = &w->wall[-1 - p->j];
-    const dem_convex *s = dem__shape_of(w, p->i);
-    const dem__placed *place = &w->engine->convex.place[p->i];
-    const int n = dem__touch_with_polyhedron(wall, s, place, out);
-    if (n == 0 && dem__may_rest_at_wall(w, p->i)) dem__rest_from_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
-    return n;
-}
-
-/* A test of all pairs by several threads, each of which has a share of the points. */
-typedef struct dem__convex_look {
-    int64_t step, overlaps[DEM__PARTS_MAX];
-    ptrdiff_t share;
-    int full[DEM__PARTS_MAX];
-} dem__convex_look;
-/* Finds the points of pairs first .. end-1 at a step. look->full: this part has no room for them. */
-static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    dem__convex_look *look = (dem__convex_look *)context;
-    dem__convex_state *convex = &w->engine->convex;
-    ptrdiff_t at = look->share * part;
-    const ptrdiff_t limit = at + look->share;
-    look->overlaps[part] = look->full[part] = 0;
-    for (ptrdiff_t q = first; q < end; q++) {
-        dem__convex_pair *p = &convex->pair[q];
-        if (!p->is_close) continue;
-        p->first = (int32_t)at;
-        if (limit - at < DEM__POINTS_MAX) {
-            look->full[part] = 1;
-            return;
-        }
-        if (p->j < 0) p->count = dem__points_at_wall(w, p, look->step, convex->point + at);
-        else p->count = dem__points_of_pair(w, p, look->step, convex->point + at, &look->overlaps[part]);
-        at += p->count;
-    }
-}
-
-/* Makes room for `wanted` points; their contents are lost. Returns 0 when out of memory. */
-static inline int dem__grow_points(dem_world *w, ptrdiff_t wanted) {
-    dem__convex_state *convex = &w->engine->convex;
-    const dem_allocator *a = &w->def.allocator;
-    if (wanted <= convex->point_capacity) return 1;
-    if (wanted > INT32_MAX / 2) return 0;
-    dem__convex_point *fresh = (dem__convex_point *)a->fn(a->user, NULL, 0, (size_t)wanted * sizeof *fresh);
-    if (!fresh) return 0;
-    dem__release(a, convex->point, (size_t)convex->point_capacity * sizeof *fresh);
-    convex->point = fresh, convex->point_capacity = wanted;
-    return 1;
-}
-
-/* Finds the points of all pairs at a step. Returns 0 when out of memory. */
-static inline int dem__find_convex_points(dem_world *w, int64_t step) {
-    dem__convex_state *convex = &w->engine->convex;
-    const int parts = dem__parts(w, convex->pairs);
-    dem__convex_look look;
-    int full = 1;
-    look.step = step;
-    dem__place_close(w, step);
-    if (!dem__grow_points(w, 2 * (w->engine->contacts.count + DEM__POINTS_MAX * (ptrdiff_t)parts))) return 0;
-    while (full) {
-        full = 0;
-        look.share = convex->point_capacity / parts;
-        dem__in_parts(w, parts, convex->pairs, dem__look_at_polyhedra, &look);
-        for (int q = 0; q < parts; q++) full |= look.full[q];
-        if (full && !dem__grow_points(w, 2 * convex->point_capacity)) return 0;
-    }
-    convex->overlaps = 0;
-    for (int q = 0; q < parts; q++) convex->overlaps += look.overlaps[q];
-    return 1;
-}
-
-DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
-    double *const *place = w->engine->contacts.touch;
-    dem__set_place_vec(w, DEM__PLACE_NORMAL, c, p->normal);
-    dem__set_place_vec(w, DEM__PLACE_ARM, c, p->at);
-    place[DEM__PLACE_GAP][c] = p->gap, place[DEM__PLACE_WEIGHT][c] = p->weight;
-}
-
-/* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall, which the contact
-   keeps. */
-static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
-    dem__touch touch;
-    touch.curvature = 0.0;
-    if (j < 0 && w->wall[-1 - j].kind != DEM_MESH) {
-        const dem_wall *wall = &w->wall[-1 - j];
-        dem__touch_element(wall, dem__add(w->engine->convex.place[i].x, p->at), dem__touching_radius(w, i),
-                           dem__element_of_key(wall, p->key), &touch);
-    }
-    dem__set_place(w, c, p);
-    contacts->touch[DEM__PLACE_CURVATURE][c] = touch.curvature;
-    dem__set_place_vec(w, DEM__PLACE_BEFORE, c, p->normal);
-}
-
-/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap above 0, and so
-   ends. */
-static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    dem__contacts *contacts = &w->engine->contacts;
-    (void)part, (void)context;
-    for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
-        for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
-            if (!dem__is_convex_contact(w, c)) continue;
-            const dem__convex_pair *p = &w->engine->convex.pair[-2 - contacts->near[c]];
-            dem__convex_point *point = w->engine->convex.point + p->first, *stop = point + p->count;
-            dem__set_place_vec(w, DEM__PLACE_BEFORE, c, dem__place_normal(w, c));
-            while (point < stop && point->key != contacts->element[c]) point++;
-            if (point < stop) {
-                dem__set_place(w, c, point);
-                point->taken = 1;
-            } else contacts->touch[DEM__PLACE_GAP][c] = w->particle[p->i].radius;
-        }
-    }
-}
-
-/* Moves the contacts of polyhedra to a step to which the walls have been moved, and begins new ones. */
-static inline void dem__follow_polyhedra(dem_world *w, int64_t step) {
-    dem__convex_state *convex = &w->engine->convex;
-    dem__contacts *contacts = &w->engine->contacts;
-    if (!dem__find_convex_points(w, step)) {
-        w->status = DEM_OUT_OF_MEMORY;
-        return;
-    }
-    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count, dem__follow_points, NULL);
-    for (ptrdiff_t q = 0; q < convex->pairs; q++) {
-        const dem__convex_pair *p = &convex->pair[q];
-        for (const dem__convex_point *point = convex->point + p->first; point < convex->point + p->first + p->count; point++) {
-            if (point->taken) continue;
-            if (!dem__new_contact(w, p->i, p->j, point->key, (int32_t)(-2 - q))) return;
-            dem__set_first_place(w, dem__next_slot(w) - 1, point);
-        }
-    }
-}
-
-/* Returns the pair of particle i with j, or with wall -1 - j; -1 if it is not listed. */
-static inline ptrdiff_t dem__convex_pair_of(const dem_world *w, int32_t i, int32_t j) {
-    const dem__convex_state *convex = &w->engine->convex;
-    const int32_t near_pair = j < 0 ? -1 : dem__near_pair(w, i, j);
-    ptrdiff_t low = j < 0 ? convex->of_particles : 0, high = j < 0 ? convex->pairs : convex->of_particles;
-    if (j >= 0 && near_pair < 0) return -1;
-    while (low < high) {
-        const ptrdiff_t middle = (low + high) / 2;
-        const dem__convex_pair *p = &convex->pair[middle];
-        const int before = j >= 0 ? p->near < near_pair : p->i != i ? p->i < i : -1 - p->j < -1 - j;
-        if (before) low = middle + 1;
-        else high = middle;
-    }
-    const dem__convex_pair *p = &convex->pair[low];
-    return low < (j < 0 ? convex->pairs : convex->of_particles) && p->i == i && p->j == j ? low : -1;
-}
-
-/* Lists the pairs, or with pair == NULL counts them. Returns their number. */
-static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pair *pair, ptrdiff_t *of_particles) {
-    ptrdiff_t n = 0;
-    dem__convex_pair p;
-    memset(&p, 0, sizeof p);
-    for (ptrdiff_t k = 0; k < w->engine->pairs.count; k++) {
-        const dem__near *q = &w->engine->pairs.near[k];
-        if (!dem__shape_of(w, q->i) && !dem__shape_of(w, q->j)) continue;
-        p.i = q->i, p.j = q->j, p.near = (int32_t)k;
-        if (pair) pair[n] = p, dem__stop_timer(&w->engine->pairs.timers, (int32_t)k);
-        n++;
-    }
-    *of_particles = n;
-    for (int32_t i = 0; i < (int32_t)w->count; i++) {
-        for (int k = 0; k < w->walls && w->alive[i] && dem__shape_of(w, i) && !dem__is_fixed(w, i); k++) {
-            if (w->wall[k].kind == DEM_EXIT) continue;
-            p.i = i, p.j = -1 - k, p.near = -1;
-            if (pair) pair[n] = p;
-            n++;
-        }
-    }
-    return n;
-}
-
-/* Lists the pairs anew, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of memory. */
-static inline int dem__list_convex_pairs(dem_world *w) {
-    dem__convex_state *convex = &w->engine->convex;
-    dem__contacts *contacts = &w->engine->contacts;
-    const dem_allocator *a = &w->def.allocator;
-    const ptrdiff_t n = dem__put_convex_pairs(w, NULL, &convex->of_particles);
-    for (int k = 0; k < w->walls; k++) {
-        if (w->wall[k].kind == DEM_MESH && !dem__make_mesh_edges(a, w->wall[k].tree)) return 0;
-    }
-    if (n > INT32_MAX / 2) return 0;
-    if (n > convex->pair_capacity) {
-        const ptrdiff_t larger = n + n / 4 + 64;
-        dem__convex_pair *fresh = (dem__convex_pair *)a->fn(a->user, NULL, 0, (size_t)larger * sizeof *fresh);
-        if (!fresh) return 0;
-        dem__release(a, convex->pair, (size_t)convex->pair_capacity * sizeof *fresh);
-        convex->pair = fresh, convex->pair_capacity = larger;
-    }
-    convex->pairs = dem__put_convex_pairs(w, convex->pair, &convex->of_particles);
-    DEM__EACH_CONTACT(w, c) {
-        const int32_t i = contacts->i[c], j = contacts->j[c];
-        if (!dem__shape_of(w, i) && (j < 0 || !dem__shape_of(w, j))) continue;
-        const ptrdiff_t q = dem__convex_pair_of(w, i, j);
-        contacts->near[c] = (int32_t)(-2 - q);
-        if (q < 0) contacts->ended[c] = 1; /* cannot happen: they touch */
-    }
-    return 1;
-}
-
-/* ------------------------------------------------------------------------------------ >>convex_rows */
-/* Contacts of polyhedra in a block of the kernel: they are contacts of spheres about their points, with torques about the centres of the
-   bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are left as they are.
-   May be changed here alone: how masses and weights enter; forces on both bodies are opposite. */
-
-/* Returns particle i's mass over the mass that it has at a point of contact: 1 for a sphere; for a polyhedron, which turns aside, the
-   mean. */
-DEM_INLINE double dem__per_share(const dem_world *w, ptrdiff_t i) {
-    const dem_convex *s = dem__shape_of(w, i);
-    return s ? 1.0 / s->share : 1.0;
-}
-
-/* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre. */
-DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, double half, dem_vec *v, dem_vec *a) {
-    const dem_particle *p = &w->particle[i];
-    const dem_vec round = dem__cross(p->spin, arm);
-    *v = dem__add(p->v, dem__cross(p->spin, dem__plus(arm, -half, round))); /* with the arm at that time */
-    *a = dem__add(p->a, dem__add(dem__cross(w->spin_rate[i], arm), dem__cross(p->spin, round)));
-}
-
-/* Returns the arm at the other body, from that at i, the distance of the bodies and the row's normal and gap. */
-DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, int k, dem_vec arm) {
-    const double reach = t->sum[k] + b->gap[k];
-    return dem_vec3(arm.x + b->dx[k] - reach * b->nx[k], arm.y + b->dy[k] - reach * b->ny[k], arm.z + b->dz[k] - reach * b->nz[k]);
-}
-
-/* Fills row k of a polyhedron's contact with another body or a wall. */
-static inline void dem__fill_convex_row(const dem_world *w, dem__rows *b, const dem__type_rows *t, int k, ptrdiff_t c, double half,
-                                        dem__wall_row *at) {
-    const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    const dem_vec n = dem__place_normal(w, c), arm = dem__place_arm(w, c), before = dem__place_before(w, c);
-    dem_vec v, a, other_v, other_a, spin;
-    b->nx[k] = n.x, b->ny[k] = n.y, b->nz[k] = n.z, b->gap[k] = w->engine->contacts.touch[DEM__PLACE_GAP][c];
-    b->inverse[k] = 1.0 / (t->sum[k] + b->gap[k]);
-    dem__point_motion(w, i, arm, half, &v, &a);
-    if (j >= 0) {
-        dem__point_motion(w, j, dem__other_arm(b, t, k, arm), half, &other_v, &other_a);
-        spin = w->particle[j].spin;
-    } else {
-        const dem_wall *wall = at->wall;
-        const dem_vec point = dem__add(w->particle[i].x, dem__plus(arm, -(t->sum[k] + b->gap[k]), n));
-        other_v = wall->slides ? dem__surface_velocity(wall, point, n) : wall->velocity;
-        other_a = wall->slides ? dem__surface_acceleration(wall, point) : wall->acceleration;
-        spin = dem__scale(wall->spin, wall->spin_axis);
-        at->velocity = other_v;
-        other_v = dem__plus(other_v, -half, other_a);
-    }
-    const dem_vec dv = dem__sub(v, other_v), da = dem__sub(a, other_a), turned = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
-    b->vx[k] = dv.x, b->vy[k] = dv.y, b->vz[k] = dv.z, b->ax[k] = da.x, b->ay[k] = da.y, b->az[k] = da.z;
-    b->wi[0][k] = w->particle[i].spin.x, b->wi[1][k] = w->particle[i].spin.y, b->wi[2][k] = w->particle[i].spin.z;
-    b->wj[0][k] = spin.x, b->wj[1][k] = spin.y, b->wj[2][k] = spin.z;
-    b->tx[k] = turned.x, b->ty[k] = turned.y, b->tz[k] = turned.z;
-}
-static DEM__NOINLINE void dem__fill_convex_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, ptrdiff_t base, int n,
-                                                double half, dem__wall_row *wall) {
-    for (int k = 0, q = 0; k < n; k++) {
-        const int at_wall = w->engine->contacts.j[base + k] < 0;
-        if (dem__is_convex_contact(w, base + k)) dem__fill_convex_row(w, b, t, k, base + k, half, at_wall ? &wall[q] : NULL);
-        q += at_wall;
-    }
-}
-
-/* Multiplies a block's forces by their weights, and adds torques about the centres of its bodies. */
-static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem__rows *b, const dem__type_rows *t, ptrdiff_t base, int n,
-                                                  const dem__columns *at, const double *before, double half, int features) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    double *const *out = at->out;
-    for (int k = 0; k < n; k++) {
-        const ptrdiff_t c = base + k;
-        if (!dem__is_convex_contact(w, c)) continue;
-        const double weight = contacts->touch[DEM__PLACE_WEIGHT][c];
-        const dem_vec arm = dem__place_arm(w, c), other = dem__other_arm(b, t, k, arm);
-        for (int a = 0; a < 9; a++) out[a][k] *= weight;
-        const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f), on_j = dem__cross(other, f);
-        for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
-        if (!(features & DEM_ENERGY) || weight == 1.0) continue;
-        /* losses by powers are means of the power before, which has its weight, and of the power now; without a force, the energy of the
-           spring is lost */
-        if (fabs(before[k]) + fabs(at->force[k]) == 0.0) at->loss[0][k] -= (weight - 1.0) * at->elastic[k];
-        else at->loss[0][k] += (weight - 1.0) * half * at->power[0][k];
-        at->loss[2][k] += (weight - 1.0) * half * at->power[1][k];
-        at->elastic[k] *= weight, at->loss[1][k] *= weight;
-        for (int a = 0; a < 2; a++) at->power[a][k] *= weight;
-    }
-}
-
-/* Excludes polyhedra from the correction of edge steps, among the last `marked` contacts that a chunk has listed: the mass at a corner is
-   not the pair's. */
-static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
-    dem__contacts *contacts = &w->engine->contacts;
-    for (ptrdiff_t m = in->marked - marked; m < in->marked; m++) {
-        const ptrdiff_t c = contacts->slots[in->first + m];
-        if (dem__is_convex_contact(w, c)) contacts->edge[c] = 0;
-    }
-}
-
-/* Sets what a law needs of a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
-static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birth *b) {
-    const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    const double per_i = dem__is_fixed(w, i) ? 0.0 : dem__per_share(w, i) / w->particle[i].mass;
-    b->radius_i = dem__touching_radius(w, i);
-    b->mass = 1.0 / (per_i + (j >= 0 && !dem__is_fixed(w, j) ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
-    if (j >= 0) b->radius_j = dem__touching_radius(w, j);
-    else b->curvature = w->engine->contacts.touch[DEM__PLACE_CURVATURE][c];
-}
-
-/* ------------------------------------------------------------------------------------- >>convex_add */
-/* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them (dem__convex_calls). Reads shapes;
-   writes the world through dem__add_body.
-   May be changed here alone: what is refused. */
-
-static const dem__convex_calls dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
-                                                 dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
-                                                 dem__leave_convex_edges};
-
-/* Returns whether the tables of a shape agree with each other, and its numbers are such as the code relies on. */
-static inline int dem__is_sound_shape(const dem_convex *c) {
-    if (c->corners < 4 || c->corners > DEM_CORNERS_MAX || c->edges < 6 || c->edges > DEM_EDGES_MAX || c->faces < 4 ||
-        c->faces > DEM_FACES_MAX)
-        return 0;
-    int sound = dem__positive(c->radius) && dem__positive(c->reach) && dem__positive(c->volume) && c->share > 0.0 && c->share <= 1.0 &&
-                c->face_start[0] == 0 && c->face_start[c->faces] == 2 * c->edges;
-    for (int k = 0; k < 3; k++) sound &= dem__positive(c->moment[k]);
-    for (int k = 0; k < 3 * c->corners; k++) sound &= fabs(c->corner[k / 3][k % 3]) <= c->reach;
-    for (int k = 0; k < 4 * c->faces; k++) sound &= fabs(c->plane[k / 4][k % 4]) <= (k % 4 < 3 ? 1.0 + 1e-9 : c->reach);
-    for (int k = 0; k < c->faces; k++) sound &= c->face_start[k] < c->face_start[k + 1];
-    for (int k = 0; k < 2 * c->edges; k++) {
-        sound &= c->face_corner[k] < c->corners && c->edge[k / 2][k % 2] < c->corners && c->edge_face[k / 2][k % 2] < c->faces;
-    }
-    return sound;
-}
-
-DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
-    dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !shape || !dem__is_sound_shape(shape)) return -(int)DEM_BAD_ARGUMENT;
-    if (dem__is_running(w)) return -(int)DEM_BUSY;
-    dem__convex_state *convex = &w->engine->convex;
-    const dem_allocator *a = &w->def.allocator;
-    dem__array list[DEM__ARRAYS_MAX];
-    const size_t size = sizeof *convex->shape, old = (size_t)convex->shapes * size;
-    if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
-    dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
-    if (!fresh) return -(int)DEM_OUT_OF_MEMORY;
-    convex->shape = fresh, convex->calls = &dem__polyhedra;
-    convex->shape[convex->shapes++] = *shape;
-    if (convex->shapes > 1) return convex->shapes - 1;
-    dem__bodies *bodies = &w->engine->bodies;
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + 1)) return 0;
-    dem__release(a, convex->shape, size);
-    convex->shape = NULL, convex->shapes = 0, convex->calls = NULL;
-    return -(int)DEM_OUT_OF_MEMORY;
-}
-
-/* Returns whether n orientations are quaternions with a direction. */
-static inline int dem__are_turns(ptrdiff_t n, const double *orientations) {
-    dem_quaternion q;
-    for (ptrdiff_t k = 0; k < n && orientations; k++) {
-        const double *o = orientations + 4 * k;
-        if (!dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return 0;
-    }
-    return 1;
-}
-
-DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
-                                  int group) {
-    dem_world *w = world;
-    if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials || shape < 0 ||
-        shape >= w->engine->convex.shapes)
-        return DEM_BAD_ARGUMENT;
-    if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
-    const dem_convex *s = &w->engine->convex.shape[shape];
-    const double density = w->def.material[material].density;
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t k = 0; k < 3 * n; k++) {
-        if (!dem__finite(centres[k])) return DEM_BAD_ARGUMENT;
-    }
-    if (!dem__are_turns(n, orientations) || !dem__positive(density * s->moment[0] * s->moment[1])) return DEM_BAD_ARGUMENT;
-    if (!dem__reserve_bodies(w, n, n)) return DEM_OUT_OF_MEMORY;
-    dem__body_def body;
-    memset(&body, 0, sizeof body);
-    body.mass = density * s->volume, body.moments = dem__scale(density, dem__point(s->moment));
-    body.frame = body.turn = dem__quaternion(1.0, none);
-    body.pieces = 1, body.offset = &none, body.radius = &s->reach, body.material = material, body.group = group;
-    for (ptrdiff_t k = 0; k < n; k++) {
-        const double *o = orientations ? orientations + 4 * k : NULL;
-        body.x = dem__point(centres + 3 * k);
-        if (o) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &body.turn);
-        w->engine->convex.shape_of[dem__add_body(w, &body)] = shape + 1;
-    }
-    return DEM_OK;
-}
-
-DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i) {
-    if (!world || !world->engine || i < 0 || i >= world->count || world->engine->convex.shapes == 0) return -1;
-    return world->engine->convex.shape_of[i] - 1;
-}
-DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape) {
-    return world && world->engine && shape >= 0 && shape < world->engine->convex.shapes ? &world->engine->convex.shape[shape] : NULL;
-}
-/* Returns whether a wall cuts the core of the particle that it is listed with, in the last step. */
-static inline int dem__is_cut(const dem_world *w, const dem__convex_pair *p) {
-    const dem__convex_state *convex = &w->engine->convex;
-    const dem_convex *s = p->i < w->count && w->alive[p->i] == DEM_PRESENT ? dem__shape_of(w, p->i) : NULL;
-    if (!s || !p->is_close) return 0;
-    for (int32_t k = p->first; k < p->first + p->count; k++) {
-        if (convex->point[k].gap < -s->radius) return 1;
-    }
-    return dem__core_passes(&w->wall[-1 - p->j], s, &convex->place[p->i]);
-}
-DEM_API int64_t dem_core_overlaps(const dem_world *world) {
-    const dem__convex_state *convex = world && world->engine ? &world->engine->convex : NULL;
-    int64_t n = convex ? convex->overlaps : 0;
-    for (ptrdiff_t q = convex ? convex->of_particles : 0; convex && q < convex->pairs; q++) n += dem__is_cut(world, &convex->pair[q]);
-    return n;
-}
-
-/* --------------------------------------------------------------------------------------------------- >>gas */
+/* ----------------------------------------------------------------------------------------------------- >>gas/gas.h */
 /* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures.
    May be changed here alone: how values between nodes are interpolated. */
+
 DEM_API dem_gas dem_default_gas(void) {
     dem_gas gas;
     memset(&gas, 0, sizeof gas);
@@ -13535,7 +9990,1104 @@ DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengt
     if (flat > 0.0) shape[2] *= riddle_exp(2.302585092994045684 * 0.4 * riddle_exp(0.2 * riddle_log(flat)));
 }
 
-/* -------------------------------------------------------------------------------------------------- >>feed */
+/* --------------------------------------------------------------------------------------------- >>measure/getters.h */
+/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. Relies on body.h and the ledger.
+   May be changed here alone: all but what a result means. */
+
+DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__in_box(world, dem__at(world, i, dem__now(world, i)));
+}
+
+DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__true_velocity_at(world, i, dem__now(world, i));
+}
+
+DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__spin_at(world, i, dem__now(world, i));
+}
+
+DEM_API double dem_radius(const dem_world *world, ptrdiff_t i) {
+    return world && i >= 0 && i < world->count ? world->particle[i].radius : (double)NAN;
+}
+DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
+    return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
+}
+
+DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
+    const dem__rigid *r = dem__rigid_of(world, i);
+    if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
+}
+
+/* Returns the position of a rigid body now, within the periodic box. */
+static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
+    const double tau = dem__now(w, r->first);
+    return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
+}
+
+DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
+    dem_body body;
+    memset(&body, 0, sizeof body);
+    body.first = -1;
+    if (!world || i < 0 || i >= world->count) return body;
+    const dem__rigid *r = dem__rigid_of(world, i);
+    const dem__pieces own = dem__pieces_of(world, i);
+    const double tau = dem__now(world, i);
+    body.first = own.first, body.pieces = own.end - own.first;
+    body.mass = world->particle[i].mass;
+    body.diameter = r ? dem__equal_diameter(world, r) : 2.0 * world->particle[i].radius;
+    body.position = r ? dem__body_position(world, r) : dem_position(world, i);
+    body.velocity = dem__drift_at(world, i, tau);
+    body.velocity = dem__add(body.velocity, dem__velocity_error(world, i, tau));
+    body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
+    const double inertia = dem__inertia(world, i);
+    body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
+    body.axes = r ? dem__posture_at(world, r, tau).turn : body.orientation;
+    return body;
+}
+
+DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    dem_quaternion q;
+    if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) return DEM_BAD_ARGUMENT;
+    dem__stop_link_work(w, dem__pieces_of(w, i));
+    dem__restart(w, i);
+    dem__book_motion(w, -dem__rotational(w, r->first));
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    r->turn = dem__turns(q, r->frame);
+    w->engine->bodies.calls->set_motion(w, r, r->v, spin);
+    dem__book_motion(w, dem__rotational(w, r->first));
+    if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
+    dem__resume_link_work(w, dem__pieces_of(w, i));
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_vec dem_momentum(const dem_world *world) {
+    dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t i = 0; world && i < world->count; i++) {
+        const dem__rigid *r = dem__rigid_of(world, i);
+        if (!world->alive[i] || (r && r->first != i)) continue;
+        sum = dem__add(sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
+    }
+    return sum;
+}
+
+/* Returns the remainder of the energy balance [J]. */
+static inline double dem__ledger_error(const dem_energy_ledger *l) {
+    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss + l->removed -
+           l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
+}
+
+DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
+    dem_energy_ledger l;
+    memset(&l, 0, sizeof l);
+    if (!world || !world->engine) return l;
+    const dem__ledger *ledger = &world->engine->ledger;
+    l = ledger->sums;
+    l.kinetic = l.rotational = l.potential = 0.0;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        if (!world->alive[i]) continue;
+        l.kinetic += dem__kinetic(world, i);
+        l.rotational += dem__rotational(world, i);
+        l.potential += dem__potential(world, i);
+        if (ledger->on) l.link_work += dem__link_work(world, i);
+    }
+    l.elastic = dem__stored_energy(world);
+    if (!ledger->started) return l;
+    l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
+    l.released = l.released > 0.0 ? l.released : 0.0;
+    l.error = ledger->counts ? dem__ledger_error(&l) : ledger->paused_error;
+    return l;
+}
+
+DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world && world->engine ? world->engine->contacts.count : 0; }
+
+/* Computes normal and point of the contact in a slot, or of a link (slot -1), from the present positions. */
+static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
+    const dem_vec x = dem_position(w, info->i);
+    const double radius = w->particle[info->i].radius;
+    if (info->j < 0) {
+        dem__touch touch;
+        dem__touch_place(w, slot, &w->wall[-1 - info->j], x, radius, info->element, &touch);
+        info->normal = touch.normal;
+        info->point = dem__plus(x, -(radius + touch.gap), touch.normal);
+        return;
+    }
+    const dem_vec d = dem__nearest_image(w, dem__sub(x, dem_position(w, info->j)));
+    info->point = dem__plus(x, -radius / (radius + w->particle[info->j].radius), d);
+    dem__unit(d, &info->normal);
+}
+
+DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
+    dem_contact_info info;
+    memset(&info, 0, sizeof info);
+    info.gap = (double)NAN;
+    if (!world || !world->engine || k < 0 || k >= world->engine->contacts.count) return info;
+    k = dem__slot_of(world, k);
+    info.i = world->engine->contacts.i[k];
+    info.j = world->engine->contacts.j[k];
+    info.gap = world->engine->contacts.gap[k];
+    info.force = dem_vec3(world->engine->contacts.wrench[0][k], world->engine->contacts.wrench[1][k], world->engine->contacts.wrench[2][k]);
+    info.element = world->engine->contacts.element[k];
+    for (int a = 0; a < world->engine->contacts.states; a++) info.state[a] = world->engine->contacts.state[a][k];
+    dem__find_point(world, k, &info);
+    return info;
+}
+
+DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state) {
+    if (!world || !world->engine || !state || k < 0 || k >= world->engine->contacts.count) return;
+    for (int a = 0; a < world->engine->contacts.states; a++) world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
+    if (!dem__is_running(world)) world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
+}
+
+DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world && world->engine ? world->engine->links.count : 0; }
+
+DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
+    dem_contact_info info;
+    memset(&info, 0, sizeof info);
+    info.gap = (double)NAN;
+    if (!world || !world->engine || k < 0 || k >= world->engine->links.count) return info;
+    info.i = world->engine->links.i[k];
+    info.j = world->engine->links.j[k];
+    info.element = world->engine->links.element[k];
+    info.gap = world->engine->links.gap[k];
+    info.force = dem_vec3(world->engine->links.wrench[0][k], world->engine->links.wrench[1][k], world->engine->links.wrench[2][k]);
+    for (int a = 0; a < world->engine->links.states; a++) info.state[a] = world->engine->links.state[a][k];
+    dem__find_point(world, -1, &info);
+    return info;
+}
+
+DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element) {
+    return world && i >= 0 && i < world->count ? dem__link_of(world, i, j, element) : -1;
+}
+
+DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
+    dem_apertures count = {0, 0, 0};
+    if (!world || wall < 0 || wall >= world->walls || world->wall[wall].kind != DEM_SCREEN) return count;
+    const dem_wall *s = &world->wall[wall];
+    const double pitch = s->aperture + s->wire, half = 0.5 * pitch;
+    const int nx = (int)(s->half_x / pitch) + 1, ny = (int)(s->half_y / pitch) + 1;
+    for (int a = -nx; a <= nx; a++) {
+        for (int b = -ny; b <= ny; b++) {
+            double x = fabs(a * pitch) + half, y = fabs(b * pitch) + half;
+            count.total += s->circular ? x * x + y * y <= s->half_x * s->half_x : x <= s->half_x && y <= s->half_y;
+        }
+    }
+    count.free = count.total;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        if (!world->alive[i] || world->touching[i] < 2 || dem__shape_of(world, i)) continue;
+        const dem_vec d = dem__sub(dem__at(world, i, dem__now(world, i)), s->position);
+        if (!(fabs(dem__dot(d, s->axis[2])) < world->particle[i].radius)) continue;
+        dem_vec normal[DEM__TOUCHES];
+        int n = 0, holding = 0;
+        for (int32_t c = world->engine->walls.first_contact[i]; c >= 0 && n < DEM__TOUCHES; c = world->engine->contacts.wall_next[c]) {
+            dem__touch touch;
+            if (world->engine->contacts.j[c] != -1 - wall || !(world->engine->contacts.gap[c] < 0.0)) continue;
+            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius, world->engine->contacts.element[c], &touch);
+            normal[n++] = touch.normal;
+        }
+        if (n < 2) continue;
+        const int m = s->material < world->material[i] ? s->material : world->material[i];
+        const double mu = world->def.pair[m][s->material + world->material[i] - m].friction;
+        const dem_vec up = s->axis[2];
+        for (int a = 0; a < n; a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
+            for (int b = a + 1; b < n; b++) {
+                const double za = dem__dot(normal[a], up), zb = dem__dot(normal[b], up);
+                const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)), flat_b = dem__sub(normal[b], dem__scale(zb, up));
+                if (dem__dot(flat_a, flat_b) < -0.5 && fabs(za) <= mu * dem__length(flat_a) && fabs(zb) <= mu * dem__length(flat_b))
+                    holding = 1;
+            }
+        }
+        count.occupied++;
+        count.free -= holding;
+    }
+    return count;
+}
+
+/* -------------------------------------------------------------------------------------------------- >>walls/mesh.h */
+/* Adding meshes and boxes: the tree of a mesh's triangles.
+   Relies on walls.h and mesh_shapes.h.
+   May be changed here alone: how the tree is built (bits of mesh scenes may change). */
+
+/* Spreads 21 bits to every third bit of a Morton code. */
+static inline uint64_t dem__interleave(uint64_t v) {
+    v = (v | v << 32) & 0x1f00000000ffffu;
+    v = (v | v << 16) & 0x1f0000ff0000ffu;
+    v = (v | v << 8) & 0x100f00f00f00f00fu;
+    v = (v | v << 4) & 0x10c30c30c30c30c3u;
+    return (v | v << 2) & 0x1249249249249249u;
+}
+
+typedef struct dem__keyed {
+    uint64_t key;
+    int32_t index;
+} dem__keyed;
+/* Sorts by key, then index. temporary: room for n items. */
+static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptrdiff_t n) {
+    for (ptrdiff_t width = 1; width < n; width *= 2) {
+        for (ptrdiff_t low = 0; low < n; low += 2 * width) {
+            const ptrdiff_t mid = low + width < n ? low + width : n, high = mid + width < n ? mid + width : n;
+            for (ptrdiff_t a = low, b = mid, to = low; to < high; to++) {
+                const int left = a < mid && (b >= high || items[a].key < items[b].key ||
+                                             (items[a].key == items[b].key && items[a].index < items[b].index));
+                temporary[to] = left ? items[a++] : items[b++];
+            }
+        }
+        memcpy(items, temporary, (size_t)n * sizeof *items);
+    }
+}
+
+/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those of each half. */
+static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
+    const int32_t at = t->nodes++;
+    dem__node *node = &t->node[at];
+    node->first = first;
+    node->count = end - first <= DEM__LEAF ? end - first : 0;
+    for (int a = 0; a < 3; a++) node->low[a] = HUGE_VAL, node->high[a] = -HUGE_VAL;
+    for (int32_t k = 3 * first; k < 3 * (first + node->count); k++) {
+        for (int a = 0; a < 3; a++) {
+            const double v = dem_axis(t->vertex[t->corner[k]], a);
+            node->low[a] = v < node->low[a] ? v : node->low[a];
+            node->high[a] = v > node->high[a] ? v : node->high[a];
+        }
+    }
+    if (node->count == 0) {
+        const int32_t middle = first + (end - first) / 2;
+        for (int side = 0; side < 2; side++) {
+            const int32_t child = t->nodes;
+            dem__grow_node(t, side ? middle : first, side ? end : middle);
+            for (int a = 0; a < 3; a++) {
+                const double low = t->node[child].low[a], high = t->node[child].high[a];
+                node->low[a] = low < node->low[a] ? low : node->low[a];
+                node->high[a] = high > node->high[a] ? high : node->high[a];
+            }
+        }
+    }
+    node->skip = t->nodes;
+}
+
+/* Returns an empty tree with room for the mesh; NULL when out of memory. */
+static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
+    const size_t v = (size_t)vertices, k = (size_t)triangles;
+    const size_t bytes = sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
+    dem__tree *t = (dem__tree *)a->fn(a->user, NULL, 0, bytes);
+    if (!t) return NULL;
+    memset(t, 0, bytes);
+    t->bytes = bytes;
+    t->vertices = (int32_t)vertices;
+    t->vertex = (dem_vec *)(void *)(t + 1);
+    t->normal = t->vertex + v;
+    t->node = (dem__node *)(void *)(t->normal + k);
+    t->corner = (int32_t *)(void *)(t->node + k);
+    return t;
+}
+
+/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for slivers. */
+static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
+    const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
+    const double x = dem__dot(ab, ab), y = dem__dot(bc, bc), z = dem__dot(ca, ca);
+    if (x >= y && x >= z) return dem__cross(bc, ca);
+    return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
+}
+
+/* Returns whether a triangle has an area that is not round-off of its corners; unit: its normal. */
+static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
+    const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
+    double longest = dem__dot(ab, ab);
+    longest = dem__dot(ac, ac) > longest ? dem__dot(ac, ac) : longest;
+    longest = dem__dot(bc, bc) > longest ? dem__dot(bc, bc) : longest;
+    return dem__length(n) > 1e-9 * longest && dem__unit(n, unit);
+}
+
+/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT if there is none. */
+static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex, ptrdiff_t triangles,
+                                        const int32_t *corner, dem_status *status) {
+    const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
+    dem_vec low = vertex[0], high = vertex[0], normal;
+    ptrdiff_t n = 0;
+    for (ptrdiff_t v = 0; v < vertices; v++) {
+        for (int c = 0; c < 3; c++) {
+            double *l = dem_axis_of(&low, c), *h = dem_axis_of(&high, c), x = dem_axis(vertex[v], c);
+            *l = x < *l ? x : *l;
+            *h = x > *h ? x : *h;
+        }
+    }
+    *status = DEM_OUT_OF_MEMORY;
+    dem__keyed *items = (dem__keyed *)a->fn(a->user, NULL, 0, scratch);
+    if (!items) return NULL;
+    for (int32_t k = 0; k < (int32_t)triangles; k++) {
+        const dem_vec p[3] = {vertex[corner[3 * k]], vertex[corner[3 * k + 1]], vertex[corner[3 * k + 2]]};
+        if (!dem__has_area(p[0], p[1], p[2], &normal)) continue;
+        items[n].index = k;
+        items[n].key = 0;
+        for (int c = 0; c < 3; c++) {
+            const double from = dem_axis(low, c), span = dem_axis(high, c) - from;
+            const double x = (dem_axis(p[0], c) + dem_axis(p[1], c) + dem_axis(p[2], c)) / 3.0 - from;
+            items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0) << c;
+        }
+        n++;
+    }
+    dem__tree *t = n > 0 ? dem__plant(a, vertices, n) : NULL;
+    if (n == 0) *status = DEM_BAD_ARGUMENT;
+    if (t) {
+        dem__sort_keyed(items, items + n, n);
+        memcpy(t->vertex, vertex, (size_t)vertices * sizeof *vertex);
+        for (ptrdiff_t k = 0; k < n; k++) {
+            const int32_t *from = &corner[3 * items[k].index];
+            memcpy(&t->corner[3 * k], from, 3 * sizeof *from);
+            dem__has_area(vertex[from[0]], vertex[from[1]], vertex[from[2]], &t->normal[k]);
+        }
+        t->triangles = (int32_t)n, t->touch = dem__touch_mesh;
+        dem__grow_node(t, 0, (int32_t)n);
+        *status = DEM_OK;
+    }
+    a->fn(a->user, items, scratch, 0);
+    return t;
+}
+
+/* Counts one mesh more. */
+static inline void dem__count_mesh(dem_world *w) {
+    w->engine->walls.meshes++;
+    w->engine->walls.follow_meshes = dem__follow_meshes;
+}
+
+DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
+    if (dem__is_running(world)) return -(int)DEM_BUSY;
+    dem_world *w = world;
+    dem_wall wall;
+    memset(&wall, 0, sizeof wall);
+    if (!w || !w->def.allocator.fn || !mesh || material < 0 || material >= w->def.materials || !mesh->vertex || !mesh->triangle ||
+        mesh->vertices < 1 || mesh->triangles < 1 || mesh->vertices > INT32_MAX / 4 || mesh->triangles > INT32_MAX / 4)
+        return -(int)DEM_BAD_ARGUMENT;
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (ptrdiff_t k = 0; k < 3 * mesh->triangles; k++) {
+        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices) return -(int)DEM_BAD_ARGUMENT;
+    }
+    for (ptrdiff_t k = 0; k < 3 * mesh->vertices; k++) {
+        const double x = mesh->vertex[k];
+        if (!(fabs(x) < 1e50)) return -(int)DEM_BAD_ARGUMENT; /* so that squares of areas are finite */
+        low[k % 3] = x < low[k % 3] ? x : low[k % 3];
+        high[k % 3] = x > high[k % 3] ? x : high[k % 3];
+    }
+    if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
+    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
+    wall.kind = DEM_MESH;
+    wall.material = material;
+    wall.asked.origin = dem_vec3(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]));
+    dem__frame(&wall, dem_vec3(0, 0, 1), dem_vec3(1, 0, 0));
+
+    const dem_allocator *a = &w->def.allocator;
+    const size_t bytes = (size_t)mesh->vertices * sizeof(dem_vec);
+    dem_status status = DEM_OUT_OF_MEMORY;
+    dem_vec *local = (dem_vec *)a->fn(a->user, NULL, 0, bytes);
+    for (ptrdiff_t k = 0; local && k < mesh->vertices; k++) {
+        const double *x = &mesh->vertex[3 * k];
+        local[k] = dem__sub(dem_vec3(x[0], x[1], x[2]), wall.asked.origin);
+    }
+    if (local) wall.tree = dem__make_tree(a, mesh->vertices, local, mesh->triangles, mesh->triangle, &status);
+    if (local) a->fn(a->user, local, bytes, 0);
+    if (wall.tree && !dem__make_touch_memory(w)) {
+        a->fn(a->user, wall.tree, wall.tree->bytes, 0);
+        wall.tree = NULL, status = DEM_OUT_OF_MEMORY;
+    }
+    if (!wall.tree) return -(int)status;
+    dem__count_mesh(w);
+    return dem__add_wall(w, &wall);
+}
+
+DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high) {
+    /* corner k: bit c chooses low or high of axis c */
+    int32_t faces[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    double corners[24];
+    dem_mesh mesh;
+    memset(&mesh, 0, sizeof mesh);
+    if (!(low.x < high.x && low.y < high.y && low.z < high.z)) return -(int)DEM_BAD_ARGUMENT;
+    for (int k = 0; k < 24; k++) corners[k] = (k / 3 >> k % 3 & 1) ? dem_axis(high, k % 3) : dem_axis(low, k % 3);
+    mesh.vertices = 8, mesh.vertex = corners;
+    mesh.triangles = 12, mesh.triangle = faces;
+    return dem_add_mesh(world, material, &mesh);
+}
+
+/* ---- STL ---- */
+
+/* A slot of a hash table with open addressing: a 64-bit key, 0 if empty, and a number. The capacity is a power of two. */
+typedef struct dem__slot {
+    uint64_t key;
+    int32_t value, forward, backward; /* edges: number of triangles that run along it each way */
+} dem__slot;
+
+/* --------------------------------------------------------------------------------------------------- >>walls/stl.h */
+/* Reading STL files: facets from bytes, corners welded.
+   Relies on the allocator alone.
+   May be changed here alone: how facets are read; what dem_stl_report counts stays. */
+
+static inline uint64_t dem__scramble(uint64_t z) {
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+
+static inline dem__slot *dem__find_slot(dem__slot *slots, size_t capacity, uint64_t key) {
+    size_t at = (size_t)dem__scramble(key) & (capacity - 1);
+    while (slots[at].key != 0 && slots[at].key != key) at = (at + 1) & (capacity - 1);
+    return &slots[at];
+}
+
+/* A facet before welding. */
+typedef struct dem__facet {
+    dem_vec normal, corner[3];
+} dem__facet;
+
+static inline double dem__little_float(const unsigned char *byte) {
+    const uint32_t bits = (uint32_t)byte[0] | (uint32_t)byte[1] << 8 | (uint32_t)byte[2] << 16 | (uint32_t)byte[3] << 24;
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return (double)value;
+}
+
+/* The number of facets that a binary file's header announces, and the number for which it has bytes. */
+typedef struct dem__binary_size {
+    size_t announced, present, rest; /* rest: bytes after the last whole facet */
+} dem__binary_size;
+static inline dem__binary_size dem__size_of_binary(const unsigned char *bytes, size_t size) {
+    dem__binary_size s;
+    s.announced = (size_t)((uint32_t)bytes[80] | (uint32_t)bytes[81] << 8 | (uint32_t)bytes[82] << 16 | (uint32_t)bytes[83] << 24);
+    s.present = (size - 84) / 50, s.rest = (size - 84) % 50;
+    return s;
+}
+
+/* Returns the number of facets to read: all that are present, or, if the header announces fewer and the file does not end with a facet,
+   those that it announces. */
+static inline size_t dem__facets_of_binary(const dem__binary_size *s) {
+    return s->announced < s->present && s->rest > 0 ? s->announced : s->present;
+}
+
+/* Counts what a binary file contains and what is missing. */
+static inline void dem__count_binary(const unsigned char *bytes, size_t size, dem_stl_report *report) {
+    const dem__binary_size s = dem__size_of_binary(bytes, size);
+    const size_t n = dem__facets_of_binary(&s), missing = s.announced > n ? s.announced - n : 0;
+    report->facets = (ptrdiff_t)n;
+    report->missing = missing < PTRDIFF_MAX ? (ptrdiff_t)missing : PTRDIFF_MAX;
+    report->unannounced = n > s.announced ? (ptrdiff_t)(n - s.announced) : 0;
+    report->surplus = missing > 0 ? 0 : (ptrdiff_t)(size - 84 - 50 * n);
+}
+
+/* Reads facet k of a binary file: normal, three corners, two bytes. */
+static inline void dem__read_facet(const unsigned char *bytes, size_t k, dem__facet *facet) {
+    for (int a = 0; a < 12; a++) {
+        dem_vec *to = a < 3 ? &facet->normal : &facet->corner[a / 3 - 1];
+        *dem_axis_of(to, a % 3) = dem__little_float(bytes + 84 + 50 * k + 4 * a);
+    }
+}
+
+/* Returns whether the bytes are coordinates: three in four facets have corners of 0 or between 1e-15 and 1e15. In other data (compressed,
+   other byte order, two bytes a letter) hardly any have. */
+static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) {
+    const dem__binary_size s = dem__size_of_binary(bytes, size);
+    const size_t n = dem__facets_of_binary(&s);
+    size_t good = 0;
+    for (size_t k = 0; k < n; k++) {
+        dem__facet f;
+        int fits = 1;
+        dem__read_facet(bytes, k, &f);
+        for (int c = 0; c < 9; c++) {
+            const double x = fabs(dem_axis(f.corner[c / 3], c % 3));
+            fits &= x == 0.0 || (x > 1e-15 && x < 1e15);
+        }
+        good += (size_t)fits;
+    }
+    return good > 0 && good >= n - n / 4;
+}
+
+/* Finds the next word of a text, which ends at a blank of any kind. Returns its length, 0 at the end. */
+static inline size_t dem__word(const unsigned char *bytes, size_t size, size_t *at) {
+    size_t length = 0;
+    while (*at < size && bytes[*at] <= ' ') ++*at;
+    while (*at + length < size && bytes[*at + length] > ' ') length++;
+    return length;
+}
+
+/* Returns whether a word is `name`, in small or capital letters. */
+static inline int dem__is_word(const unsigned char *bytes, size_t at, size_t length, const char *name) {
+    size_t k = 0;
+    for (; name[k]; k++) {
+        const unsigned char c = k < length ? bytes[at + k] : 0;
+        if ((c >= 'A' && c <= 'Z' ? c + 32 : c) != (unsigned char)name[k]) return 0;
+    }
+    return k == length;
+}
+
+/* Parses a decimal number, whatever the locale, to within an ulp or two. Returns NaN if it is none. */
+static inline double dem__number(const unsigned char *text, size_t length) {
+    size_t k = 0;
+    int digits = 0, point = 0, exponent = 0, down = 0;
+    uint64_t whole = 0; /* the first 18 digits */
+    const int minus = length > 0 && text[0] == '-';
+    if (length > 0 && (text[0] == '-' || text[0] == '+')) k++;
+    for (; k < length && ((text[k] >= '0' && text[k] <= '9') || (text[k] == '.' && !point)); k++) {
+        if (text[k] == '.') {
+            point = 1;
+            continue;
+        }
+        if (whole < 100000000000000000u) whole = 10u * whole + (uint64_t)(text[k] - '0'), exponent -= point;
+        else exponent += !point;
+        digits++;
+    }
+    if (digits && k < length && (text[k] == 'e' || text[k] == 'E' || text[k] == 'd' || text[k] == 'D')) { /* d: Fortran's */
+        int power = 0, any = 0;
+        k++;
+        if (k < length && (text[k] == '-' || text[k] == '+')) down = text[k++] == '-';
+        for (; k < length && text[k] >= '0' && text[k] <= '9'; k++, any = 1) power = power < 10000 ? 10 * power + (text[k] - '0') : power;
+        if (!any) return (double)NAN;
+        exponent += down ? -power : power;
+    }
+    if (!digits || k != length) return (double)NAN;
+    double ten = 1.0, base = 10.0; /* exact up to 10^22 */
+    if (exponent < -400 || exponent > 400) exponent = exponent < 0 ? -400 : 400;
+    for (int e = exponent < 0 ? -exponent : exponent; e > 0; e >>= 1, base *= base) ten *= e & 1 ? base : 1.0;
+    const double value = whole == 0 ? 0.0 : (exponent < 0 ? (double)whole / ten : (double)whole * ten);
+    return minus ? -value : value;
+}
+
+/* ---- text ---- */
+
+enum { DEM__CORNERS_MAX = 64 }; /* of a facet; one with more counts as missing */
+
+/* A text that is being read, and the facet in progress. */
+typedef struct dem__stl_text {
+    const unsigned char *bytes;
+    size_t size, at;
+    dem__facet *out; /* where triangles are written; NULL: they are only counted */
+    ptrdiff_t triangles, polygons, missing;
+    int begun, ended;                        /* whether a line "solid", a line "endsolid" was read */
+    int inside, loops, corners, wanted, bad; /* in a facet: loops and corners so far, numbers to come, whether it is malformed */
+    dem_vec normal, corner[DEM__CORNERS_MAX], number;
+} dem__stl_text;
+
+/* Returns whether a word begins with a name, as solid_name does. */
+static inline int dem__begins_with(const unsigned char *bytes, size_t at, size_t length, const char *name) {
+    const size_t n = strlen(name);
+    return length >= n && dem__is_word(bytes, at, n, name);
+}
+
+/* Skips the rest of a line, whose words are a name or a comment. If a facet ends there, the whole text is one line: then skips only the
+   word. */
+static inline void dem__skip_line(dem__stl_text *t, size_t length) {
+    size_t end = t->at + length, word;
+    while (end < t->size && t->bytes[end] != '\n' && t->bytes[end] != '\r') end++;
+    for (size_t at = t->at + length; (word = dem__word(t->bytes, end, &at)) > 0; at += word) {
+        if (!dem__is_word(t->bytes, at, word, "endfacet")) continue;
+        t->at += length;
+        return;
+    }
+    t->at = end;
+}
+
+/* Returns a corner from which a fan of triangles covers a polygon, -1 if there is none. */
+static inline int dem__fan_start(const dem_vec *corner, int n) {
+    dem_vec whole = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 1; k + 1 < n; k++) whole = dem__add(whole, dem__cross(dem__sub(corner[k], corner[0]), dem__sub(corner[k + 1], corner[0])));
+    const double size = dem__dot(whole, whole);
+    if (n == 3 || size != size) return 0; /* coordinates that are not finite are counted later */
+    for (int start = 0; start < n; start++) {
+        int covers = 1;
+        for (int k = 1; k + 1 < n && covers; k++) {
+            const dem_vec a = corner[start], b = corner[(start + k) % n], c = corner[(start + k + 1) % n];
+            covers = dem__dot(dem__cross(dem__sub(b, a), dem__sub(c, a)), whole) >= -1e-9 * size;
+        }
+        if (covers) return start;
+    }
+    return -1;
+}
+
+/* Ends the facet in progress. Keeps its triangles if it is whole. */
+static inline void dem__end_facet(dem__stl_text *t) {
+    const int n = t->corners, start = t->inside && !t->bad && t->wanted == 0 && n >= 3 ? dem__fan_start(t->corner, n) : -1;
+    if (!t->inside) return;
+    t->inside = 0;
+    if (start < 0) {
+        t->missing++;
+        return;
+    }
+    for (int k = 1; k + 1 < n; k++, t->triangles++) {
+        if (!t->out) continue;
+        dem__facet *f = &t->out[t->triangles];
+        f->normal = t->normal;
+        f->corner[0] = t->corner[start], f->corner[1] = t->corner[(start + k) % n], f->corner[2] = t->corner[(start + k + 1) % n];
+    }
+    t->polygons += n > 3;
+}
+
+static inline void dem__begin_facet(dem__stl_text *t) {
+    dem__end_facet(t);
+    t->inside = 1;
+    t->loops = t->corners = t->wanted = t->bad = 0;
+    t->normal = dem_vec3(0.0, 0.0, 0.0);
+}
+
+/* Reads one word of a facet, which may be one of three numbers. */
+static inline void dem__read_word_of_facet(dem__stl_text *t, size_t length) {
+    const unsigned char *b = t->bytes;
+    if (dem__is_word(b, t->at, length, "normal")) t->bad |= t->wanted > 0 || t->corners > 0, t->wanted = 6;
+    else if (dem__is_word(b, t->at, length, "vertex")) t->bad |= t->wanted > 0 || t->corners == DEM__CORNERS_MAX, t->wanted = 3;
+    else if (dem__is_word(b, t->at, length, "outer")) t->bad |= ++t->loops > 1; /* a hole in a face */
+    else if (dem__is_word(b, t->at, length, "loop") || dem__is_word(b, t->at, length, "endloop")) t->bad |= t->wanted > 0;
+    else if (t->wanted > 0) {
+        *dem_axis_of(&t->number, (6 - t->wanted) % 3) = dem__number(b + t->at, length);
+        t->wanted--;
+        if (t->wanted == 3) t->normal = t->number, t->wanted = 0;
+        else if (t->wanted == 0 && !t->bad) t->corner[t->corners++] = t->number;
+    } else t->bad = 1;
+}
+
+/* Reads a text. A facet stands between "facet" and "endfacet", or the next "facet"; names and comments are ignored. */
+static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__facet *facets, dem_stl_report *report) {
+    dem__stl_text t;
+    memset(&t, 0, sizeof t);
+    t.bytes = bytes, t.size = size, t.out = facets;
+    t.at = size >= 3 && bytes[0] == 0xef && bytes[1] == 0xbb && bytes[2] == 0xbf ? 3 : 0; /* byte-order mark */
+    for (size_t length; (length = dem__word(bytes, size, &t.at)) > 0;) {
+        const size_t at = t.at;
+        if (bytes[at] == '#' || dem__begins_with(bytes, at, length, "//")) dem__skip_line(&t, length);
+        else if (dem__is_word(bytes, at, length, "facet")) dem__begin_facet(&t), t.ended = 0, t.at += length;
+        else if (dem__is_word(bytes, at, length, "endfacet")) t.missing += !t.inside, dem__end_facet(&t), t.at += length;
+        else if (dem__begins_with(bytes, at, length, "endsolid") || (!t.inside && dem__is_word(bytes, at, length, "end")))
+            dem__end_facet(&t), t.ended = 1, dem__skip_line(&t, length);
+        else if (t.inside) dem__read_word_of_facet(&t, length), t.at += length;
+        else if (dem__begins_with(bytes, at, length, "solid")) t.begun = 1, t.ended = 0, dem__skip_line(&t, length);
+        else t.at += length;
+    }
+    if (t.inside || (t.begun && !t.ended)) t.missing++; /* the file is cut off */
+    report->facets = t.triangles, report->missing = t.missing, report->polygons = t.polygons;
+}
+
+/* ---- what a file is ---- */
+
+enum { DEM__STL_UNKNOWN, DEM__STL_TEXT, DEM__STL_BINARY };
+
+/* Returns what kind of file it is, from all bytes, because headers may be wrong. A text has hardly any control characters; a binary file
+   has the length that its count gives. Where these two disagree, the numbers must look like coordinates. */
+static inline int dem__kind_of_stl(const unsigned char *bytes, size_t size) {
+    dem_stl_report found;
+    size_t controls = 0;
+    int whole = 0;
+    memset(&found, 0, sizeof found);
+    for (size_t k = 0; k < size; k++) controls += bytes[k] < ' ' && !(bytes[k] >= '\t' && bytes[k] <= '\r');
+    const int is_text = controls <= size / 20;
+    if (size >= 84) {
+        const dem__binary_size s = dem__size_of_binary(bytes, size);
+        whole = s.present > 0 && s.present == s.announced && s.rest == 0;
+    }
+    if (is_text && !whole) return DEM__STL_TEXT;
+    if (whole || is_text || (size >= 84 && dem__has_coordinates(bytes, size))) {
+        if (is_text) dem__read_text(bytes, size, NULL, &found);
+        return found.facets > 0 ? DEM__STL_TEXT : DEM__STL_BINARY;
+    }
+    dem__read_text(bytes, size, NULL, &found); /* padded with zeros, or damaged */
+    return found.facets > 0 ? DEM__STL_TEXT : DEM__STL_UNKNOWN;
+}
+
+static inline void dem__count_facets(const unsigned char *bytes, size_t size, dem_stl_report *report) {
+    const int kind = dem__kind_of_stl(bytes, size);
+    report->binary = kind == DEM__STL_BINARY;
+    if (kind == DEM__STL_BINARY) dem__count_binary(bytes, size, report);
+    if (kind == DEM__STL_TEXT) dem__read_text(bytes, size, NULL, report);
+}
+
+/* ---------------------------------------------------------------------------------------------- >>walls/stl_mesh.h */
+/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated.
+   May be changed here alone: how corners are welded and faults counted. */
+
+/* ---- from facets to a mesh ---- */
+
+/* Working memory for making a mesh. */
+typedef struct dem__workshop {
+    dem__facet *facets;
+    ptrdiff_t n;
+    dem__slot *slots; /* `capacity` of them */
+    size_t capacity;
+    int32_t *next; /* 3 n: the next vertex of a cell; later the corners of triangles without area */
+    ptrdiff_t slivers;
+    double weld, cell; /* distance up to which corners are one [m]; size of a grid cell [m], 0: only equal coordinates are one */
+} dem__workshop;
+
+static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *cell) {
+    uint64_t key = 0, bits;
+    for (int a = 0; a < 3; a++) {
+        const double v = (s->cell > 0.0 ? floor(cell[a] / s->cell) : cell[a]) + 0.0; /* no -0 */
+        memcpy(&bits, &v, sizeof bits);
+        key = dem__scramble(key * 3 + bits + 1);
+    }
+    return key | 1;
+}
+
+/* Returns the vertex at a place: an earlier one if there is one within `weld`, otherwise a new one. Vertices are chained from the cells of
+   a grid, which are four times as wide as `weld`: few fit into one cell. */
+static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
+    for (int side = 0; side < (s->cell > 0.0 ? 8 : 1); side++) {
+        double place[3];
+        int seen = 0;
+        for (int a = 0; a < 3; a++) {
+            const double low = dem_axis(p, a) - s->weld, high = dem_axis(p, a) + s->weld;
+            place[a] = side >> a & 1 ? high : low;
+            seen |= (side >> a & 1) && s->cell > 0.0 && floor(low / s->cell) == floor(high / s->cell); /* one cell for both sides */
+        }
+        if (seen) continue;
+        const dem__slot *slot = dem__find_slot(s->slots, s->capacity, dem__key_of_cell(s, place));
+        for (int32_t v = slot->key ? slot->value : -1; v >= 0; v = s->next[v]) {
+            if (dem__length(dem__sub(vertex[v], p)) <= s->weld) return v;
+        }
+    }
+    const int32_t fresh = (int32_t)(*count)++;
+    const double own[3] = {p.x, p.y, p.z};
+    const uint64_t key = dem__key_of_cell(s, own);
+    dem__slot *slot = dem__find_slot(s->slots, s->capacity, key);
+    vertex[fresh] = p;
+    s->next[fresh] = slot->key ? slot->value : -1;
+    slot->key = key;
+    slot->value = fresh;
+    return fresh;
+}
+
+static inline dem__slot *dem__stl_edge(dem__workshop *s, int32_t a, int32_t b) {
+    const uint64_t low = (uint64_t)(a < b ? a : b), high = (uint64_t)(a < b ? b : a);
+    dem__slot *slot = dem__find_slot(s->slots, s->capacity, low << 32 | high);
+    slot->key = low << 32 | high; /* never 0, as a < b */
+    return slot;
+}
+
+/* Counts the three edges of a triangle. */
+static inline void dem__count_edges_of(dem__workshop *s, const int32_t *t) {
+    for (int e = 0; e < 3; e++) {
+        const int32_t a = t[e], b = t[(e + 1) % 3];
+        dem__slot *slot = dem__stl_edge(s, a, b);
+        if (a < b) slot->forward++;
+        else slot->backward++;
+    }
+}
+
+/* Returns how many edges of a triangle have one other triangle, which runs the other way. */
+static inline int dem__closes(dem__workshop *s, const int32_t *t) {
+    int closed = 0;
+    for (int e = 0; e < 3; e++) {
+        const dem__slot *slot = dem__stl_edge(s, t[e], t[(e + 1) % 3]);
+        const int32_t along = t[e] < t[(e + 1) % 3] ? slot->forward : slot->backward;
+        closed += along == 0 && slot->forward + slot->backward == 1;
+    }
+    return closed;
+}
+
+/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with the triangles without area. In a fan of these
+   one closes after the other; sixteen passes, forward and backward in turn, suffice for any order that a program writes. */
+static inline void dem__close_junctions(dem__workshop *s) {
+    int changed = 1;
+    for (int pass = 0; pass < 16 && changed; pass++) {
+        changed = 0;
+        for (ptrdiff_t k = 0; k < s->slivers; k++) {
+            int32_t *t = &s->next[3 * (pass % 2 ? s->slivers - 1 - k : k)];
+            if (t[0] < 0 || dem__closes(s, t) < 2) continue;
+            dem__count_edges_of(s, t);
+            t[0] = -1;
+            changed = 1;
+        }
+    }
+}
+
+/* Scales the facets and drops those that are not finite. Returns the number that is left; the report gets their bounding box. */
+static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl_report *report) {
+    dem_vec low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
+    ptrdiff_t kept = 0;
+    for (ptrdiff_t k = 0; k < s->n; k++) {
+        dem__facet f = s->facets[k];
+        int finite = 1;
+        for (int c = 0; c < 9; c++) {
+            double *x = dem_axis_of(&f.corner[c / 3], c % 3);
+            *x *= scale;
+            finite &= fabs(*x) < 1e50;
+        }
+        report->not_finite += !finite;
+        if (!finite) continue;
+        s->facets[kept++] = f;
+        for (int c = 0; c < 9; c++) {
+            double *l = dem_axis_of(&low, c % 3), *h = dem_axis_of(&high, c % 3), x = dem_axis(f.corner[c / 3], c % 3);
+            *l = x < *l ? x : *l;
+            *h = x > *h ? x : *h;
+        }
+    }
+    if (kept > 0) report->low = low, report->high = high;
+    return kept;
+}
+
+/* Returns whether a triangle with the same three corners, in any order, came before. */
+static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
+    const int32_t first = t[0] < t[1] ? (t[0] < t[2] ? t[0] : t[2]) : (t[1] < t[2] ? t[1] : t[2]);
+    const int32_t last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);
+    const uint64_t middle = (uint64_t)t[0] + (uint64_t)t[1] + (uint64_t)t[2] - (uint64_t)first - (uint64_t)last;
+    /* a key of three numbers, which two triangles share with a probability of 2^-64 */
+    const uint64_t key = dem__scramble(dem__scramble((uint64_t)first + 1) + dem__scramble(middle + 1) * 3 + (uint64_t)last) | 1;
+    dem__slot *slot = dem__find_slot(s->slots, s->capacity, key);
+    if (slot->key) return 1;
+    slot->key = key;
+    return 0;
+}
+
+/* Keeps the triangles that have an area and are new; sums area and volume. */
+static inline void dem__keep_triangles(dem__workshop *s, dem_mesh *m, ptrdiff_t n, dem_stl_report *report) {
+    const dem_vec *vertex = (const dem_vec *)(const void *)m->vertex;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const int32_t t[3] = {m->triangle[3 * k], m->triangle[3 * k + 1], m->triangle[3 * k + 2]};
+        const dem_vec a = vertex[t[0]], b = vertex[t[1]], c = vertex[t[2]];
+        const int corners = t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+        dem_vec normal;
+        if (!corners || !dem__has_area(a, b, c, &normal)) {
+            report->degenerate++;
+            if (corners) memcpy(&s->next[3 * s->slivers++], t, sizeof t);
+            continue;
+        }
+        if (dem__is_duplicate(s, t)) {
+            report->duplicate++;
+            continue;
+        }
+        const dem_vec twice = dem__area(a, b, c), given = s->facets[k].normal;
+        const double length = dem__length(given);
+        if (dem__positive(length) && dem__dot(given, normal) < 0.5 * length) report->wrong_normals++;
+        report->area += 0.5 * dem__length(twice);
+        report->volume += dem__dot(dem__sub(a, report->low), twice) / 6.0;
+        memcpy(&m->triangle[3 * m->triangles++], t, sizeof t);
+    }
+}
+
+static inline void dem__count_edges(dem__workshop *s, const dem_mesh *m, dem_stl_report *report) {
+    for (ptrdiff_t k = 0; k < m->triangles; k++) dem__count_edges_of(s, &m->triangle[3 * k]);
+    dem__close_junctions(s);
+    for (size_t k = 0; k < s->capacity; k++) {
+        const int32_t f = s->slots[k].forward, b = s->slots[k].backward;
+        report->open_edges += f + b == 1;
+        report->nonmanifold += f + b > 2;
+        report->inconsistent += f + b == 2 && f != b;
+    }
+}
+
+/* Fills an empty mesh, whose arrays have room, and the report. */
+static inline void dem__make_mesh(dem_mesh *m, dem__workshop *s, double scale, double weld, dem_stl_report *report) {
+    const ptrdiff_t n = dem__keep_finite(s, scale, report);
+    if (n == 0) return;
+    const double size = dem__length(dem__sub(report->high, report->low));
+    s->weld = weld < size ? weld : size;
+    s->cell = 4.0 * s->weld;
+    memset(s->slots, 0, s->capacity * sizeof *s->slots);
+    for (ptrdiff_t k = 0; k < 3 * n; k++)
+        m->triangle[k] = dem__weld(s, (dem_vec *)(void *)m->vertex, &m->vertices, s->facets[k / 3].corner[k % 3]);
+    memset(s->slots, 0, s->capacity * sizeof *s->slots);
+    dem__keep_triangles(s, m, n, report);
+    memset(s->slots, 0, s->capacity * sizeof *s->slots);
+    dem__count_edges(s, m, report);
+}
+
+DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld, const dem_allocator *allocator, dem_mesh *mesh,
+                                dem_stl_report *report) {
+    const unsigned char *text = (const unsigned char *)bytes;
+    dem_stl_report found;
+    dem_allocator memory;
+    dem__workshop shop;
+    if (!mesh) return DEM_BAD_ARGUMENT;
+    memset(mesh, 0, sizeof *mesh);
+    memset(&found, 0, sizeof found);
+    memset(&shop, 0, sizeof shop);
+    if (report) *report = found;
+    if ((size > 0 && !bytes) || !dem__positive(scale) || !dem__not_negative(weld)) return DEM_BAD_ARGUMENT;
+    memory.fn = dem__default_allocator;
+    memory.user = NULL;
+    if (allocator) memory = *allocator;
+    if (!memory.fn) return DEM_BAD_ARGUMENT;
+
+    dem__count_facets(text, size, &found);
+    if (report) *report = found;
+    if (found.facets == 0) return DEM_BAD_DATA;
+    if (found.facets > INT32_MAX / 12) return DEM_TOO_MANY;
+    const size_t n = (size_t)found.facets;
+    shop.n = found.facets;
+    for (shop.capacity = 64; shop.capacity < 6 * n;) shop.capacity *= 2;
+    const size_t scratch = n * sizeof(dem__facet) + shop.capacity * sizeof(dem__slot) + 3 * n * sizeof(int32_t);
+    mesh->bytes = 3 * n * sizeof(dem_vec) + 3 * n * sizeof(int32_t);
+    mesh->allocator = memory;
+    mesh->block = memory.fn(memory.user, NULL, 0, mesh->bytes);
+    shop.facets = mesh->block ? (dem__facet *)memory.fn(memory.user, NULL, 0, scratch) : NULL;
+    if (!shop.facets) {
+        dem_free_mesh(mesh);
+        return DEM_OUT_OF_MEMORY;
+    }
+    shop.slots = (dem__slot *)(void *)(shop.facets + n);
+    shop.next = (int32_t *)(void *)(shop.slots + shop.capacity);
+    mesh->vertex = (double *)mesh->block;
+    mesh->triangle = (int32_t *)(void *)(mesh->vertex + 9 * n);
+    if (!found.binary) dem__read_text(text, size, shop.facets, &found);
+    for (size_t k = 0; k < n && found.binary; k++) dem__read_facet(text, k, &shop.facets[k]);
+    dem__make_mesh(mesh, &shop, scale, weld, &found);
+    memory.fn(memory.user, shop.facets, scratch, 0);
+    if (report) *report = found;
+    if (mesh->triangles > 0) return DEM_OK;
+    dem_free_mesh(mesh);
+    return DEM_BAD_DATA;
+}
+
+DEM_API void dem_free_mesh(dem_mesh *mesh) {
+    if (!mesh) return;
+    if (mesh->block) mesh->allocator.fn(mesh->allocator.user, mesh->block, mesh->bytes, 0);
+    memset(mesh, 0, sizeof *mesh);
+}
+
+/* ------------------------------------------------------------------------------------------------- >>walls/solid.h */
+/* Closed meshes: what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not closed has no inside;
+   in a closed one only points within round-off of the surface depend on how it is cut into triangles.
+   May be changed here alone: how rays are chosen. */
+
+/* Returns whether the line from p along +z crosses a triangle. Both triangles of an edge test it with its ends in the same order, so that a
+   line through an edge or a corner crosses the surface as often as one beside it. */
+static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
+    const dem_vec corner[3] = {a, b, c};
+    int inside = 0;
+    for (int e = 0; e < 3; e++) {
+        const dem_vec u = corner[e], v = corner[(e + 1) % 3];
+        const int low = u.y <= p.y;
+        if (low == (v.y <= p.y)) continue;
+        const dem_vec from = low ? u : v, to = low ? v : u;
+        inside ^= (to.x - from.x) * (p.y - from.y) > (p.x - from.x) * (to.y - from.y);
+    }
+    if (!inside) return 0;
+    const dem_vec n = dem__area(a, b, c);
+    return ((p.x - a.x) * n.x + (p.y - a.y) * n.y + (p.z - a.z) * n.z) * n.z < 0.0;
+}
+
+/* Returns whether p, in the wall's own frame, is inside a closed surface: a line from it crosses the surface an odd number of times. */
+static inline int dem__is_inside_tree(const dem__tree *t, dem_vec p) {
+    int inside = 0;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (!(p.x >= node->low[0] && p.x <= node->high[0] && p.y >= node->low[1] && p.y <= node->high[1] && p.z <= node->high[2])) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            const int32_t *c = &t->corner[3 * k];
+            inside ^= dem__is_under(t->vertex[c[0]], t->vertex[c[1]], t->vertex[c[2]], p);
+        }
+    }
+    return inside;
+}
+
+/* Returns whether a point is inside a wall that is a solid body. */
+static inline int dem__is_inside_wall(const dem_wall *w, dem_vec x) {
+    return w->solid && dem__is_inside_tree(w->tree, dem__to_frame(w, dem__sub(x, w->position)));
+}
+
+static inline dem_vec dem__mesh_vertex(const dem_mesh *m, ptrdiff_t k, int corner) {
+    const double *x = &m->vertex[3 * (ptrdiff_t)m->triangle[3 * k + corner]];
+    return dem_vec3(x[0], x[1], x[2]);
+}
+
+static inline int dem__is_inside_mesh(const dem_mesh *m, dem_vec p) {
+    int inside = 0;
+    for (ptrdiff_t k = 0; k < m->triangles; k++)
+        inside ^= dem__is_under(dem__mesh_vertex(m, k, 0), dem__mesh_vertex(m, k, 1), dem__mesh_vertex(m, k, 2), p);
+    return inside;
+}
+
+/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, even with different indices; triangles
+   without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a triangle that is there twice, DEM_TOO_MANY or
+   DEM_OUT_OF_MEMORY. */
+static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_t triangles, const dem_vec *vertex, const int32_t *corner) {
+    const size_t n = (size_t)triangles;
+    dem_stl_report report;
+    dem__workshop shop;
+    dem_mesh mesh;
+    int closed;
+    memset(&report, 0, sizeof report);
+    memset(&shop, 0, sizeof shop);
+    memset(&mesh, 0, sizeof mesh);
+    if (triangles > INT32_MAX / 12) return DEM_TOO_MANY;
+    shop.n = triangles;
+    for (shop.capacity = 64; shop.capacity < 6 * n;) shop.capacity *= 2;
+    const size_t bytes = n * sizeof(dem__facet) + shop.capacity * sizeof(dem__slot) + 3 * n * sizeof(dem_vec) + 6 * n * sizeof(int32_t);
+    shop.facets = (dem__facet *)memory->fn(memory->user, NULL, 0, bytes);
+    if (!shop.facets) return DEM_OUT_OF_MEMORY;
+    shop.slots = (dem__slot *)(void *)(shop.facets + n);
+    mesh.vertex = (double *)(void *)(shop.slots + shop.capacity);
+    shop.next = (int32_t *)(void *)(mesh.vertex + 9 * n);
+    mesh.triangle = shop.next + 3 * n;
+    memset(shop.facets, 0, n * sizeof(dem__facet));
+    for (size_t k = 0; k < 3 * n; k++) shop.facets[k / 3].corner[k % 3] = vertex[corner[k]];
+    dem__make_mesh(&mesh, &shop, 1.0, 0.0, &report);
+    closed = mesh.triangles > 0 && report.duplicate == 0 && report.not_finite == 0;
+    for (size_t k = 0; k < shop.capacity && closed; k++) closed = (shop.slots[k].forward + shop.slots[k].backward) % 2 == 0;
+    memory->fn(memory->user, shop.facets, bytes, 0);
+    return closed ? DEM_OK : DEM_BAD_ARGUMENT;
+}
+
+DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || !world->def.allocator.fn || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    dem_wall *w = &world->wall[wall];
+    if (solid) {
+        if (w->kind != DEM_MESH) return DEM_BAD_ARGUMENT;
+        const dem_status status = dem__check_closed(&world->def.allocator, w->tree->triangles, w->tree->vertex, w->tree->corner);
+        if (status != DEM_OK) return status;
+    }
+    w->solid = solid != 0;
+    return DEM_OK;
+}
+
+/* Returns whether a mesh's numbers are valid; low, high: its bounding box. */
+static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
+    if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
+        m->triangles > INT32_MAX / 4)
+        return 0;
+    *low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), *high = dem__scale(-1.0, *low);
+    for (ptrdiff_t k = 0; k < 3 * m->triangles; k++) {
+        if (m->triangle[k] < 0 || m->triangle[k] >= m->vertices) return 0;
+    }
+    for (ptrdiff_t k = 0; k < 3 * m->vertices; k++) {
+        double *l = dem_axis_of(low, (int)(k % 3)), *h = dem_axis_of(high, (int)(k % 3)), x = m->vertex[k];
+        if (!(fabs(x) < 1e50)) return 0; /* so that squares of areas are finite */
+        *l = x < *l ? x : *l;
+        *h = x > *h ? x : *h;
+    }
+    return 1;
+}
+
+DEM_API dem_region dem_mesh_region(const dem_mesh *mesh) {
+    const dem_allocator memory = {dem__default_allocator, NULL};
+    dem_region region;
+    memset(&region, 0, sizeof region);
+    region.kind = DEM_REGION_MESH;
+    if (dem__is_mesh(mesh, &region.low, &region.high) &&
+        dem__check_closed(&memory, mesh->triangles, (const dem_vec *)(const void *)mesh->vertex, mesh->triangle) == DEM_OK)
+        region.mesh = mesh;
+    return region;
+}
+
+/* Returns the volume of a closed mesh [m3]; all its triangles may be turned either way. */
+static inline double dem__mesh_volume(const dem_mesh *m) {
+    const dem_vec from = dem__mesh_vertex(m, 0, 0);
+    double sum = 0.0;
+    for (ptrdiff_t k = 0; k < m->triangles; k++) {
+        const dem_vec a = dem__sub(dem__mesh_vertex(m, k, 0), from), b = dem__sub(dem__mesh_vertex(m, k, 1), from),
+                      c = dem__sub(dem__mesh_vertex(m, k, 2), from);
+        sum += dem__dot(a, dem__cross(b, c)) / 6.0;
+    }
+    return fabs(sum);
+}
+
+/* -------------------------------------------------------------------------------------------------- >>feed/sizes.h */
 /* Regions and size distributions: pure functions, and the checks of a source.
    Relies on the portable mathematics.
    May be changed here alone: how a size is drawn (bits of fed scenes change). */
@@ -13763,8 +11315,136 @@ DEM_API dem_feed dem_default_feed(void) {
     return feed;
 }
 
+/* ------------------------------------------------------------------------------------- >>particles/remove_region.h */
+/* Taking out the records of what passed exits, and the particles in a region. Owns nothing; relies on regions and on the removal of a
+   particle.
+   May be changed here alone: all of it. */
+
+DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return -(ptrdiff_t)DEM_BUSY;
+    if (!w || !w->def.allocator.fn || capacity < 0) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    const ptrdiff_t n = capacity < w->passed_count ? capacity : w->passed_count, left = w->passed_count - n;
+    if (n == 0) return 0;
+    if (records) memcpy(records, w->passed, (size_t)n * sizeof *records);
+    memmove(w->passed, w->passed + n, (size_t)left * sizeof *records);
+    w->passed_count = left;
+    return n;
+}
+
+DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) {
+    if (dem__is_running(world)) return -(ptrdiff_t)DEM_BUSY;
+    dem_world *w = world;
+    ptrdiff_t removed = 0;
+    if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    w->engine->run.running = 1;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (r && r->first != i) continue;
+        if (!w->alive[i] || !dem_region_holds(region, r ? dem__body_position(w, r) : dem_position(w, i))) continue;
+        dem__detach_particle(w, i);
+        removed++;
+    }
+    if (removed > 0) dem__end_contacts_of_removed(w);
+    w->engine->run.running = 0;
+    return removed;
+}
+
+/* ----------------------------------------------------------------------------------------------- >>bodies/clumps.h */
+/* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body.
+   May be changed here alone: what is refused and how bodies are made of shapes. */
+
+static inline int dem__is_clump(const dem_clump *c) {
+    dem_quaternion unit;
+    if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) || !dem__unit_turn(c->axes, &unit)) return 0;
+    const dem_vec m = c->moments;
+    if (!dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
+    const double most = (1.0 + 1e-6) * (m.x + m.y + m.z); /* no moment exceeds the sum of the two others */
+    if (2.0 * m.x > most || 2.0 * m.y > most || 2.0 * m.z > most) return 0;
+    for (int k = 0; k < c->spheres; k++) {
+        if (!dem__positive(c->radius[k]) || !dem__finite_vec(c->centre[k])) return 0;
+    }
+    return 1;
+}
+
+DEM_API double dem_clump_diameter(const dem_clump *clump) {
+    return clump && dem__positive(clump->volume) ? riddle_cbrt(6.0 / RIDDLE_PI * clump->volume) : (double)NAN;
+}
+
+/* Returns the radius of the sphere about the centre of mass that contains a clump [m]. */
+static inline double dem__clump_reach(const dem_clump *c) {
+    double reach = 0.0;
+    for (int k = 0; k < c->spheres; k++) {
+        const double r = dem__length(c->centre[k]) + c->radius[k];
+        reach = r > reach ? r : reach;
+    }
+    return reach;
+}
+
+/* Returns the definition of a body with a clump's shape, `scale` times as large, of a material. offset and radius: [spheres], filled
+   here. */
+static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material, dem_vec *offset,
+                                            double *radius) {
+    const double density = w->def.material[material].density, cube = scale * scale * scale;
+    dem__body_def def;
+    dem_quaternion axes = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    memset(&def, 0, sizeof def);
+    dem__unit_turn(c->axes, &axes);
+    for (int k = 0; k < c->spheres; k++) offset[k] = dem__scale(scale, dem__to_body(axes, c->centre[k])), radius[k] = scale * c->radius[k];
+    def.mass = density * cube * c->volume;
+    def.moments = dem__scale(density * cube * scale * scale, c->moments);
+    def.frame = axes, def.turn = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    def.pieces = c->spheres, def.offset = offset, def.radius = radius, def.material = material;
+    return def;
+}
+
+/* Returns whether a body's mass and moments, and their inverses, are valid numbers. */
+static inline int dem__is_body_def(const dem__body_def *def) {
+    const dem_vec m = def->moments;
+    if (!dem__positive(def->mass) || !dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
+    if (!dem__positive(1.0 / m.x) || !dem__positive(1.0 / m.y) || !dem__positive(1.0 / m.z)) return 0;
+    for (ptrdiff_t k = 0; k < def->pieces; k++) {
+        const double r = def->radius[k];
+        if (!dem__positive(def->mass * r * r) || !dem__positive(1.0 / (def->mass * r * r))) return 0;
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres, const double *diameters,
+                                  const double *orientations, int material, int group) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    dem_vec offset[DEM_CLUMP_MAX];
+    double radius[DEM_CLUMP_MAX];
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials || !dem__is_clump(clump))
+        return DEM_BAD_ARGUMENT;
+    if (n > (INT32_MAX / 4 - w->count) / clump->spheres) return DEM_TOO_MANY;
+    const double own = dem_clump_diameter(clump);
+    for (ptrdiff_t k = 0; k < n; k++) {
+        dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+        const double *o = orientations ? orientations + 4 * k : NULL;
+        if (diameters && !dem__positive(diameters[k])) return DEM_BAD_ARGUMENT;
+        const dem__body_def def = dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
+        if (!dem__is_body_def(&def) || !dem__finite_vec(dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2])))
+            return DEM_BAD_ARGUMENT;
+        if (o && !dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return DEM_BAD_ARGUMENT;
+    }
+    if (n == 0) return DEM_OK;
+    if (!dem__reserve_bodies(w, n, n * clump->spheres)) return DEM_OUT_OF_MEMORY;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const double *o = orientations ? orientations + 4 * k : NULL;
+        dem__body_def def = dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
+        def.x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]), def.group = group;
+        if (o) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &def.turn);
+        dem__add_body(w, &def);
+    }
+    return DEM_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------ >>feed/filling.h */
 /* Placing particles without overlap, at once or over time. Owns nothing; writes a world through its public functions.
    May be changed here alone: how a free place is searched (bits of filled scenes change). */
+
 /* Spheres in and near a region, present and new, in linked lists by level and cell. */
 typedef struct dem__room {
     dem__grid grid[DEM__LEVELS_MAX];
@@ -14261,40 +11941,7 @@ DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_f
     return status;
 }
 
-/* Taking out the records of what passed exits, and the particles in a region. Owns nothing; relies on regions and on the removal of a
-   particle.
-   May be changed here alone: all of it. */
-DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity) {
-    dem_world *w = world;
-    if (dem__is_running(w)) return -(ptrdiff_t)DEM_BUSY;
-    if (!w || !w->def.allocator.fn || capacity < 0) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
-    const ptrdiff_t n = capacity < w->passed_count ? capacity : w->passed_count, left = w->passed_count - n;
-    if (n == 0) return 0;
-    if (records) memcpy(records, w->passed, (size_t)n * sizeof *records);
-    memmove(w->passed, w->passed + n, (size_t)left * sizeof *records);
-    w->passed_count = left;
-    return n;
-}
-
-DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) {
-    if (dem__is_running(world)) return -(ptrdiff_t)DEM_BUSY;
-    dem_world *w = world;
-    ptrdiff_t removed = 0;
-    if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
-    w->engine->run.running = 1;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem__rigid *r = dem__rigid_of(w, i);
-        if (r && r->first != i) continue;
-        if (!w->alive[i] || !dem_region_holds(region, r ? dem__body_position(w, r) : dem_position(w, i))) continue;
-        dem__detach_particle(w, i);
-        removed++;
-    }
-    if (removed > 0) dem__end_contacts_of_removed(w);
-    w->engine->run.running = 0;
-    return removed;
-}
-
-/* ----------------------------------------------------------------------------------------------- >>measure */
+/* --------------------------------------------------------------------------------------------- >>measure/measure.h */
 /* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. Relies on read.h.
    May be changed here alone: all but what a number means. */
 
@@ -14768,7 +12415,7 @@ DEM_API dem_status dem_residence(const dem_world *world, const dem_region *regio
     return DEM_OK;
 }
 
-/* ------------------------------------------------------------------------------------------------ >>mixing */
+/* ---------------------------------------------------------------------------------------------- >>measure/mixing.h */
 /* How well groups of particles are mixed. Reads a const world; writes the caller's arrays. Relies on measure.h for cells.
    May be changed here alone: all but what a number means. */
 
@@ -14831,7 +12478,7 @@ DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
     return unlike / (all * 2.0 * p * (1.0 - p));
 }
 
-/* ------------------------------------------------------------------------------------------- >>records */
+/* ------------------------------------------------------------------------------------------------ >>save/records.h */
 /* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows bytes and memory,
    no physics. Relies on nothing; saved.h names what is saved, save.h and load.h use both.
    May be changed here alone: how a record lies in the file (then DEM__FORMAT, too). */
@@ -14931,10 +12578,11 @@ static inline int dem__find_record(const unsigned char *file, size_t at, size_t 
     return 0;
 }
 
-/* ------------------------------------------------------------------------------------ >>convex_save */
+/* ---------------------------------------------------------------------------------------------- >>polyhedra/save.h */
 /* Shapes in a saved world: their fields, and whether loaded ones are sound.
    Relies on records.h for what a row means.
    May be changed here alone: what is checked. */
+
 static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     const size_t s = sizeof *c;
     const dem__saved_field fields[] = {
@@ -14969,7 +12617,7 @@ static inline int dem__is_sound_polyhedron(const dem_world *w, ptrdiff_t i) {
     return convex->shape_of[i] > 0 && convex->shape_of[i] <= convex->shapes && r && r->pieces == 1;
 }
 
-/* --------------------------------------------------------------------------------------------- >>saved */
+/* ------------------------------------------------------------------------------------------------- >>save/fields.h */
 /* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none.
    Relies on records.h for what a row means.
    May be changed here alone: what is saved. A new field is a row here and nothing else: old files, which lack it, load with the value that
@@ -15279,7 +12927,7 @@ static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, 
     vertices->field[0].name[5] = triangles->field[0].name[5] = (char)('0' + wall % 10);
 }
 
-/* ---------------------------------------------------------------------------------------------- >>save */
+/* --------------------------------------------------------------------------------------------------- >>save/save.h */
 /* Saving: writes the groups of saved.h as records. Reads a const world and writes nothing of it, so that several threads may save one.
    Relies on saved.h for what is saved, on records.h for how.
    May be changed here alone: the order of groups. */
@@ -15482,7 +13130,2407 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
     return hash;
 }
 
-/* ---------------------------------------------------------------------------------------------- >>load */
+/* --------------------------------------------------------------------------------------------- >>polyhedra/shape.h */
+/* Convex polyhedra: faces from corners, mass properties, erosion. Relies on vectors only. Promises: what is accepted is closed and convex,
+   and its tables agree with each other.
+   May be changed here alone: how faces are found; tables stay closed and convex. */
+
+/* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough. */
+#define DEM__FLAT 1e-6
+
+/* The hull of a set of points: the planes that have all other points behind them, and the points in each. */
+typedef struct dem__hull {
+    int faces;
+    uint32_t holds[DEM_FACES_MAX];
+    double plane[DEM_FACES_MAX][4], area[DEM_FACES_MAX];
+} dem__hull;
+
+DEM_INLINE dem_vec dem__point(const double *x) { return dem_vec3(x[0], x[1], x[2]); }
+
+/* Returns half the size of a set of points: half of the longest side of the box around it. */
+static inline double dem__half_size(const double *x, int n) {
+    double size = 0.0;
+    for (int a = 0; a < 3; a++) {
+        double low = x[a], high = x[a];
+        for (int k = 1; k < n; k++) low = x[3 * k + a] < low ? x[3 * k + a] : low, high = x[3 * k + a] > high ? x[3 * k + a] : high;
+        size = 0.5 * (high - low) > size ? 0.5 * (high - low) : size;
+    }
+    return size;
+}
+
+/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. Returns 0 if there are too
+   many. */
+static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, double offset, double area) {
+    int f = 0;
+    while (f < hull->faces && hull->holds[f] != holds) f++;
+    if (f < hull->faces && hull->area[f] >= area) return 1;
+    if (f == DEM_FACES_MAX) return 0;
+    if (f == hull->faces) hull->faces++;
+    hull->holds[f] = holds, hull->area[f] = area;
+    hull->plane[f][0] = n.x, hull->plane[f][1] = n.y, hull->plane[f][2] = n.z, hull->plane[f][3] = offset;
+    return 1;
+}
+
+/* Adds the face in which three points lie, if no point is in front of it. Returns 0 if there are too many faces. */
+static inline int dem__try_face(dem__hull *hull, const double *x, int n, int a, int b, int c, double flat) {
+    const dem_vec p = dem__point(x + 3 * a), u = dem__sub(dem__point(x + 3 * b), p), v = dem__sub(dem__point(x + 3 * c), p),
+                  cross = dem__cross(u, v);
+    const double area = dem__length(cross), longest = dem__dot(u, u) > dem__dot(v, v) ? dem__dot(u, u) : dem__dot(v, v);
+    double lowest = 0.0, highest = 0.0;
+    uint32_t holds = 0;
+    if (!(area > 1e-5 * longest)) return 1;
+    const dem_vec normal = dem__scale(1.0 / area, cross);
+    for (int k = 0; k < n; k++) {
+        const double height = dem__dot(normal, dem__sub(dem__point(x + 3 * k), p));
+        lowest = height < lowest ? height : lowest, highest = height > highest ? height : highest;
+        if (fabs(height) <= flat) holds |= (uint32_t)1 << k;
+    }
+    if (highest <= flat && lowest < -flat) return dem__add_face(hull, holds, normal, dem__dot(normal, p), area);
+    if (lowest >= -flat && highest > flat) return dem__add_face(hull, holds, dem__scale(-1.0, normal), -dem__dot(normal, p), area);
+    return 1;
+}
+
+/* Finds the faces of the hull of points. Returns 0 if there are too many. */
+static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double flat) {
+    hull->faces = 0;
+    for (int a = 0; a < n; a++) {
+        for (int b = a + 1; b < n; b++) {
+            for (int c = b + 1; c < n; c++) {
+                if (!dem__try_face(hull, x, n, a, b, c, flat)) return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they are no polygon. */
+static inline int dem__go_round(const dem__hull *hull, int f, const double *x, int n, uint8_t *corner, int count) {
+    const dem_vec normal = dem__point(hull->plane[f]);
+    const int begin = count;
+    int first = 0, at, total = 0;
+    while (!(hull->holds[f] >> first & 1)) first++;
+    for (int k = 0; k < n; k++) total += (int)(hull->holds[f] >> k & 1);
+    at = first;
+    do {
+        int next = -1;
+        if (count == 2 * DEM_EDGES_MAX || count - begin == total) return 0;
+        corner[count++] = (uint8_t)at;
+        for (int k = 0; k < n; k++) {
+            if (k == at || !(hull->holds[f] >> k & 1)) continue;
+            const dem_vec u = dem__sub(dem__point(x + 3 * k), dem__point(x + 3 * at));
+            if (next < 0 || dem__dot(normal, dem__cross(dem__sub(dem__point(x + 3 * next), dem__point(x + 3 * at)), u)) < 0.0) next = k;
+        }
+        at = next;
+    } while (at != first);
+    return count - begin == total && total > 2 ? count : 0;
+}
+
+/* Finds the edges from the corners of faces. Returns 0 if an edge has not two faces or is too short, or the surface is not that of a
+   ball. */
+static inline int dem__find_edges(dem_convex *s, double shortest) {
+    s->edges = 0;
+    for (int f = 0; f < s->faces; f++) {
+        for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
+            const int from = s->face_corner[k], to = s->face_corner[k + 1 < end ? k + 1 : s->face_start[f]];
+            int e = 0, backward = 0;
+            for (; e < s->edges; e++) {
+                if (s->edge[e][0] == from && s->edge[e][1] == to) return 0;
+                if (s->edge[e][0] == to && s->edge[e][1] == from) break;
+            }
+            backward = e < s->edges;
+            if (!backward && s->edges++ == DEM_EDGES_MAX) return 0;
+            if (!(dem__length(dem__sub(dem__point(s->corner[from]), dem__point(s->corner[to]))) > shortest)) return 0;
+            if (!backward) s->edge[e][0] = (uint8_t)from, s->edge[e][1] = (uint8_t)to;
+            s->edge_face[e][backward] = (uint8_t)f;
+        }
+    }
+    int sides = 0;
+    for (int f = 0; f < s->faces; f++) sides += s->face_start[f + 1] - s->face_start[f];
+    return sides == 2 * s->edges && s->corners - s->edges + s->faces == 2;
+}
+
+/* Finds faces and edges of a shape whose corners are set. Returns NULL, or what is wrong. */
+static inline const char *dem__find_surface(dem_convex *s, double flat) {
+    dem__hull hull;
+    int count = 0, used[DEM_CORNERS_MAX] = {0};
+    if (!dem__find_hull(&hull, s->corner[0], s->corners, flat)) return "its faces are more than DEM_FACES_MAX";
+    if (hull.faces < 4) return "the corners lie in one plane";
+    s->faces = hull.faces;
+    for (int f = 0; f < hull.faces; f++) {
+        s->face_start[f] = (uint8_t)count;
+        count = dem__go_round(&hull, f, s->corner[0], s->corners, s->face_corner, count);
+        if (count == 0) return "a point is no corner: it lies in a face, on an edge or on another point";
+        for (int a = 0; a < 4; a++) s->plane[f][a] = hull.plane[f][a];
+        for (int k = s->face_start[f]; k < count; k++) used[s->face_corner[k]]++;
+    }
+    s->face_start[hull.faces] = (uint8_t)count;
+    for (int k = 0; k < s->corners; k++) {
+        if (used[k] == 0) return "a point is no corner: it lies inside";
+        if (used[k] < 3) return "a point is no corner: it lies in a face, on an edge or on another point";
+    }
+    return dem__find_edges(s, flat) ? NULL : "a point is no corner: it lies in a face, on an edge or on another point";
+}
+
+/* Volume, first and second moments of a polyhedron, by signed tetrahedra from the origin to triangles of its faces. */
+typedef struct dem__moments {
+    double volume;
+    dem_vec first;
+    double second[3][3];
+} dem__moments;
+static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
+    memset(bulk, 0, sizeof *bulk);
+    for (int f = 0; f < s->faces; f++) {
+        const double *a = s->corner[s->face_corner[s->face_start[f]]];
+        for (int k = s->face_start[f] + 2; k < s->face_start[f + 1]; k++) {
+            const double *b = s->corner[s->face_corner[k - 1]], *c = s->corner[s->face_corner[k]];
+            const double six = dem__dot(dem__point(a), dem__cross(dem__point(b), dem__point(c)));
+            const double sum[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
+            bulk->volume += six / 6.0;
+            bulk->first = dem__plus(bulk->first, six / 24.0, dem__point(sum));
+            for (int p = 0; p < 3; p++) {
+                for (int q = 0; q < 3; q++) bulk->second[p][q] += six / 120.0 * (sum[p] * sum[q] + a[p] * a[q] + b[p] * b[q] + c[p] * c[q]);
+            }
+        }
+    }
+}
+
+/* Turns a symmetric matrix to its principal axes (Jacobi); axis[k][a]: component a of axis k. A diagonal matrix is left as it is. */
+static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
+    const double size = m[0][0] + m[1][1] + m[2][2];
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++) axis[p][q] = p == q ? 1.0 : 0.0;
+    }
+    for (int sweep = 0; sweep < 30; sweep++) {
+        for (int p = 0; p < 2; p++) {
+            for (int q = p + 1; q < 3; q++) {
+                if (fabs(m[p][q]) <= 1e-13 * size) continue;
+                const double theta = 0.5 * (m[q][q] - m[p][p]) / m[p][q], root = sqrt(theta * theta + 1.0);
+                const double t = theta < 0.0 ? -1.0 / (root - theta) : 1.0 / (root + theta), c = 1.0 / sqrt(t * t + 1.0), s = t * c;
+                for (int a = 0; a < 3; a++) {
+                    const double old = m[a][p];
+                    m[a][p] = c * old - s * m[a][q], m[a][q] = s * old + c * m[a][q];
+                }
+                for (int a = 0; a < 3; a++) {
+                    double old = m[p][a];
+                    m[p][a] = c * old - s * m[q][a], m[q][a] = s * old + c * m[q][a];
+                    old = axis[p][a];
+                    axis[p][a] = c * old - s * axis[q][a], axis[q][a] = s * old + c * axis[q][a];
+                }
+            }
+        }
+    }
+}
+
+/* Sets volume, centroid and moments; moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what is
+   wrong. */
+static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
+    dem__moments bulk;
+    double second[3][3], axis[3][3];
+    dem__integrate(s, &bulk);
+    if (!(bulk.volume > 0.0 && bulk.volume < HUGE_VAL)) return "the corners lie in one plane";
+    const dem_vec c = dem__scale(1.0 / bulk.volume, bulk.first);
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++) second[p][q] = bulk.second[p][q] - bulk.volume * dem_axis(c, p) * dem_axis(c, q);
+    }
+    dem__principal(second, axis);
+    s->volume = bulk.volume;
+    s->centroid = dem__add(middle, c);
+    for (int a = 0; a < 3; a++) {
+        s->axis[a] = dem__point(axis[a]);
+        s->moment[a] = second[(a + 1) % 3][(a + 1) % 3] + second[(a + 2) % 3][(a + 2) % 3];
+        if (!(s->moment[a] > 0.0 && s->moment[a] < HUGE_VAL)) return "it is too small or too large for its inertia to be a number";
+    }
+    for (int k = 0; k < s->corners; k++) {
+        const dem_vec d = dem__sub(dem__point(s->corner[k]), c);
+        for (int a = 0; a < 3; a++) s->corner[k][a] = dem__dot(d, s->axis[a]);
+    }
+    return NULL;
+}
+
+/* Finds the point where three planes meet that have moved inwards. Returns their determinant; 0 if they hardly meet. */
+static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, dem_vec *at) {
+    const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
+    const double det = dem__dot(a, bc);
+    if (fabs(det) < 1e-6) return 0.0;
+    const dem_vec sum = dem__add(dem__scale(p[3] - inwards, bc),
+                                 dem__add(dem__scale(q[3] - inwards, dem__cross(c, a)), dem__scale(r[3] - inwards, dem__cross(a, b))));
+    *at = dem__scale(1.0 / det, sum);
+    return fabs(det);
+}
+
+/* Adds a corner of the core unless it is there; of two equal ones the better determined one stays. Returns 0 if there are too many. */
+static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, double det, double same) {
+    int k = 0;
+    while (k < core->corners && !(dem__length(dem__sub(x, dem__point(core->corner[k]))) <= same)) k++;
+    if (k == DEM_CORNERS_MAX) return 0;
+    if (k < core->corners && sure[k] >= det) return 1;
+    if (k == core->corners) core->corners++;
+    core->corner[k][0] = x.x, core->corner[k][1] = x.y, core->corner[k][2] = x.z;
+    sure[k] = det;
+    return 1;
+}
+
+/* Finds the corners of a shape whose faces have moved inwards by a radius: where three of the planes meet, behind all others. Returns 0 if
+   there are too many. */
+static inline int dem__erode(const dem_convex *s, dem_convex *core, double radius, double flat) {
+    double sure[DEM_CORNERS_MAX];
+    core->corners = 0;
+    for (int a = 0; a < s->faces; a++) {
+        for (int b = a + 1; b < s->faces; b++) {
+            for (int c = b + 1; c < s->faces; c++) {
+                dem_vec x;
+                int f = 0;
+                const double det = dem__meet(s->plane[a], s->plane[b], s->plane[c], radius, &x);
+                if (det == 0.0) continue;
+                while (f < s->faces && dem__dot(dem__point(s->plane[f]), x) <= s->plane[f][3] - radius + 0.1 * flat) f++;
+                if (f == s->faces && !dem__add_corner(core, sure, x, det, flat)) return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Returns the smallest distance of a face from the corner opposite to it. */
+static inline double dem__least_width(const dem_convex *s) {
+    double least = HUGE_VAL;
+    for (int f = 0; f < s->faces; f++) {
+        double deepest = 0.0;
+        for (int k = 0; k < s->corners; k++) {
+            const double depth = s->plane[f][3] - dem__dot(dem__point(s->plane[f]), dem__point(s->corner[k]));
+            deepest = depth > deepest ? depth : deepest;
+        }
+        least = deepest < least ? deepest : least;
+    }
+    return least;
+}
+
+/* Finds whether the core is a box along the axes, with its middle at the centroid. Sets its corners to the half lengths to the last bit,
+   because its distances are computed from these. */
+static inline void dem__find_box(dem_convex *s) {
+    const double *h = s->corner[0];
+    s->half = dem_vec3(fabs(h[0]), fabs(h[1]), fabs(h[2]));
+    s->is_box = s->corners == 8 && s->faces == 6;
+    for (int k = 0; k < s->corners; k++) {
+        for (int a = 0; a < 3; a++) s->is_box &= fabs(fabs(s->corner[k][a]) - dem_axis(s->half, a)) <= 1e-9 * s->reach;
+    }
+    for (int k = 0; k < s->corners && s->is_box; k++) {
+        for (int a = 0; a < 3; a++) s->corner[k][a] = s->corner[k][a] < 0.0 ? -dem_axis(s->half, a) : dem_axis(s->half, a);
+    }
+}
+
+/* Returns the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), as a mean over all
+   directions. Weight: the energy that this corner takes up in an impact, which is proportional to the share. Directions: the middles of 8 x
+   8 squares on each side of a cube. */
+static inline double dem__mean_share(const dem_convex *s) {
+    double sum = 0.0, weights = 0.0;
+    for (int k = 0; k < 6 * 64; k++) {
+        const double a = 0.25 * (double)(k % 8) - 0.875, b = 0.25 * (double)(k / 8 % 8) - 0.875, c = k % 128 < 64 ? 1.0 : -1.0;
+        const int side = k / 128;
+        const double length = sqrt(1.0 + a * a + b * b), weight = 1.0 / (length * length * length);
+        double farthest = -HUGE_VAL, turned = 0.0;
+        dem_vec n;
+        *dem_axis_of(&n, side) = c / length, *dem_axis_of(&n, (side + 1) % 3) = a / length, *dem_axis_of(&n, (side + 2) % 3) = b / length;
+        for (int q = 0; q < s->corners; q++) {
+            const dem_vec r = dem__point(s->corner[q]), t = dem__cross(r, n);
+            if (dem__dot(r, n) <= farthest) continue;
+            farthest = dem__dot(r, n);
+            turned = s->volume * (t.x * t.x / s->moment[0] + t.y * t.y / s->moment[1] + t.z * t.z / s->moment[2]);
+        }
+        const double share = 1.0 / (1.0 + turned);
+        sum += weight * share * share, weights += weight * share;
+    }
+    return sum / weights;
+}
+
+/* Makes the shape from corners about their middle. Returns NULL, or what is wrong. */
+static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding) {
+    dem_convex core;
+    const double flat = DEM__FLAT * dem__half_size(s->corner[0], s->corners);
+    const char *reason;
+    if (!(flat > 0.0)) return "the corners lie in one point";
+    if ((reason = dem__find_surface(s, flat)) != NULL) return reason;
+    if ((reason = dem__set_bulk(s, middle)) != NULL) return reason;
+    if ((reason = dem__find_surface(s, flat)) != NULL) return reason; /* planes in the new frame */
+    core = *s;
+    core.radius = rounding * dem__least_width(s);
+    if (!dem__erode(s, &core, core.radius, flat)) return "its core has more than DEM_CORNERS_MAX corners: where over three faces meet";
+    if ((reason = dem__find_surface(&core, 0.1 * flat)) != NULL) return "its core is no polyhedron: a smaller rounding leaves one";
+    core.reach = 0.0;
+    for (int k = 0; k < core.corners; k++) {
+        const double far = dem__length(dem__point(core.corner[k])) + core.radius;
+        core.reach = far > core.reach ? far : core.reach;
+    }
+    dem__find_box(&core);
+    core.share = dem__mean_share(&core);
+    *s = core;
+    return NULL;
+}
+
+DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding, const char **reason) {
+    const char *wrong = NULL;
+    dem_vec middle = dem_vec3(0.0, 0.0, 0.0);
+    if (!shape || !corners) wrong = "there is no place for the shape, or there are no corners";
+    else if (n < 4 || n > DEM_CORNERS_MAX) wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
+    else if (!(rounding >= 0.001 && rounding <= 0.4)) wrong = "the rounding is not 0.001 .. 0.4";
+    for (int k = 0; k < 3 * n && !wrong; k++) {
+        if (!dem__moderate(corners[k])) wrong = "a corner is not finite";
+    }
+    if (!wrong) {
+        memset(shape, 0, sizeof *shape);
+        shape->corners = n;
+        for (int k = 0; k < n; k++) middle = dem__plus(middle, 1.0 / (double)n, dem__point(corners + 3 * k));
+        for (int k = 0; k < 3 * n; k++) shape->corner[k / 3][k % 3] = corners[k] - dem_axis(middle, k % 3);
+        wrong = dem__shape_from(shape, middle, rounding);
+    }
+    if (reason) *reason = wrong;
+    return wrong ? DEM_BAD_ARGUMENT : DEM_OK;
+}
+
+DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason) {
+    double corner[8][3];
+    if (!dem__positive(lengths.x) || !dem__positive(lengths.y) || !dem__positive(lengths.z)) {
+        if (reason) *reason = "a length is not a number above 0";
+        return DEM_BAD_ARGUMENT;
+    }
+    for (int k = 0; k < 24; k++) corner[k / 3][k % 3] = (k / 3 >> k % 3 & 1 ? 0.5 : -0.5) * dem_axis(lengths, k % 3);
+    return dem_make_convex(shape, 8, corner[0], rounding, reason);
+}
+
+/* Returns whether every edge of a mesh has one other triangle, which runs along it the other way. */
+static inline int dem__is_closed(const dem_mesh *mesh) {
+    for (ptrdiff_t p = 0; p < 3 * mesh->triangles; p++) {
+        const int32_t from = mesh->triangle[p], to = mesh->triangle[p % 3 < 2 ? p + 1 : p - 2];
+        int same = 0, opposite = 0;
+        for (ptrdiff_t q = 0; q < 3 * mesh->triangles; q++) {
+            const int32_t a = mesh->triangle[q], b = mesh->triangle[q % 3 < 2 ? q + 1 : q - 2];
+            same += a == from && b == to;
+            opposite += a == to && b == from;
+        }
+        if (same != 1 || opposite != 1) return 0;
+    }
+    return 1;
+}
+
+/* Returns whether every corner of a mesh is behind every triangle, or in its plane. */
+static inline int dem__is_convex(const dem_mesh *mesh) {
+    const double flat = DEM__FLAT * dem__half_size(mesh->vertex, (int)mesh->vertices);
+    for (ptrdiff_t t = 0; t < mesh->triangles; t++) {
+        const dem_vec a = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t]),
+                      b = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 1]),
+                      c = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 2]);
+        const dem_vec n = dem__cross(dem__sub(b, a), dem__sub(c, a));
+        const double area = dem__length(n);
+        for (ptrdiff_t k = 0; k < mesh->vertices; k++) {
+            if (dem__dot(n, dem__sub(dem__point(mesh->vertex + 3 * k), a)) > flat * area) return 0;
+        }
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason) {
+    const char *wrong = NULL;
+    if (!mesh || !mesh->vertex || !mesh->triangle) wrong = "there is no mesh";
+    else if (mesh->vertices < 4 || mesh->vertices > DEM_CORNERS_MAX) wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
+    else if (mesh->triangles < 4 || mesh->triangles > DEM_FACES_MAX) wrong = "the number of triangles is not 4 .. DEM_FACES_MAX";
+    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->triangles; k++) {
+        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices) wrong = "a triangle has a corner that is not there";
+    }
+    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->vertices; k++) {
+        if (!dem__moderate(mesh->vertex[k])) wrong = "a corner is not finite";
+    }
+    if (!wrong && !dem__is_closed(mesh)) wrong = "the surface is not closed: an edge has not two triangles that run along it both ways";
+    if (!wrong && !dem__is_convex(mesh)) wrong = "the surface is not convex, or its triangles face inwards";
+    if (!wrong) return dem_make_convex(shape, (int)mesh->vertices, mesh->vertex, rounding, reason);
+    if (reason) *reason = wrong;
+    return DEM_BAD_ARGUMENT;
+}
+
+/* ------------------------------------------------------------------------------------------ >>polyhedra/distance.h */
+/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Relies on shapes and vectors. Promises: a separation that is
+   returned is never more than the true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge) and a
+   triangle (3 corners, 3 edges, 2 faces) are cores like any other.
+   May be changed here alone: iterations and their order; a separation is never too large. */
+
+DEM_INLINE dem_vec dem__from_core_frame(const dem__placed *p, dem_vec v) {
+    return dem__add(dem__scale(v.x, p->axis[0]), dem__plus(dem__scale(v.y, p->axis[1]), v.z, p->axis[2]));
+}
+DEM_INLINE dem_vec dem__into_core(const dem__placed *p, dem_vec v) {
+    return dem_vec3(dem__dot(v, p->axis[0]), dem__dot(v, p->axis[1]), dem__dot(v, p->axis[2]));
+}
+DEM_INLINE dem_vec dem__corner_at(const dem_convex *s, const dem__placed *p, int k) {
+    return dem__add(p->x, dem__from_core_frame(p, dem__point(s->corner[k])));
+}
+
+/* Returns the corner of a core that is farthest along u, in the core's own frame. */
+DEM_INLINE int dem__farthest(const dem_convex *s, dem_vec u) {
+    int best = 0;
+    double most = dem__dot(u, dem__point(s->corner[0]));
+    for (int k = 1; k < s->corners; k++) {
+        const double along = dem__dot(u, dem__point(s->corner[k]));
+        best = along > most ? k : best, most = along > most ? along : most;
+    }
+    return best;
+}
+
+/* A simplex of corners of the difference of two cores: the corners of each, their places, and their weights in the nearest point. */
+typedef struct dem__simplex {
+    int n;
+    uint8_t a[4], b[4];
+    dem_vec at[4];
+    double part[4];
+} dem__simplex;
+
+DEM_INLINE void dem__keep_corners(dem__simplex *s, int n, const int *kept, const double *part) {
+    for (int k = 0; k < n; k++) { /* `kept` ascends */
+        s->a[k] = s->a[kept[k]], s->b[k] = s->b[kept[k]], s->at[k] = s->at[kept[k]];
+        s->part[k] = part[k];
+    }
+    s->n = n;
+}
+
+/* Returns the point of segment i, j of a simplex that is nearest to the origin, and keeps the corners between which it lies. */
+static inline dem_vec dem__near_segment(dem__simplex *s, int i, int j) {
+    const dem_vec p = s->at[i], u = dem__sub(s->at[j], p);
+    const double along = -dem__dot(p, u), length = dem__dot(u, u);
+    const int both[2] = {i < j ? i : j, i < j ? j : i};
+    if (!(along > 0.0) || !(along < length)) {
+        const int one = along > 0.0 ? j : i;
+        const double whole = 1.0;
+        dem__keep_corners(s, 1, &one, &whole);
+        return s->at[0];
+    }
+    const double t = along / length, part[2] = {i < j ? 1.0 - t : t, i < j ? t : 1.0 - t};
+    dem__keep_corners(s, 2, both, part);
+    return dem__plus(p, t, u);
+}
+
+/* Does the same for triangle i < j < k (Ericson 2005, section 5.1.5). */
+static inline dem_vec dem__near_triangle(dem__simplex *s, int i, int j, int k) {
+    const dem_vec a = s->at[i], ab = dem__sub(s->at[j], a), ac = dem__sub(s->at[k], a);
+    const double d1 = -dem__dot(ab, a), d2 = -dem__dot(ac, a);
+    const double d3 = -dem__dot(ab, s->at[j]), d4 = -dem__dot(ac, s->at[j]), d5 = -dem__dot(ab, s->at[k]), d6 = -dem__dot(ac, s->at[k]);
+    const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4, all = va + vb + vc;
+    if (!(all > 0.0) || vc <= 0.0 || vb <= 0.0 || va <= 0.0) { /* on the border: the nearest of three segments */
+        const int pair[3][2] = {{i, j}, {i, k}, {j, k}};
+        dem__simplex best = *s;
+        dem_vec least = a;
+        double shortest = HUGE_VAL;
+        for (int q = 0; q < 3; q++) {
+            dem__simplex side = *s;
+            const dem_vec v = dem__near_segment(&side, pair[q][0], pair[q][1]);
+            if (dem__dot(v, v) < shortest) shortest = dem__dot(v, v), least = v, best = side;
+        }
+        *s = best;
+        return least;
+    }
+    const int kept[3] = {i, j, k};
+    const double part[3] = {va / all, vb / all, vc / all};
+    dem__keep_corners(s, 3, kept, part);
+    return dem__plus(dem__plus(a, part[1], ab), part[2], ac);
+}
+
+/* Does the same for a tetrahedron. Returns 0 where it contains the origin. */
+static inline dem_vec dem__near_tetrahedron(dem__simplex *s) {
+    const int face[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
+    dem__simplex best = *s;
+    dem_vec least = dem_vec3(0.0, 0.0, 0.0);
+    double shortest = HUGE_VAL;
+    for (int f = 0; f < 4; f++) {
+        const dem_vec p = s->at[face[f][0]], n = dem__cross(dem__sub(s->at[face[f][1]], p), dem__sub(s->at[face[f][2]], p));
+        const double inner = dem__dot(n, dem__sub(s->at[face[f][3]], p)), origin = -dem__dot(n, p);
+        if (inner * origin > 0.0) continue; /* on the side of the fourth corner */
+        dem__simplex side = *s;
+        const dem_vec v = dem__near_triangle(&side, face[f][0], face[f][1], face[f][2]);
+        if (dem__dot(v, v) < shortest) shortest = dem__dot(v, v), least = v, best = side;
+    }
+    *s = best;
+    return least;
+}
+
+static inline dem_vec dem__near_simplex(dem__simplex *s) {
+    s->part[0] = 1.0;
+    if (s->n == 1) return s->at[0];
+    if (s->n == 2) return dem__near_segment(s, 0, 1);
+    return s->n == 3 ? dem__near_triangle(s, 0, 1, 2) : dem__near_tetrahedron(s);
+}
+
+/* Distance of two cores. */
+typedef struct dem__gap_of_cores {
+    dem_vec normal;      /* from b to a, a unit vector */
+    double separation;   /* of the two cores along it: their distance, or a lower limit of it; less than 0 where they overlap */
+    dem_vec at_a, at_b;  /* the points nearest to each other, where they do not overlap */
+    int overlap, rounds; /* whether they overlap; number of iterations */
+} dem__gap_of_cores;
+
+DEM_INLINE void dem__add_corners(dem__simplex *s, const dem_convex *a, const dem__placed *pa, int i, const dem_convex *b,
+                                 const dem__placed *pb, int j) {
+    const int k = s->n++;
+    s->a[k] = (uint8_t)i, s->b[k] = (uint8_t)j;
+    s->at[k] = dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j));
+}
+
+/* Begins with the corners of the last test, or with those that face each other. */
+static inline void dem__begin_simplex(dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                      const dem__placed *pb, const dem__nearest_cache *cache) {
+    s->n = 0;
+    for (int k = 0; cache && k < cache->n; k++) dem__add_corners(s, a, pa, cache->a[k], b, pb, cache->b[k]);
+    if (s->n > 0) return;
+    const dem_vec d = dem__sub(pa->x, pb->x);
+    dem__add_corners(s, a, pa, dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, d))), b, pb, dem__farthest(b, dem__into_core(pb, d)));
+}
+
+/* Returns how far a core extends from its centre in the direction n [m]. */
+DEM_INLINE double dem__reach_along(const dem_convex *s, const dem__placed *p, dem_vec n) {
+    const dem_vec u = dem__into_core(p, n);
+    if (s->is_box) return fabs(u.x) * s->half.x + fabs(u.y) * s->half.y + fabs(u.z) * s->half.z;
+    return dem__dot(u, dem__point(s->corner[dem__farthest(s, u)]));
+}
+/* Returns a lower limit of the distance of two cores [m]: that along n, a unit vector from b to a. A negative value says nothing: they may
+   be apart in another direction. */
+DEM_INLINE double dem__apart_along(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec n) {
+    if (n.x == 0.0 && n.y == 0.0 && n.z == 0.0) return -HUGE_VAL;
+    return dem__dot(n, dem__sub(pa->x, pb->x)) - dem__reach_along(a, pa, dem__scale(-1.0, n)) - dem__reach_along(b, pb, n);
+}
+/* Two boxes, seen from the first one: where the other one's centre is not, but whence it is seen (from b to a), and its axes. */
+typedef struct dem__two_boxes {
+    const dem_convex *a, *b;
+    double from[3], turn[3][3], size[3][3]; /* along a's axes; turn[i][m]: cosine of a's axis i and b's axis m; size: without sign */
+} dem__two_boxes;
+
+/* Finds the axis k < 3 of a, or k - 3 of b, along which two boxes are farthest apart. Returns how far, as dem__apart_along; along: k, and
+   the component of the distance along it. */
+static inline double dem__apart_along_faces(const dem__two_boxes *q, int *k, double *along) {
+    double most = -HUGE_VAL;
+    for (int n = 0; n < 6; n++) {
+        const int i = n % 3, of_a = n < 3;
+        const double *u = q->size[i];
+        const dem_vec half = of_a ? q->b->half : q->a->half;
+        const double d = of_a ? q->from[i] : q->from[0] * q->turn[0][i] + q->from[1] * q->turn[1][i] + q->from[2] * q->turn[2][i];
+        const double reach =
+            of_a ? half.x * u[0] + half.y * u[1] + half.z * u[2] : half.x * q->size[0][i] + half.y * q->size[1][i] + half.z * q->size[2][i];
+        const double apart = fabs(d) - dem_axis(of_a ? q->a->half : q->b->half, i) - reach;
+        if (apart > most) most = apart, *k = n, *along = d;
+    }
+    return most;
+}
+/* Does the same for the products of an axis of a and one of b: k = 3 i + m. */
+static inline double dem__apart_along_edges(const dem__two_boxes *q, int *k, double *along) {
+    double most = -HUGE_VAL;
+    for (int n = 0; n < 9; n++) {
+        const int i = n / 3, m = n % 3, j = (i + 1) % 3, l = (i + 2) % 3, r = (m + 1) % 3, s = (m + 2) % 3;
+        const double square = 1.0 - q->turn[i][m] * q->turn[i][m];
+        const double d = q->from[l] * q->turn[j][m] - q->from[j] * q->turn[l][m];
+        const double apart = fabs(d) - dem_axis(q->a->half, j) * q->size[l][m] - dem_axis(q->a->half, l) * q->size[j][m] -
+                             dem_axis(q->b->half, r) * q->size[i][s] - dem_axis(q->b->half, s) * q->size[i][r];
+        if (!(apart > 0.0) || !(square > 1e-6)) continue;
+        const double distance = apart / sqrt(square);
+        if (distance > most) most = distance, *k = n, *along = d;
+    }
+    return most;
+}
+
+/* Looks for a direction along which two boxes are farther apart than `enough`, a unit vector from b to a, among the normals of faces, then
+   the products of edges (separating axes). Returns how far, as dem__apart_along; if it is not enough, the direction is not set. */
+static inline double dem__part_boxes(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
+                                     dem_vec *normal) {
+    dem__two_boxes q;
+    int k = 0;
+    double along = 0.0;
+    const dem_vec d = dem__into_core(pa, dem__sub(pa->x, pb->x));
+    q.a = a, q.b = b;
+    q.from[0] = d.x, q.from[1] = d.y, q.from[2] = d.z;
+    for (int i = 0; i < 3; i++) {
+        for (int m = 0; m < 3; m++) q.turn[i][m] = dem__dot(pa->axis[i], pb->axis[m]), q.size[i][m] = fabs(q.turn[i][m]);
+    }
+    double apart = dem__apart_along_faces(&q, &k, &along);
+    dem_vec n = k < 3 ? pa->axis[k] : pb->axis[k - 3];
+    if (!(apart > enough)) {
+        apart = dem__apart_along_edges(&q, &k, &along);
+        if (!(apart > enough)) return apart;
+        n = dem__cross(pa->axis[k / 3], pb->axis[k % 3]);
+        n = dem__scale(1.0 / dem__length(n), n);
+    }
+    *normal = along < 0.0 ? dem__scale(-1.0, n) : n;
+    return apart;
+}
+
+/* Finds the direction of least overlap of two overlapping cores, among the normals of faces and the products of edges (separating axis
+   theorem). */
+static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
+                                      dem__gap_of_cores *gap) {
+    const int axes = a->faces + b->faces + a->edges * b->edges;
+    gap->separation = -HUGE_VAL, gap->normal = dem_vec3(0.0, 0.0, 1.0);
+    for (int m = 0; m < axes; m++) {
+        dem_vec n;
+        if (m < a->faces) n = dem__scale(-1.0, dem__from_core_frame(pa, dem__point(a->plane[m])));
+        else if (m < a->faces + b->faces) n = dem__from_core_frame(pb, dem__point(b->plane[m - a->faces]));
+        else {
+            const int e = (m - a->faces - b->faces) / b->edges, f = (m - a->faces - b->faces) % b->edges;
+            const dem_vec u = dem__sub(dem__corner_at(a, pa, a->edge[e][1]), dem__corner_at(a, pa, a->edge[e][0]));
+            const dem_vec v = dem__sub(dem__corner_at(b, pb, b->edge[f][1]), dem__corner_at(b, pb, b->edge[f][0]));
+            n = dem__cross(u, v);
+            const double size = dem__length(n);
+            if (!(size > 1e-6 * dem__length(u) * dem__length(v))) continue;
+            n = dem__scale((dem__dot(n, dem__sub(pa->x, pb->x)) < 0.0 ? -1.0 : 1.0) / size, n);
+        }
+        const dem_vec in_a = dem__scale(-1.0, dem__into_core(pa, n)), in_b = dem__into_core(pb, n);
+        const double low = dem__dot(n, pa->x) - dem__dot(in_a, dem__point(a->corner[dem__farthest(a, in_a)])),
+                     high = dem__dot(n, pb->x) + dem__dot(in_b, dem__point(b->corner[dem__farthest(b, in_b)]));
+        if (low - high > gap->separation) gap->separation = low - high, gap->normal = n;
+    }
+}
+
+/* Computes the points of the two cores that are nearest to each other, from a simplex. */
+static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                       const dem__placed *pb, dem__gap_of_cores *gap) {
+    gap->at_a = gap->at_b = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 0; k < s->n; k++) {
+        gap->at_a = dem__plus(gap->at_a, s->part[k], dem__corner_at(a, pa, s->a[k]));
+        gap->at_b = dem__plus(gap->at_b, s->part[k], dem__corner_at(b, pb, s->b[k]));
+    }
+}
+
+/* A direction is good enough to find the points of two cores if they are as far apart along it as this share of the radii. */
+#define DEM__GOOD_AXIS 0.9
+
+/* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart than `enough`, or
+   certainly nearer and apart along a good direction. cache: of this pair, read and written, or NULL. */
+static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
+                                 dem__nearest_cache *cache, dem__gap_of_cores *gap) {
+    dem__simplex s;
+    const double tiny = 1e-12 * (a->reach + b->reach);
+    gap->separation = -HUGE_VAL, gap->overlap = 0;
+    dem__begin_simplex(&s, a, pa, b, pb, cache);
+    for (gap->rounds = 0; gap->rounds < 32; gap->rounds++) {
+        const dem_vec v = dem__near_simplex(&s);
+        const double distance = dem__length(v);
+        if (!(distance > tiny)) {
+            gap->overlap = 1;
+            break;
+        }
+        const dem_vec n = dem__scale(1.0 / distance, v);
+        const int i = dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, n))), j = dem__farthest(b, dem__into_core(pb, n));
+        const double along = dem__dot(n, dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j)));
+        int known = s.n == 4;
+        if (along > gap->separation) gap->separation = along, gap->normal = n;
+        for (int k = 0; k < s.n; k++) known |= s.a[k] == i && s.b[k] == j;
+        if (known || along > enough || distance - along <= 1e-7 * distance) break;
+        if (distance < enough && along > DEM__GOOD_AXIS * enough) break;
+        dem__add_corners(&s, a, pa, i, b, pb, j);
+    }
+    if (cache) {
+        cache->n = (uint8_t)(s.n < 4 ? s.n : 0);
+        for (int k = 0; k < cache->n; k++) cache->a[k] = s.a[k], cache->b[k] = s.b[k];
+    }
+    if (gap->overlap) dem__least_overlap(a, pa, b, pb, gap);
+    else dem__nearest_points(&s, a, pa, b, pb, gap);
+}
+
+/* Makes a core of a segment, or of a triangle. Its centre is the first corner; its axes are the world's. */
+static inline void dem__segment_core(dem_convex *s, dem__placed *p, dem_vec from, dem_vec to, double radius) {
+    const dem_vec u = dem__sub(to, from);
+    memset(s, 0, sizeof *s);
+    p->x = from, p->axis[0] = dem_vec3(1.0, 0.0, 0.0), p->axis[1] = dem_vec3(0.0, 1.0, 0.0), p->axis[2] = dem_vec3(0.0, 0.0, 1.0);
+    s->corners = 2, s->edges = 1, s->radius = radius, s->reach = dem__length(u) + radius;
+    s->corner[1][0] = u.x, s->corner[1][1] = u.y, s->corner[1][2] = u.z;
+    s->edge[0][1] = 1;
+}
+static inline void dem__triangle_core(dem_convex *s, dem__placed *p, dem_vec a, dem_vec b, dem_vec c) {
+    const dem_vec u = dem__sub(b, a), v = dem__sub(c, a), n = dem__cross(u, v);
+    dem__segment_core(s, p, a, b, 0.0);
+    const double area = dem__length(n), along = dem__length(v);
+    s->corners = s->edges = 3, s->faces = 2, s->reach = s->reach > along ? s->reach : along;
+    s->corner[2][0] = v.x, s->corner[2][1] = v.y, s->corner[2][2] = v.z;
+    for (int k = 0; k < 3; k++) {
+        s->edge[k][0] = (uint8_t)k, s->edge[k][1] = (uint8_t)((k + 1) % 3), s->edge_face[k][1] = 1;
+        s->face_corner[k] = (uint8_t)k, s->face_corner[3 + k] = (uint8_t)(2 - k);
+        s->plane[0][k] = dem_axis(n, k) / area, s->plane[1][k] = -s->plane[0][k];
+    }
+    s->face_start[1] = 3, s->face_start[2] = 6;
+}
+/* Makes a core of a point: the centre of a sphere. */
+static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, double radius) {
+    dem__segment_core(s, p, x, x, radius);
+    s->corners = 1, s->edges = 0;
+}
+
+/* -------------------------------------------------------------------------------------------- >>polyhedra/points.h */
+/* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Relies on distances of cores, which
+   only choose the features that are tested. Promises: a point depends on its own two features alone; weight times overlap along the normals
+   is the gradient of a potential (of a linear law), and continuous in the motion.
+   May be changed here alone: which features are tested; every point that touches is found. */
+
+enum { DEM__POINTS_MAX = 256 }; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
+#define DEM__WINDOW 1.000001    /* features are tested up to this multiple of the radii, so that rounding of directions does not decide */
+
+/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. Beyond `enough`, any larger value
+   without a direction. */
+DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, double enough, dem_vec *n) {
+    const dem_vec out = dem_vec3(fabs(p.x) - half.x, fabs(p.y) - half.y, fabs(p.z) - half.z);
+    const dem_vec d = dem_vec3(out.x > 0.0 ? out.x : 0.0, out.y > 0.0 ? out.y : 0.0, out.z > 0.0 ? out.z : 0.0);
+    const dem_vec side = dem_vec3(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0, p.z < 0.0 ? -1.0 : 1.0);
+    const double square = dem__dot(d, d);
+    if (square > enough * enough) return HUGE_VAL;
+    if (square > 0.0) {
+        const double distance = sqrt(square);
+        *n = dem_vec3(side.x * d.x / distance, side.y * d.y / distance, side.z * d.z / distance);
+        return distance;
+    }
+    const int k = out.x > out.y ? (out.x > out.z ? 0 : 2) : out.y > out.z ? 1 : 2;
+    *n = dem_vec3(k == 0 ? side.x : 0.0, k == 1 ? side.y : 0.0, k == 2 ? side.z : 0.0);
+    return dem_axis(out, k);
+}
+
+/* Returns whether the foot of a point p lies within face f. */
+DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
+    const dem_vec n = dem__point(s->plane[f]);
+    for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
+        const dem_vec from = dem__point(s->corner[s->face_corner[k]]),
+                      to = dem__point(s->corner[s->face_corner[k + 1 < end ? k + 1 : s->face_start[f]]]);
+        if (dem__dot(dem__cross(n, dem__sub(to, from)), dem__sub(p, from)) < 0.0) return 0;
+    }
+    return 1;
+}
+
+/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. */
+static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n) {
+    int top = -1;
+    double highest = -HUGE_VAL, least = HUGE_VAL;
+    for (int f = 0; f < s->faces; f++) {
+        const double height = dem__dot(dem__point(s->plane[f]), p) - s->plane[f][3];
+        if (height > highest) highest = height, top = f;
+    }
+    *n = top < 0 ? dem_vec3(0.0, 0.0, 1.0) : dem__point(s->plane[top]);
+    for (int f = 0; f < s->faces; f++) {
+        const double height = dem__dot(dem__point(s->plane[f]), p) - s->plane[f][3];
+        if ((f != top && !(height > 0.0)) || !dem__over_face(s, f, p)) continue;
+        *n = dem__point(s->plane[f]);
+        return height;
+    }
+    const dem_vec outward = *n;
+    for (int e = 0; e < s->edges || e == 0; e++) { /* a point has a corner, but no edge */
+        const dem_vec from = dem__point(s->corner[s->edge[e][0]]), u = dem__sub(dem__point(s->corner[s->edge[e][1]]), from);
+        const double length = dem__dot(u, u), t = length > 0.0 ? dem__clamp(dem__dot(dem__sub(p, from), u) / length, 0.0, 1.0) : 0.0;
+        const dem_vec d = dem__sub(p, dem__plus(from, t, u));
+        const double distance = dem__length(d);
+        if (!(distance < least)) continue;
+        least = distance;
+        *n = distance > 1e-12 * s->reach ? dem__scale(1.0 / distance, d) : outward;
+    }
+    return least;
+}
+
+/* Returns the signed distance of a point p from a core; n: the direction away from it. Beyond `enough`, any larger value. */
+DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, double enough, dem_vec *n) {
+    const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
+    dem_vec m = dem_vec3(0.0, 0.0, 1.0);
+    const double distance = s->is_box ? dem__from_box(s->half, x, enough, &m) : dem__from_faces(s, x, &m);
+    *n = distance > enough ? m : dem__from_core_frame(place, m);
+    return distance;
+}
+
+/* An edge in the world: where it begins, its direction, its length; in each of its two faces the direction away from it; the sum of their
+   normals. */
+typedef struct dem__placed_edge {
+    dem_vec from, along, in[2], outward;
+    double length, middle, half; /* [m]; the middle of the part that is near the other core, along it, and half the length of that */
+    int number, ends;            /* ends: bits of the ends that are corners, which have points of their own */
+    int sided;                   /* of a wall's edge: whether it is touched only from the side of `outward` */
+} dem__placed_edge;
+
+/* Heights of corners along a direction, and which corners are near the other core. */
+typedef struct dem__side {
+    const dem_convex *shape;
+    const dem__placed *place;
+    double height[DEM_CORNERS_MAX], limit; /* limit: a corner is near if sign times its height is below it */
+    double sign;
+    int n; /* near corners */
+    uint8_t corner[DEM_CORNERS_MAX], is_near[DEM_CORNERS_MAX];
+} dem__side;
+
+DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, double *highest) {
+    const double centre = dem__dot(n, side->place->x);
+    const dem_vec in_body = dem__into_core(side->place, n);
+    *lowest = HUGE_VAL, *highest = -HUGE_VAL;
+    for (int k = 0; k < side->shape->corners; k++) {
+        const double h = side->height[k] = centre + dem__dot(in_body, dem__point(side->shape->corner[k]));
+        *lowest = h < *lowest ? h : *lowest, *highest = h > *highest ? h : *highest;
+    }
+}
+
+/* Chooses the corners whose height times sign is below `low`. */
+DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
+    side->n = 0, side->limit = low, side->sign = sign;
+    for (int k = 0; k < side->shape->corners; k++) { /* without branches, as is all that follows: they could not be predicted */
+        side->corner[side->n] = (uint8_t)k;
+        side->n += side->is_near[k] = sign * side->height[k] < low;
+    }
+}
+
+/* Finds the part of an edge that is near the other core: all of it, or from its near end to the limit. a, b: heights of its ends [m]. */
+DEM_INLINE void dem__find_near_part(const dem__side *side, double a, double b, dem__placed_edge *p) {
+    a *= side->sign, b *= side->sign;
+    const double at_limit = p->length * ((side->limit - a) / (b != a ? b - a : 1.0));
+    const double from = a < side->limit ? 0.0 : at_limit, to = b < side->limit ? p->length : at_limit;
+    p->middle = 0.5 * (from + to);
+    p->half = 0.5 * (to - from);
+}
+
+/* Returns whether edge e ends at a near corner. */
+DEM_INLINE int dem__is_near_edge(const dem__side *side, int e) {
+    return side->is_near[side->shape->edge[e][0]] | side->is_near[side->shape->edge[e][1]];
+}
+
+/* Places edge e in the world. apart: the cores do not overlap, and the directions in its faces are not needed. */
+static inline void dem__place_edge(const dem__side *side, int e, int apart, dem__placed_edge *p) {
+    const dem_convex *s = side->shape;
+    const int from = s->edge[e][0], to = s->edge[e][1];
+    const dem_vec u = dem__sub(dem__point(s->corner[to]), dem__point(s->corner[from]));
+    p->number = e, p->ends = 3, p->sided = 0;
+    p->from = dem__corner_at(s, side->place, from);
+    if (s->is_box) { /* along an axis */
+        const int k = !(fabs(u.x) > 0.0) * (1 + !(fabs(u.y) > 0.0));
+        p->length = fabs(dem_axis(u, k)), p->along = dem__scale(1.0 / p->length * dem_axis(u, k), side->place->axis[k]);
+    } else {
+        p->length = dem__length(u), p->along = dem__from_core_frame(side->place, dem__scale(1.0 / p->length, u));
+    }
+    const double a = side->height[from], b = side->height[to];
+    dem__find_near_part(side, a, b, p);
+    p->outward = p->in[0] = p->in[1] = dem_vec3(0.0, 0.0, 0.0); /* a segment has no faces */
+    if (apart) return;
+    for (int f = 0; f < 2 && s->faces > 0; f++) {
+        const dem_vec n = dem__from_core_frame(side->place, dem__point(s->plane[s->edge_face[e][f]]));
+        p->outward = dem__add(p->outward, n);
+        p->in[f] = dem__cross(n, f ? dem__scale(-1.0, p->along) : p->along);
+    }
+    if (dem__dot(p->outward, p->outward) < 1e-6) p->outward = dem__scale(-1.0, p->in[0]); /* the rim of a sheet */
+}
+
+/* Returns how much the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals. */
+DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
+    double lean = 0.0;
+    for (int f = 0; f < 2; f++) {
+        const double over = dem__dot(n, e->in[f]);
+        lean = over > lean ? over : lean;
+    }
+    return lean;
+}
+
+/* Returns the vector from the nearest point of an edge to x. */
+DEM_INLINE dem_vec dem__off_edge(const dem__placed_edge *e, dem_vec x) {
+    const dem_vec d = dem__sub(x, e->from);
+    return dem__plus(d, -dem__clamp(dem__dot(d, e->along), 0.0, e->length), e->along);
+}
+/* Returns whether x is farther than a distance from an edge. */
+DEM_INLINE int dem__is_off_edge(const dem__placed_edge *e, dem_vec x, double distance) {
+    const dem_vec off = dem__off_edge(e, x);
+    return dem__dot(off, off) > distance * distance;
+}
+/* Returns the distance of a corner from an edge; n: the unit vector from the nearest point to it. */
+DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *n) {
+    const dem_vec off = dem__off_edge(e, x);
+    const double distance = dem__length(off);
+    *n = distance > 0.0 ? dem__scale(1.0 / distance, off) : dem_vec3(0.0, 0.0, 1.0);
+    return distance;
+}
+
+/* Finds where two edges cross: s along p, the unit vector from q to p, and the signed distance. Returns 0 if they do not cross. apart: the
+   cores do not overlap, so that nearest points tell the direction. */
+static inline int dem__find_crossing(const dem__placed_edge *p, const dem__placed_edge *q, int apart, double *s, dem_vec *normal,
+                                     double *distance) {
+    const dem_vec d = dem__sub(p->from, q->from), product = dem__cross(p->along, q->along);
+    const double c = dem__dot(p->along, q->along), square = dem__dot(product, product);
+    if (!(square > 1e-12)) return 0; /* parallel: corners suffice */
+    const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), s_square = c * on_q - on_p, t_square = on_q - c * on_p;
+    const double wide = DEM__WINDOW * square; /* most do not cross, which is seen without a division */
+    if (!((s_square > 0.0) & (s_square < p->length * wide) & (t_square > 0.0) & (t_square < q->length * wide))) return 0;
+    const double t = t_square / square;
+    *s = s_square / square;
+    if (!(*s > 0.0 && *s < p->length && t > 0.0 && t < q->length)) return 0;
+    const dem_vec from_q = dem__sub(dem__plus(p->from, *s, p->along), dem__plus(q->from, t, q->along));
+    const dem_vec guide = apart ? from_q : dem__sub(q->outward, p->outward);
+    *normal = dem__scale((dem__dot(product, guide) < 0.0 ? -1.0 : 1.0) / sqrt(square), product);
+    *distance = dem__dot(*normal, from_q);
+    if (q->sided) {
+        if (dem__dot(*normal, q->outward) < 0.0) *normal = dem__scale(-1.0, *normal), *distance = -*distance;
+        return dem__dot(*normal, p->outward) < 0.0;
+    }
+    return apart || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
+}
+
+/* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the crossing counts only
+   beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2. It is 0 with slope 0
+   where the crossing reaches an end, and that corner's own point continues. Forces are its gradient: D at the crossing and D_i at the ends,
+   with weights. The point of the crossing gets `key`, those of the ends the next four. */
+static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, int32_t key,
+                                   dem__convex_point *out) {
+    double s, distance, rest[4], left = 1.0, share[4];
+    if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
+    const double overlap = radii - distance;
+    if (!(overlap > 0.0) || !(overlap < 2.0 * radii)) return 0; /* deeper: on far sides of the cores */
+    int n = 1;
+    out->key = key, out->taken = 0;
+    out->gap = -overlap;
+    out->at = dem__plus(p->from, s, p->along);
+    for (int k = 0; k < 4; k++) {
+        const dem__placed_edge *own = k < 2 ? p : q, *other = k < 2 ? q : p;
+        const dem_vec x = k % 2 ? dem__plus(own->from, own->length, own->along) : own->from;
+        dem__convex_point *end = &out[n];
+        dem_vec off;
+        share[k] = 0.0, rest[k] = 1.0;
+        if (!(own->ends >> k % 2 & 1) || dem__is_off_edge(other, x, DEM__WINDOW * radii)) continue;
+        const double from = dem__from_edge(other, x, &off), at_end = radii - from;
+        if (!(at_end > 0.0)) continue;
+        share[k] = at_end * at_end / (overlap * overlap);
+        rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
+        left *= rest[k];
+        if (share[k] == 0.0) continue;
+        end->key = out->key + 1 + k, end->taken = 0, end->gap = -at_end, end->weight = k;
+        end->normal = dem__scale(k < 2 ? 1.0 : -1.0, off);
+        end->at = k < 2 ? x : dem__plus(x, -from, off);
+        n++;
+    }
+    if (!(left > 1e-10)) return 0;
+    out->weight = left;
+    for (int k = 0; k < 4; k++) out->weight += share[k] * left / rest[k];
+    for (int m = 1; m < n; m++) out[m].weight = -left / rest[(int)out[m].weight];
+    return n;
+}
+
+/* Returns whether a point is farther than a distance beyond a side of a box. */
+DEM_INLINE int dem__passes_box(const dem__side *box, dem_vec x, double distance) {
+    const dem_vec d = dem__sub(x, box->place->x), half = box->shape->half;
+    int passes = 0;
+    for (int k = 0; k < 3; k++) passes |= fabs(dem__dot(d, box->place->axis[k])) > dem_axis(half, k) + distance;
+    return passes;
+}
+
+/* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if above 0, a and b have
+   changed places. */
+static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out, int n) {
+    const double radii = a->shape->radius + b->shape->radius;
+    for (int m = 0; m < a->n && n < DEM__POINTS_MAX; m++) {
+        const int k = a->corner[m];
+        dem__convex_point *p = &out[n];
+        const dem_vec x = dem__corner_at(a->shape, a->place, k);
+        if (b->shape->is_box && dem__passes_box(b, x, DEM__WINDOW * radii)) continue;
+        const double distance = dem__from_core(b->shape, b->place, x, DEM__WINDOW * radii, &p->normal);
+        if (!(distance < radii)) continue;
+        p->key = key + k, p->taken = 0, p->weight = 1.0, p->at = x;
+        p->gap = distance - radii;
+        if (key > 0) { /* a and b have changed places */
+            p->at = dem__plus(x, -distance, p->normal);
+            p->normal = dem__scale(-1.0, p->normal);
+        }
+        n++;
+    }
+    return n;
+}
+
+/* Returns which sides of a box the near part of edge e of another core comes near to: bits 2 k and 2 k + 1 for the lower and the upper side
+   across axis k; 0 if it is not near to two sides that meet, where an edge of the box could be. seen: the core's place in the box's
+   frame. */
+DEM_INLINE unsigned dem__sides_near(const dem__side *side, const dem__placed *seen, int e, const dem_convex *box, double radii) {
+    const uint8_t *end = side->shape->edge[e];
+    const double a = side->sign * side->height[end[0]], b = side->sign * side->height[end[1]];
+    const double at_limit = (side->limit - a) / (b != a ? b - a : 1.0);
+    const double begins = a < side->limit ? 0.0 : at_limit, ends = b < side->limit ? 1.0 : at_limit;
+    const dem_vec from = dem__corner_at(side->shape, seen, end[0]), u = dem__sub(dem__corner_at(side->shape, seen, end[1]), from);
+    const dem_vec at = dem__plus(from, 0.5 * (begins + ends), u);
+    const double half_part = 0.5 * (ends - begins);
+    const double x[3] = {at.x, at.y, at.z}, half[3] = {box->half.x, box->half.y, box->half.z};
+    const double reach[3] = {half_part * fabs(u.x) + radii, half_part * fabs(u.y) + radii, half_part * fabs(u.z) + radii};
+    unsigned sides = 0, across = 0, passes = 0;
+    for (int k = 0; k < 3; k++) {
+        const unsigned low = fabs(x[k] + half[k]) < reach[k], high = fabs(x[k] - half[k]) < reach[k];
+        passes |= fabs(x[k]) > half[k] + reach[k];
+        sides |= low << 2 * k | high << (2 * k + 1);
+        across += low | high;
+    }
+    return sides * (unsigned)(!passes & (across > 1));
+}
+/* Returns the sides of a box at which a corner lies. */
+DEM_INLINE unsigned dem__sides_of(const dem_convex *box, int corner) {
+    const double *x = box->corner[corner];
+    return 1u << (x[0] > 0.0) | 4u << (x[1] > 0.0) | 16u << (x[2] > 0.0);
+}
+
+/* Edges of a core that end at a near corner. */
+typedef struct dem__edge_list {
+    int n;
+    uint8_t number[DEM_EDGES_MAX];
+    uint8_t sides[DEM_EDGES_MAX]; /* of a box: those at which an edge lies; or those of the other box that it is not near to */
+} dem__edge_list;
+
+/* Lists the edges that end at a near corner. */
+static inline void dem__list_near_edges(const dem__side *side, dem__edge_list *list) {
+    list->n = 0;
+    for (int e = 0; e < side->shape->edges; e++) {
+        list->number[list->n] = (uint8_t)e;
+        list->n += dem__is_near_edge(side, e);
+    }
+}
+/* Finds the sides of a box at which its edges lie. */
+static inline void dem__find_sides(const dem__side *side, dem__edge_list *list) {
+    for (int m = 0; m < list->n; m++) {
+        const uint8_t *end = side->shape->edge[list->number[m]];
+        list->sides[m] = side->shape->is_box ? (uint8_t)(dem__sides_of(side->shape, end[0]) & dem__sides_of(side->shape, end[1])) : 0;
+    }
+}
+/* Keeps the edges of a list that can cross one of the other core. */
+static inline void dem__keep_edges(const dem__side *side, const dem__side *other, double radii, dem__edge_list *list) {
+    const dem__placed *frame = other->place;
+    dem__placed seen;
+    int kept = 0;
+    seen.x = dem__into_core(frame, dem__sub(side->place->x, frame->x));
+    for (int k = 0; k < 3; k++) seen.axis[k] = dem__into_core(frame, side->place->axis[k]);
+    for (int m = 0; m < list->n; m++) {
+        const uint8_t number = list->number[m];
+        list->number[kept] = number;
+        const unsigned sides = other->shape->is_box ? dem__sides_near(side, &seen, number, other->shape, radii) : 63u;
+        list->sides[kept] = (uint8_t)~sides;
+        kept += sides > 0;
+    }
+    list->n = kept;
+}
+
+/* Appends the points where edges cross to a list of n. Returns the new number. The core with fewer near edges is looked at first: if none
+   of these can cross one of the other core, nothing else is done. Edges are placed as soon as they are needed. */
+static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out, int n) {
+    const double radii = a->shape->radius + b->shape->radius, window = DEM__WINDOW * radii;
+    uint8_t is_placed[DEM_EDGES_MAX], other[DEM_EDGES_MAX];
+    dem__placed_edge p, edge[DEM_EDGES_MAX]; /* of a, and all of b: a second table would make the frame too large */
+    dem__edge_list of_a, of_b;
+    dem__list_near_edges(a, &of_a), dem__list_near_edges(b, &of_b);
+    const int a_first = of_a.n <= of_b.n;
+    dem__keep_edges(a_first ? a : b, a_first ? b : a, window, a_first ? &of_a : &of_b);
+    if (of_a.n == 0 || of_b.n == 0) return n;
+    dem__find_sides(a_first ? b : a, a_first ? &of_b : &of_a);
+    memset(is_placed, 0, (size_t)of_b.n);
+    for (int e = 0; e < of_a.n; e++) {
+        int others = 0;
+        for (int f = 0; f < of_b.n; f++) other[others] = (uint8_t)f, others += !(of_a.sides[e] & of_b.sides[f]);
+        if (others > 0) dem__place_edge(a, of_a.number[e], apart, &p);
+        for (int m = 0; m < others && n + 5 <= DEM__POINTS_MAX; m++) {
+            const int f = other[m];
+            if (!is_placed[f]) dem__place_edge(b, of_b.number[f], apart, &edge[f]);
+            is_placed[f] = 1;
+            const dem__placed_edge *q = &edge[f];
+            const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p.number * DEM_EDGES_MAX + q->number);
+            const dem_vec d = dem__sub(dem__plus(p.from, p.middle, p.along), dem__plus(q->from, q->middle, q->along));
+            const double far_off = p.half + q->half + window;
+            if (dem__dot(d, d) < far_off * far_off) n += dem__cross_edges(&p, q, radii, apart, key, &out[n]);
+        }
+    }
+    return n;
+}
+
+/* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. Returns their number. If a
+   core is a point, only its own corner counts; otherwise it would be counted twice. */
+static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec normal,
+                                   dem__convex_point *out) {
+    dem__side sa, sb;
+    const double radii = DEM__WINDOW * (a->radius + b->radius);
+    double low_a, high_a, low_b, high_b;
+    int n = 0;
+    sa.shape = a, sa.place = pa, sb.shape = b, sb.place = pb;
+    dem__find_heights(&sa, normal, &low_a, &high_a);
+    dem__find_heights(&sb, normal, &low_b, &high_b);
+    if (!(low_a - high_b < radii)) return 0;
+    dem__choose_corners(&sa, high_b + radii, 1.0);
+    dem__choose_corners(&sb, radii - low_a, -1.0);
+    if (b->corners > 1 || a->corners == 1) n = dem__find_corner_points(&sa, &sb, 0, out, n);
+    if (a->corners > 1) n = dem__find_corner_points(&sb, &sa, DEM_CORNERS_MAX, out, n);
+    return dem__find_edge_points(&sa, &sb, low_a > high_b, out, n);
+}
+
+/* ---------------------------------------------------------------------------------------- >>polyhedra/mesh_edges.h */
+/* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. Relies on mesh.h for the tree and the sort. The
+   table is made once for each mesh, in a world with polyhedra.
+   May be changed here alone: what counts as flat. */
+
+#define DEM__FLAT_EDGE 1e-3 /* edges: sine of the angle of two triangles, up to which they are flat; corners: the same for two edges */
+
+/* Flags of entry `at`: of an edge, and of the corner at which it begins. */
+enum {
+    DEM__EDGE = 1,     /* a sharp edge, which protrudes on one side, or a rim */
+    DEM__RIM = 2,      /* edge of one triangle, or of more than two: can be touched from all around */
+    DEM__CORNER = 4,   /* the corner is sharp, and this is its entry */
+    DEM__FROM_END = 8, /* the edge begins at a sharp corner */
+    DEM__TO_END = 16   /* the edge ends at one */
+};
+
+/* Finds the first vertex at the same place for each vertex. */
+static inline void dem__weld_places(const dem__tree *t, int32_t *same, dem__keyed *items) {
+    for (int32_t v = 0; v < t->vertices; v++) {
+        const double x[3] = {t->vertex[v].x + 0.0, t->vertex[v].y + 0.0, t->vertex[v].z + 0.0}; /* no -0 */
+        uint64_t hash = 0, bits;
+        for (int a = 0; a < 3; a++) {
+            memcpy(&bits, &x[a], sizeof bits);
+            hash = (hash ^ bits ^ bits >> 29) * 0x9e3779b97f4a7c15u;
+        }
+        items[v].key = hash, items[v].index = v;
+    }
+    dem__sort_keyed(items, items + t->vertices, t->vertices);
+    for (int32_t k = 0; k < t->vertices; k++) {
+        const dem_vec p = t->vertex[items[k].index];
+        same[items[k].index] = items[k].index;
+        for (int32_t q = k - 1; q >= 0 && items[q].key == items[k].key; q--) {
+            const dem_vec other = t->vertex[items[q].index];
+            if (p.x == other.x && p.y == other.y && p.z == other.z) same[items[k].index] = same[items[q].index];
+        }
+    }
+}
+
+/* Finds the ends of edge `at`: edge at % 3 of triangle at / 3. */
+DEM_INLINE void dem__ends_of(const dem__tree *t, int32_t at, int32_t *from, int32_t *to) {
+    *from = t->corner[at], *to = t->corner[at % 3 < 2 ? at + 1 : at - 2];
+}
+/* Returns the direction from an edge into its triangle, perpendicular to the edge. */
+DEM_INLINE dem_vec dem__into_face(const dem__tree *t, int32_t at) {
+    int32_t from, to;
+    dem__ends_of(t, at, &from, &to);
+    const dem_vec along = dem__sub(t->vertex[to], t->vertex[from]);
+    return dem__scale(1.0 / dem__length(along), dem__cross(t->normal[at / 3], along));
+}
+
+/* Finds the sharp edges. */
+static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same, dem__keyed *items) {
+    const ptrdiff_t n = 3 * (ptrdiff_t)t->triangles;
+    for (int32_t at = 0; at < (int32_t)n; at++) {
+        int32_t from, to;
+        dem__ends_of(t, at, &from, &to);
+        const int32_t p = same[from], q = same[to];
+        items[at].key = (uint64_t)(uint32_t)(p < q ? p : q) << 32 | (uint32_t)(p < q ? q : p), items[at].index = at;
+    }
+    dem__sort_keyed(items, items + n, n);
+    for (ptrdiff_t k = 0, next; k < n; k = next) {
+        const int32_t at = items[k].index;
+        for (next = k + 1; next < n && items[next].key == items[k].key;) next++;
+        edges->kind[at] = next - k == 2 ? 0 : DEM__EDGE | DEM__RIM;
+        if (next - k != 2) continue;
+        const dem_vec in = dem__into_face(t, at), other = dem__into_face(t, items[k + 1].index), out = dem__add(in, other);
+        if (!(fabs(dem__dot(t->normal[at / 3], other)) > DEM__FLAT_EDGE)) continue;
+        edges->kind[at] = DEM__EDGE;
+        edges->outward[at] = dem__scale(-1.0, out);
+    }
+}
+
+/* Finds the sharp corners: ends of sharp edges, except where only two of these meet in one line. */
+static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same, dem__keyed *items) {
+    ptrdiff_t n = 0;
+    for (int32_t at = 0; at < 3 * t->triangles; at++) {
+        int32_t end[2];
+        if (!edges->kind[at]) continue;
+        dem__ends_of(t, at, &end[0], &end[1]);
+        for (int k = 0; k < 2; k++) items[n].key = (uint64_t)(uint32_t)same[end[k]], items[n++].index = 2 * at + k;
+    }
+    dem__sort_keyed(items, items + n, n);
+    for (ptrdiff_t k = 0, next; k < n; k = next) {
+        dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
+        int rims = 0;
+        for (next = k; next < n && items[next].key == items[k].key; next++) {
+            const int32_t at = items[next].index / 2;
+            int32_t end[2];
+            dem__ends_of(t, at, &end[0], &end[1]);
+            const int here = items[next].index % 2;
+            const dem_vec u = dem__sub(t->vertex[end[1 - here]], t->vertex[end[here]]);
+            sum = dem__plus(sum, -1.0 / dem__length(u), u);
+            rims |= edges->kind[at] & DEM__RIM;
+        }
+        if (next - k == 2 && !(dem__length(sum) > DEM__FLAT_EDGE)) continue;
+        for (ptrdiff_t q = k; q < next; q++) edges->kind[items[q].index / 2] |= items[q].index % 2 ? DEM__TO_END : DEM__FROM_END;
+        const int32_t at = items[k].index / 2, keeper = items[k].index % 2 == 0 ? at : at % 3 < 2 ? at + 1 : at - 2;
+        edges->kind[keeper] |= DEM__CORNER;
+        edges->tip[keeper] = rims ? dem_vec3(0.0, 0.0, 0.0) : sum;
+    }
+}
+
+/* Makes the table of a mesh that has none. Returns 0 when out of memory. */
+static inline int dem__make_mesh_edges(const dem_allocator *a, dem__tree *t) {
+    const size_t n = 3 * (size_t)t->triangles, v = (size_t)t->vertices, most = 2 * n > v ? 2 * n : v;
+    const size_t bytes = sizeof(dem__mesh_edges) + 2 * n * sizeof(dem_vec) + n;
+    const size_t scratch = 2 * most * sizeof(dem__keyed) + v * sizeof(int32_t);
+    if (t->edges) return 1;
+    dem__mesh_edges *edges = (dem__mesh_edges *)a->fn(a->user, NULL, 0, bytes);
+    dem__keyed *items = edges ? (dem__keyed *)a->fn(a->user, NULL, 0, scratch) : NULL;
+    if (!items) {
+        if (edges) a->fn(a->user, edges, bytes, 0);
+        return 0;
+    }
+    memset(edges, 0, bytes);
+    edges->bytes = bytes;
+    edges->outward = (dem_vec *)(void *)(edges + 1), edges->tip = edges->outward + n;
+    edges->kind = (uint8_t *)(void *)(edges->tip + n);
+    int32_t *same = (int32_t *)(void *)(items + 2 * most);
+    dem__weld_places(t, same, items);
+    dem__find_mesh_edges(t, edges, same, items);
+    dem__find_mesh_corners(t, edges, same, items);
+    a->fn(a->user, items, scratch, 0);
+    t->edges = edges;
+    return 1;
+}
+
+/* --------------------------------------------------------------------------------------------- >>polyhedra/walls.h */
+/* Contacts of a polyhedron with a wall: its corners are spheres, its edges capsules, and its faces touch the wall's own corners. Reads a
+   wall, a shape and its place. Promises: a point depends on these alone; forces are the gradient of a potential, as between polyhedra.
+   May be changed here alone: which features are tested; every point that touches is found. */
+
+/* A polyhedron at a wall, seen from its centre, and the points found so far. */
+typedef struct dem__at_wall {
+    const dem_wall *wall;
+    const dem_convex *shape;
+    dem_vec centre;   /* of the polyhedron */
+    dem__placed core; /* with x = 0 */
+    dem__placed_edge edge[DEM_EDGES_MAX];
+    int edges; /* length of the list; 0 until edges are needed */
+    int n;
+    dem__convex_point *out;
+} dem__at_wall;
+
+/* Keys of points: below 32, corners; then edges, five keys each; for a screen, the same again for each bar. */
+enum {
+    DEM__BAR_KEYS = DEM_CORNERS_MAX + 2 + 3 * 5 * DEM_EDGES_MAX,
+    DEM__BARS_FROM = 1 << 18,               /* added to the number of a bar, which may be negative */
+    DEM__MESH_PLACES = 54,                  /* directions of normals, for corners at a mesh */
+    DEM__MESH_KEYS = 1 + 5 * DEM_EDGES_MAX, /* of an edge of a mesh and its corner */
+    DEM__MESH_EDGES_MAX = (1 << 30) / DEM__MESH_KEYS,
+    DEM__RING_POINTS = 16, /* points of a cone's rim at which faces can touch it */
+    DEM__CROSSINGS_MAX = 4 /* of an edge with a cone, at most */
+};
+
+/* Returns the key of a corner at an element of a wall: a bar of a screen by its number, a place of a mesh by the direction of its normal in
+   the wall's frame. */
+static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
+    if (wall->kind == DEM_SCREEN) return corner + DEM__BAR_KEYS * (touch->element + DEM__BARS_FROM);
+    if (wall->kind != DEM_MESH) return corner;
+    const double n[3] = {dem__dot(touch->normal, wall->axis[0]), dem__dot(touch->normal, wall->axis[1]),
+                         dem__dot(touch->normal, wall->axis[2])};
+    int most = fabs(n[1]) > fabs(n[0]) ? 1 : 0;
+    most = fabs(n[2]) > fabs(n[most]) ? 2 : most;
+    int32_t place = 2 * most + (n[most] < 0.0);
+    for (int a = 1; a < 3; a++) {
+        const double over = n[(most + a) % 3] / fabs(n[most]);
+        place = 3 * place + (over < -0.41 ? 0 : over > 0.41 ? 2 : 1);
+    }
+    return corner + DEM_CORNERS_MAX * place;
+}
+
+/* Returns the element of a wall to which a key belongs. */
+DEM_INLINE int32_t dem__element_of_key(const dem_wall *wall, int32_t key) {
+    return wall->kind == DEM_SCREEN ? key / DEM__BAR_KEYS - DEM__BARS_FROM : 0;
+}
+
+/* Lists the edges of the polyhedron unless that is done. */
+static inline void dem__list_edges(dem__at_wall *q) {
+    dem__side side;
+    if (q->edges > 0) return;
+    memset(&side, 0, sizeof side);
+    side.shape = q->shape, side.place = &q->core, side.limit = HUGE_VAL, side.sign = 1.0;
+    for (int e = 0; e < q->shape->edges; e++) dem__place_edge(&side, e, 0, &q->edge[q->edges++]);
+}
+
+/* Sets an edge of a wall between two places, given from the polyhedron's centre. Returns 0 if it is too far away to touch. */
+DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec to, double radius, int ends, dem__placed_edge *e) {
+    const dem_vec u = dem__sub(to, from);
+    dem_vec n;
+    memset(e, 0, sizeof *e);
+    e->length = dem__length(u);
+    if (!(e->length > 0.0)) return 0;
+    e->from = from, e->along = dem__scale(1.0 / e->length, u), e->ends = ends;
+    return dem__from_edge(e, dem_vec3(0.0, 0.0, 0.0), &n) < q->shape->reach + radius;
+}
+
+/* Returns whether an edge of a wall lies wholly beyond a face of the core, by more than a distance. */
+static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_edge *e, double distance) {
+    const dem_vec from = dem__into_core(&q->core, e->from), to = dem__plus(from, e->length, dem__into_core(&q->core, e->along));
+    for (int f = 0; f < q->shape->faces; f++) {
+        const dem_vec n = dem__point(q->shape->plane[f]);
+        const double limit = q->shape->plane[f][3] + distance;
+        if (dem__dot(n, from) > limit && dem__dot(n, to) > limit) return 1;
+    }
+    return 0;
+}
+
+/* Adds the points of all edges of the polyhedron at an edge of a wall with a radius. sign: 1 or -1 takes only those whose normals are on
+   that side, 0 all. */
+static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge *e, double radius, int32_t key, dem_vec side, double sign) {
+    if (dem__is_beyond_face(q, e, DEM__WINDOW * (q->shape->radius + radius))) return;
+    dem__list_edges(q);
+    for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
+        const int n = dem__cross_edges(&q->edge[k], e, q->shape->radius + radius, !e->sided, key + 5 * q->edge[k].number, q->out + q->n);
+        if (n == 0) continue;
+        const double up = dem__dot(q->out[q->n].normal, side);
+        if (sign == 0.0 || (sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
+    }
+}
+
+/* Adds the point of a wall's corner, a sphere with a radius at x, at the polyhedron's core. tip: its outward direction; 0: it can be
+   touched from all sides. */
+static inline void dem__touch_wall_corner(dem__at_wall *q, dem_vec x, double radius, dem_vec tip, int32_t key) {
+    dem__convex_point *point = &q->out[q->n];
+    dem_vec n;
+    if (q->n == DEM__POINTS_MAX || !(dem__length(x) < q->shape->reach + radius)) return;
+    const double distance = dem__from_core(q->shape, &q->core, x, DEM__WINDOW * (radius + q->shape->radius), &n);
+    point->gap = distance - radius - q->shape->radius;
+    if (!(point->gap < 0.0) || dem__dot(n, tip) > 0.0) return;
+    point->key = key, point->taken = 0, point->weight = 1.0;
+    point->normal = dem__scale(-1.0, n), point->at = dem__plus(x, -distance, n);
+    q->n++;
+}
+
+/* Adds the points of the polyhedron's corners, which are spheres. */
+static inline void dem__touch_with_corners(dem__at_wall *q) {
+    dem__touch touch[DEM__TOUCHES];
+    double least;
+    for (int k = 0; k < q->shape->corners; k++) {
+        const dem_vec arm = dem__from_core_frame(&q->core, dem__point(q->shape->corner[k]));
+        const int found = dem__touch_wall(q->wall, dem__add(q->centre, arm), q->shape->radius, 0.0, touch, &least);
+        for (int m = 0; m < found && q->n < DEM__POINTS_MAX; m++) {
+            dem__convex_point *point = &q->out[q->n];
+            int is_new = touch[m].gap < 0.0;
+            point->key = dem__wall_key(q->wall, &touch[m], k), point->taken = 0;
+            point->normal = touch[m].normal, point->at = arm, point->gap = touch[m].gap, point->weight = 1.0;
+            for (int p = q->n - 1; p >= q->n - m && is_new && p >= 0; p--) is_new = q->out[p].key != point->key;
+            q->n += is_new;
+        }
+    }
+}
+
+/* Finds the ends of a bar's axis, from the screen's origin. Returns 0 if there is no such bar. */
+static inline int dem__bar_ends(const dem_wall *w, int family, double index, dem_vec end[2]) {
+    const double bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
+    dem_vec from;
+    if (dem__reach_bar(w, family, index, 0.0, bar, 0.0, &from) < 0.0) return 0;
+    const double reach = w->circular ? sqrt((w->half_x - bar) * (w->half_x + bar)) : length;
+    for (int k = 0; k < 2; k++) end[k] = dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0));
+    return 1;
+}
+/* Finds the first and the last bar of a family near a polyhedron at d from the screen's origin; reach: its own [m]. */
+DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double reach, double *first, double *last) {
+    const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]), half = family ? w->half_x : w->half_y;
+    const double low = dem__clamp(across - reach - 0.5 * w->wire, -half, half);
+    const double high = dem__clamp(across + reach + 0.5 * w->wire, -half, half);
+    *first = floor(low / pitch + 0.5), *last = floor(high / pitch + 0.5);
+}
+
+/* Adds the points of edges at a bar. A half-round bar is a capsule when touched from above, and two sharp edges when touched from below. */
+static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double index, dem_vec d) {
+    const dem_wall *w = q->wall;
+    const double half = 0.5 * w->wire;
+    const int32_t key = DEM__BAR_KEYS * (2 * (int32_t)index + family + DEM__BARS_FROM) + DEM_CORNERS_MAX;
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    dem__placed_edge e;
+    dem_vec end[2];
+    if (!dem__bar_ends(w, family, index, end)) return;
+    for (int k = 0; k < 2; k++) end[k] = dem__sub(end[k], d);
+    for (int k = 0; k < 2; k++) dem__touch_wall_corner(q, end[k], half, none, key + k);
+    if (!dem__set_wall_edge(q, end[0], end[1], half, 3, &e)) return;
+    dem__cross_wall_edge(q, &e, half, key + 2, w->axis[2], w->profile == DEM_ROUND ? 0.0 : 1.0);
+    for (int side = -1; side < 2 && w->profile != DEM_ROUND; side += 2) {
+        const dem_vec off = dem__scale(side * half, w->axis[1 - family]);
+        if (dem__set_wall_edge(q, dem__add(end[0], off), dem__add(end[1], off), 0.0, 0, &e))
+            dem__cross_wall_edge(q, &e, 0.0, key + 2 + 5 * DEM_EDGES_MAX * (side > 0 ? 2 : 1), w->axis[2], -1.0);
+    }
+}
+/* Adds the points of edges at all bars near the polyhedron. */
+static inline void dem__touch_screen_with_edges(dem__at_wall *q) {
+    const dem_wall *w = q->wall;
+    const dem_vec d = dem__sub(q->centre, w->position);
+    double first, last;
+    for (int family = 0; family < 2; family++) {
+        dem__bars_near(w, family, d, q->shape->reach, &first, &last);
+        for (double index = first; index <= last && q->n < DEM__POINTS_MAX; index += 1.0) dem__touch_bar_with_edges(q, family, index, d);
+    }
+}
+
+/* Adds the points of edges across the outside of a cylinder, whose axis has no ends. */
+static inline void dem__touch_cylinder_with_edges(dem__at_wall *q) {
+    const dem_wall *w = q->wall;
+    const dem_vec d = dem__sub(w->position, q->centre), foot = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
+    const double far_off = 4.0 * (q->shape->reach + w->radius);
+    dem__placed_edge e;
+    if (dem__set_wall_edge(q, dem__plus(foot, -far_off, w->axis[2]), dem__plus(foot, far_off, w->axis[2]), w->radius, 0, &e))
+        dem__cross_wall_edge(q, &e, w->radius, DEM_CORNERS_MAX, w->axis[2], 0.0);
+}
+
+/* Returns the key of an edge of a mesh. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the order of the tree. */
+DEM_INLINE int32_t dem__mesh_key(int32_t at) {
+    return DEM_CORNERS_MAX * DEM__MESH_PLACES + (int32_t)((int64_t)(at % DEM__MESH_EDGES_MAX) * DEM__MESH_KEYS);
+}
+
+/* Adds the points at the sharp edges and corners of a triangle. */
+static inline void dem__touch_triangle_with_edges(dem__at_wall *q, int32_t k, dem_vec d) {
+    const dem_wall *w = q->wall;
+    const dem__tree *t = w->tree;
+    dem__placed_edge e;
+    for (int32_t at = 3 * k; at < 3 * k + 3; at++) {
+        const int kind = t->edges->kind[at];
+        const int32_t key = dem__mesh_key(at);
+        if (!(kind & (DEM__EDGE | DEM__CORNER))) continue;
+        const dem_vec from = dem__sub(dem__from_frame(w, t->vertex[t->corner[at]]), d);
+        if (kind & DEM__CORNER) dem__touch_wall_corner(q, from, 0.0, dem__from_frame(w, t->edges->tip[at]), key);
+        if (!(kind & DEM__EDGE)) continue;
+        const dem_vec to = dem__sub(dem__from_frame(w, t->vertex[t->corner[at % 3 < 2 ? at + 1 : at - 2]]), d);
+        const int ends = (kind & DEM__FROM_END ? 1 : 0) | (kind & DEM__TO_END ? 2 : 0);
+        if (!dem__set_wall_edge(q, from, to, 0.0, ends, &e)) continue;
+        e.sided = !(kind & DEM__RIM), e.outward = dem__from_frame(w, t->edges->outward[at]);
+        dem__cross_wall_edge(q, &e, 0.0, key + 1, w->axis[2], 0.0);
+    }
+}
+/* Adds the points at all triangles near the polyhedron. */
+static inline void dem__touch_mesh_with_edges(dem__at_wall *q) {
+    const dem__tree *t = q->wall->tree;
+    const dem_vec d = dem__sub(q->centre, q->wall->position), p = dem__to_frame(q->wall, d);
+    if (!t->edges) return;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, p, q->shape->reach)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) dem__touch_triangle_with_edges(q, k, d);
+    }
+}
+
+/* Returns the touch of a cone with the sphere about the point at t of an edge. */
+DEM_INLINE dem__touch dem__touch_cone_along(const dem__at_wall *q, const dem__placed_edge *e, double t) {
+    dem__touch touch;
+    double least;
+    const dem_vec d = dem__sub(dem__add(q->centre, dem__plus(e->from, t, e->along)), q->wall->position);
+    touch.normal = q->wall->axis[2];
+    dem__touch_cone(q->wall, d, dem__dot(d, q->wall->axis[2]), q->shape->radius, HUGE_VAL, &touch, &least);
+    return touch;
+}
+
+/* Returns where an edge is nearest to a cone, between a place where it approaches and one where it recedes. */
+static inline double dem__nearest_between(const dem__at_wall *q, const dem__placed_edge *e, double low, double high) {
+    for (int k = 0; k < 50; k++) {
+        const double middle = 0.5 * (low + high);
+        if (dem__dot(dem__touch_cone_along(q, e, middle).normal, e->along) > 0.0) high = middle;
+        else low = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+/* Finds the places at which an edge touches a cone between its ends, by steps along it: long ones where no contact is possible, otherwise
+   short ones. Returns their number. */
+static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_edge *e, double *at) {
+    const double step = 0.25 * q->shape->radius, least = 0.0625 * step;
+    dem__touch was = dem__touch_cone_along(q, e, 0.0);
+    int n = 0;
+    for (double t = 0.0; t < e->length && n < DEM__CROSSINGS_MAX;) {
+        const double ahead = was.gap <= 0.0    ? step
+                             : was.gap > least ? was.gap
+                                               : least,
+                     next = t + ahead < e->length ? t + ahead : e->length;
+        const dem__touch here = dem__touch_cone_along(q, e, next);
+        if (was.gap < least && dem__dot(was.normal, e->along) < 0.0 && dem__dot(here.normal, e->along) > 0.0)
+            at[n++] = dem__nearest_between(q, e, t, next);
+        t = next, was = here;
+    }
+    return n;
+}
+
+/* Adds the point of an edge at t with a cone, and the points of the edge's ends, with weights as for crossing edges. */
+static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, double t, int32_t key) {
+    dem__convex_point *point = &q->out[q->n];
+    double share[2], rest[2], left = 1.0;
+    int n = 1;
+    const dem__touch here = dem__touch_cone_along(q, e, t);
+    if (!(here.gap < 0.0) || q->n + 3 > DEM__POINTS_MAX) return;
+    for (int k = 0; k < 2; k++) {
+        const dem__touch end = dem__touch_cone_along(q, e, k ? e->length : 0.0);
+        share[k] = end.gap < 0.0 ? end.gap * end.gap / (here.gap * here.gap) : 0.0;
+        rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
+        left *= rest[k];
+        if (share[k] == 0.0) continue;
+        point[n].key = key + 1 + k, point[n].taken = 0, point[n].gap = end.gap, point[n].normal = end.normal;
+        point[n].at = dem__plus(e->from, k ? e->length : 0.0, e->along), point[n].weight = k;
+        n++;
+    }
+    if (!(left > 1e-10)) return;
+    point->key = key, point->taken = 0, point->gap = here.gap, point->normal = here.normal;
+    point->at = dem__plus(e->from, t, e->along), point->weight = left;
+    for (int k = 0; k < 2; k++) point->weight += share[k] * left / rest[k];
+    for (int m = 1; m < n; m++) point[m].weight = -left / rest[(int)point[m].weight];
+    q->n += n;
+}
+
+/* Adds the points of edges at a cone and its rims, and of faces at points of the rims. */
+static inline void dem__touch_cone_with_edges(dem__at_wall *q) {
+    const dem_wall *w = q->wall;
+    const int32_t rings = DEM_CORNERS_MAX + 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX;
+    double at[DEM__CROSSINGS_MAX];
+    dem__list_edges(q);
+    for (int k = 0; k < q->edges; k++) {
+        const int n = dem__nearest_along(q, &q->edge[k], at);
+        for (int m = 0; m < n; m++)
+            dem__weigh_along(q, &q->edge[k], at[m], DEM_CORNERS_MAX + 3 * (DEM__CROSSINGS_MAX * q->edge[k].number + m));
+    }
+    for (int ring = 0; ring < 2; ring++) {
+        const double radius = ring ? w->high_radius : w->radius;
+        const dem_vec middle = dem__plus(dem__sub(w->position, q->centre), ring ? w->length : 0.0, w->axis[2]);
+        if (!(dem__length(middle) < radius + q->shape->reach)) continue;
+        for (int k = 0; k < (radius > 0.0 ? DEM__RING_POINTS : 1); k++) {
+            const dem_vec out = dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI / (double)DEM__RING_POINTS * (double)k);
+            dem__touch_wall_corner(q, dem__plus(middle, radius, out), 0.0, dem_vec3(0.0, 0.0, 0.0), rings + DEM__RING_POINTS * ring + k);
+        }
+    }
+}
+
+/* Finds the points of a polyhedron at a wall, both at the end of the step. Returns their number. */
+static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place, dem__convex_point *out) {
+    dem__touch touch[DEM__TOUCHES];
+    dem__at_wall q;
+    double least;
+    dem__touch_wall(wall, place->x, s->reach, 0.0, touch, &least);
+    if (!(least < 0.0)) return 0;
+    q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
+    q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);
+    if (wall->kind == DEM_SPHERE && !wall->inside) {
+        dem__touch_wall_corner(&q, dem__sub(wall->position, place->x), wall->radius, dem_vec3(0.0, 0.0, 0.0), 0);
+        return q.n;
+    }
+    dem__touch_with_corners(&q);
+    if (wall->kind == DEM_CYLINDER && !wall->inside) dem__touch_cylinder_with_edges(&q);
+    if (wall->kind == DEM_SCREEN) dem__touch_screen_with_edges(&q);
+    if (wall->kind == DEM_MESH) dem__touch_mesh_with_edges(&q);
+    if (wall->kind == DEM_CONE) dem__touch_cone_with_edges(&q);
+    return q.n;
+}
+
+/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that along the normal of
+   the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart in another direction. */
+static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t, int32_t k, double enough) {
+    const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
+    const double height = dem__dot(d, up);
+    double most = fabs(height) - dem__reach_along(s, core, dem__scale(height > 0.0 ? -1.0 : 1.0, up));
+    dem_vec corner[3];
+    if (most >= enough) return most;
+    for (int c = 0; c < 3; c++) corner[c] = dem__into_core(core, dem__sub(t->vertex[t->corner[3 * k + c]], core->x));
+    for (int f = 0; f < s->faces; f++) {
+        const dem_vec n = dem__point(s->plane[f]);
+        const double a = dem__dot(n, corner[0]), b = dem__dot(n, corner[1]), c = dem__dot(n, corner[2]);
+        const double lowest = a < b ? (a < c ? a : c) : b < c ? b : c, apart = lowest - s->plane[f][3];
+        most = apart > most ? apart : most;
+    }
+    return most;
+}
+
+/* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: of the core. */
+static inline double dem__clear_of_mesh(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
+    const dem__tree *t = wall->tree;
+    dem__placed core;
+    double least = s->reach;
+    core.x = dem__to_frame(wall, dem__sub(place->x, wall->position));
+    for (int k = 0; k < 3; k++) core.axis[k] = dem__to_frame(wall, place->axis[k]);
+    for (int32_t b = 0; b < t->nodes && least > 0.0;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, core.x, s->reach + least)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            const double apart = dem__apart_from_triangle(s, &core, t, k, least);
+            least = apart < least ? apart : least;
+        }
+    }
+    return least;
+}
+
+/* Returns a lower limit of the gap between a polyhedron that touches nothing and a wall [m]; 0 if none is known. */
+static inline double dem__clear_of_wall(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
+    dem__touch touch[DEM__TOUCHES];
+    double least = HUGE_VAL, gap;
+    if (wall->kind == DEM_MESH) return dem__clear_of_mesh(wall, s, place) - s->radius;
+    if (wall->kind != DEM_PLANE && !(wall->inside && (wall->kind == DEM_CYLINDER || wall->kind == DEM_SPHERE))) return 0.0;
+    for (int k = 0; k < s->corners; k++) { /* nothing of it is nearer than a corner */
+        dem__touch_wall(wall, dem__corner_at(s, place, k), s->radius, 0.0, touch, &gap);
+        least = gap < least ? gap : least;
+    }
+    return least;
+}
+
+/* ---- walls that cut a core ---- */
+
+/* Returns whether the line from p to q passes through a triangle. */
+static inline int dem__passes_triangle(dem_vec p, dem_vec q, dem_vec a, dem_vec b, dem_vec c) {
+    const dem_vec n = dem__cross(dem__sub(b, a), dem__sub(c, a)), u = dem__sub(q, p);
+    const dem_vec pa = dem__sub(a, p), pb = dem__sub(b, p), pc = dem__sub(c, p);
+    if (!(dem__dot(n, pa) * dem__dot(n, dem__sub(a, q)) < 0.0)) return 0;
+    const double ab = dem__dot(u, dem__cross(pa, pb)), bc = dem__dot(u, dem__cross(pb, pc)), ca = dem__dot(u, dem__cross(pc, pa));
+    return (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
+}
+/* Returns whether the line from p to q, given from a cone's lower end, passes through the cone. */
+static inline int dem__passes_cone(const dem_wall *w, dem_vec p, dem_vec q) {
+    const dem_vec u = dem__sub(q, p);
+    const double slope = (w->high_radius - w->radius) / w->length, z = dem__dot(p, w->axis[2]), along = dem__dot(u, w->axis[2]);
+    const double r = w->radius + slope * z, dr = slope * along; /* radius of the cone at p, and its change to q */
+    const double a = dem__dot(u, u) - along * along - dr * dr, b = dem__dot(p, u) - z * along - r * dr;
+    const double c = dem__dot(p, p) - z * z - r * r, root = sqrt(b * b > a * c ? b * b - a * c : 0.0);
+    const double t[2] = {b > 0.0 ? c / (-b - root) : (root - b) / a, b > 0.0 ? (-b - root) / a : c / (root - b)};
+    if (b * b < a * c) return 0;
+    for (int k = 0; k < 2; k++) {
+        if (t[k] >= 0.0 && t[k] <= 1.0 && z + t[k] * along >= 0.0 && z + t[k] * along <= w->length && r + t[k] * dr >= 0.0) return 1;
+    }
+    return 0;
+}
+/* Returns whether an edge of a core, whose corners are given in a mesh's frame, passes through the mesh. */
+static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s, const dem_vec *corner, dem_vec centre) {
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, centre, s->reach)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = 3 * node->first; k < 3 * (node->first + node->count); k += 3) {
+            const dem_vec *v = t->vertex;
+            const int32_t *c = t->corner + k;
+            for (int e = 0; e < s->edges; e++) {
+                if (dem__passes_triangle(corner[s->edge[e][0]], corner[s->edge[e][1]], v[c[0]], v[c[1]], v[c[2]])) return 1;
+            }
+        }
+    }
+    return 0;
+}
+/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
+static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
+    double low = 0.0, high = 1.0;
+    for (int f = 0; f < s->faces; f++) {
+        const dem_vec n = dem__point(s->plane[f]);
+        const double from = dem__dot(n, p) - s->plane[f][3], to = dem__dot(n, q) - s->plane[f][3];
+        if (from >= 0.0 && to >= 0.0) return 0;
+        if (from > 0.0 && from / (from - to) > low) low = from / (from - to);
+        if (to > 0.0 && from / (from - to) < high) high = from / (from - to);
+    }
+    return low < high;
+}
+static inline int dem__core_passes_screen(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
+    const dem_vec d = dem__sub(place->x, w->position);
+    double first, last;
+    dem_vec end[2];
+    for (int family = 0; family < 2; family++) {
+        dem__bars_near(w, family, d, s->reach, &first, &last);
+        for (double index = first; index <= last; index += 1.0) {
+            if (!dem__bar_ends(w, family, index, end)) continue;
+            for (int k = 0; k < 2; k++) end[k] = dem__into_core(place, dem__sub(end[k], d));
+            if (dem__core_holds_line(s, end[0], end[1])) return 1;
+        }
+    }
+    return 0;
+}
+/* Returns whether a core has passed into a sheet, a mesh or a cone, or into the axis of a bar: beyond them its corners touch nothing. */
+static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
+    dem_vec corner[DEM_CORNERS_MAX];
+    if (w->kind == DEM_SCREEN) return dem__core_passes_screen(w, s, place);
+    for (int k = 0; k < s->corners; k++) corner[k] = dem__sub(dem__corner_at(s, place, k), w->position);
+    for (int e = 0; e < s->edges && w->kind == DEM_CONE; e++) {
+        if (dem__passes_cone(w, corner[s->edge[e][0]], corner[s->edge[e][1]])) return 1;
+    }
+    if (w->kind != DEM_MESH) return 0;
+    for (int k = 0; k < s->corners; k++) corner[k] = dem__to_frame(w, corner[k]);
+    return dem__core_passes_mesh(w->tree, s, corner, dem__to_frame(w, dem__sub(place->x, w->position)));
+}
+
+/* ---------------------------------------------------------------------------------------------- >>polyhedra/idle.h */
+/* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that cannot touch for some steps. Reads bodies and walls; writes pairs.
+   Promises: a pair is left alone only while both of its bodies fly on, and cannot touch in that time.
+   May be changed here alone: for how long a pair is left alone; never longer. */
+
+/* Returns whether particle i still is in the flight that began at a step. */
+DEM_INLINE int dem__flies_on(const dem_world *w, ptrdiff_t i, int64_t origin) {
+    return w->engine->bodies.activity[i] == DEM__FLYING && w->particle[i].origin == origin;
+}
+/* Returns whether a pair cannot touch at a step. */
+DEM_INLINE int dem__is_idle(const dem_world *w, const dem__convex_pair *p, int64_t step) {
+    if (p->idle_until <= step || !dem__flies_on(w, p->i, p->origin[0])) return 0;
+    if (p->j >= 0) return dem__flies_on(w, p->j, p->origin[1]);
+    const dem_wall *wall = &w->wall[-1 - p->j];
+    return wall->speed_bound <= p->speed && wall->spin_bound <= p->spin;
+}
+
+/* Lets a pair be idle for some steps from a step on. */
+DEM_INLINE void dem__leave_alone(const dem_world *w, dem__convex_pair *p, int64_t step, int steps) {
+    p->idle_until = step + steps;
+    p->origin[0] = w->particle[p->i].origin;
+    if (p->j >= 0) p->origin[1] = w->particle[p->j].origin;
+}
+
+/* Returns whether particle i moves on a parabola until it touches something. Polyhedra have no links. */
+DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
+    return w->engine->bodies.activity[i] == DEM__FLYING && !(w->engine->links.on && !dem__shape_of(w, i));
+}
+/* Returns how fast particle i turns about the centre of its clump, at most [m/s]. */
+DEM_INLINE double dem__swing_of(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
+    return r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
+}
+/* Returns how fast the surface of particle i, or a clump's sphere, moves relative to the centre of its body, at most [m/s]. */
+DEM_INLINE double dem__stir_of(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    return s ? w->engine->bodies.calls->swing(dem__rigid_of(w, i), s->reach) : dem__swing_of(w, i);
+}
+/* Returns the time from the origin step of particle i to a step [s]. */
+DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step) {
+    return (double)(step - w->particle[i].origin) * w->engine->run.dt;
+}
+/* Returns the centre of particle i at a step. That of a polyhedron that flies needs no orientation; others have been placed. */
+DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step) {
+    const double tau = dem__flown_until(w, i, step);
+    if (!dem__shape_of(w, i)) return dem__at(w, i, tau);
+    return w->engine->bodies.activity[i] == DEM__FLYING ? dem__centre_at(w, i, tau) : w->engine->convex.place[i].x;
+}
+
+/* Returns whether two particles may be left alone: both fly. */
+DEM_INLINE int dem__may_rest(const dem_world *w, const dem__convex_pair *p) {
+    return (w->def.skip & DEM_SKIP_PAIRS) && dem__is_in_flight(w, p->i) && dem__is_in_flight(w, p->j);
+}
+/* Returns the velocity of particle i relative to j, of their centres [m/s]. */
+DEM_INLINE dem_vec dem__drift_between(const dem_world *w, const dem__convex_pair *p, int64_t step) {
+    return dem__sub(dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)), dem__drift_at(w, p->j, dem__flown_until(w, p->j, step)));
+}
+/* Returns how fast their relative velocity changes [m/s2]. */
+DEM_INLINE double dem__pull_between(const dem_world *w, const dem__convex_pair *p) {
+    return dem__length(dem__sub(dem__centre_pull(w, p->i), dem__centre_pull(w, p->j)));
+}
+
+/* Finds whether the spheres around two particles touch at a step. If not, and both fly, the pair is left alone. */
+static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p, int64_t step) {
+    const double slack = 2.0 * w->engine->pairs.position_tolerance;
+    const double reach = w->particle[p->i].radius + w->particle[p->j].radius + slack;
+    const dem_vec d = dem__nearest_image(w, dem__sub(dem__centre_in(w, p->i, step), dem__centre_in(w, p->j, step)));
+    p->is_close = dem__dot(d, d) < reach * reach;
+    if (p->is_close || !dem__may_rest(w, p)) return;
+    const double speed = dem__length(dem__drift_between(w, p, step)) + dem__swing_of(w, p->i) + dem__swing_of(w, p->j);
+    dem__leave_alone(w, p, step, dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, dem__pull_between(w, p))));
+}
+
+/* Returns a lower limit of the distance to the images of j that are not the nearest one of i, which is at d from j [m]. */
+DEM_INLINE double dem__far_images(const dem_world *w, dem_vec d) {
+    double least = HUGE_VAL;
+    for (int a = 0; a < 3; a++) {
+        const double length = dem_axis(w->def.high, a) - dem_axis(w->def.low, a) - fabs(dem_axis(d, a));
+        if (w->def.periodic[a] && length < least) least = length;
+    }
+    return least;
+}
+
+/* Leaves two particles alone, if both fly, that do not touch although the spheres around them do. d: from j to i; gap: between their
+   surfaces along n, a direction from j to i, in which nothing of them is nearer. */
+static inline void dem__rest_apart(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec d, double gap, dem_vec n) {
+    const double slack = 2.0 * w->engine->pairs.position_tolerance;
+    if (!(gap > slack) || !dem__may_rest(w, p)) return;
+    const dem_vec v = dem__drift_between(w, p, step);
+    const double stir = dem__stir_of(w, p->i) + dem__stir_of(w, p->j), pull = dem__pull_between(w, p);
+    const double others = dem__far_images(w, d) - w->particle[p->i].radius - w->particle[p->j].radius;
+    const double soonest = dem__time_to_close(gap - slack, stir - dem__dot(n, v), pull),
+                 other = dem__time_to_cover(others - slack, dem__length(v) + stir, pull);
+    dem__leave_alone(w, p, step, dem__steps_until(w, other < soonest ? other : soonest));
+    p->is_close = 0;
+}
+
+/* How a particle moves in the frame of a wall. */
+typedef struct dem__approach {
+    double speed, pull; /* speed now [m/s]; limit of its change [m/s2] */
+    int most;           /* number of steps for which they hold */
+} dem__approach;
+/* Returns this for a particle at x with velocity v and acceleration a. */
+static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall *wall, dem_vec x, dem_vec v, dem_vec a) {
+    const double turn = DEM__RETEST_STEPS * w->engine->run.dt;
+    dem__approach q;
+    q.speed = dem__length(v) + wall->speed_bound, q.pull = dem__length(a), q.most = DEM__STEPS_MAX;
+    if (!(wall->spin_bound > 0.0)) return q;
+    q.most = DEM__RETEST_STEPS;
+    if (wall->asked.drive == DEM_KINEMATIC && wall->speed_bound == 0.0 && wall->spin_bound * turn < 0.02) { /* it turns evenly */
+        const dem_vec arm = dem__sub(x, wall->asked.spin_centre), spin = dem__scale(wall->spin, wall->spin_axis);
+        const double bound = wall->spin_bound;
+        q.speed = dem__length(dem__sub(v, dem__cross(spin, arm)));
+        q.pull = 1.05 * (q.pull + bound * (bound * dem__length(arm) + 2.02 * q.speed)); /* with what they gain meanwhile, 5 % at most */
+        return q;
+    }
+    const double out = turn * (q.speed + turn * q.pull); /* as in dem__test_wall */
+    q.speed += wall->spin_bound * (dem__arm(wall, x) + out);
+    return q;
+}
+
+/* Returns whether particle i may be left alone at walls. */
+DEM_INLINE int dem__may_rest_at_wall(const dem_world *w, ptrdiff_t i) { return (w->def.skip & DEM_SKIP_SPACE) && dem__is_in_flight(w, i); }
+
+/* Leaves a particle at x alone that flies and has a gap to a wall. reach: of what turns with it, 0 for the sphere around it [m]. */
+static inline void dem__rest_from_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec x, double gap, double reach) {
+    const dem_wall *wall = &w->wall[-1 - p->j];
+    const double slack = w->engine->pairs.position_tolerance;
+    if (!(gap > slack)) return;
+    const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
+    const dem_vec v = dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)), a = dem__centre_pull(w, p->i);
+    const dem__approach q = dem__approach_to(w, wall, x, v, a);
+    const double stir = reach > 0.0 ? w->engine->bodies.calls->swing(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound : 0.0;
+    const double touch = dem__time_to_cover(gap - slack, q.speed + stir, q.pull),
+                 cross = dem__time_to_cover(crossing - slack, dem__length(v), dem__length(a));
+    const int steps = dem__steps_until(w, cross < touch ? cross : touch);
+    p->speed = wall->speed_bound, p->spin = wall->spin_bound;
+    dem__leave_alone(w, p, step, steps < q.most ? steps : q.most);
+    p->is_close = 0;
+}
+
+/* Finds whether the sphere around a particle touches a wall, which has been moved to the step. If not, and it flies, it is left alone. */
+static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step) {
+    const int may_rest = dem__may_rest_at_wall(w, p->i);
+    const dem_vec x = dem__in_box(w, dem__centre_in(w, p->i, step));
+    dem__touch touch[DEM__TOUCHES];
+    double least;
+    p->is_close = 0;
+    if (!dem__is_at_wall(w, p->i, -1 - p->j)) return;
+    const double slack = w->engine->pairs.position_tolerance;
+    dem__touch_wall(&w->wall[-1 - p->j], x, w->particle[p->i].radius, may_rest ? w->engine->pairs.wall_reach : slack, touch, &least);
+    p->is_close = least < slack;
+    if (!p->is_close && may_rest) dem__rest_from_wall(w, p, step, x, least, 0.0);
+}
+
+/* --------------------------------------------------------------------------------------------- >>polyhedra/pairs.h */
+/* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin and end. Reads bodies,
+   walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact depends on its own pair and step alone,
+   never on earlier tests or on threads. A contact of pair q has near = -2 - q.
+   May be changed here alone: which pairs are tested, and when; every point that touches is found. */
+
+/* Places a polyhedron at a step. */
+static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const dem__posture p = dem__posture_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
+    const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
+    dem__placed *place = &w->engine->convex.place[i];
+    place->x = dem__in_box(w, p.x);
+    place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn), place->axis[2] = dem__third_axis(turn);
+}
+/* Places those among particles first .. end-1 that take steps. */
+static inline void dem__place_active(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    (void)part;
+    for (ptrdiff_t i = first; i < end; i++) {
+        if (w->alive[i] && w->engine->bodies.activity[i] != DEM__FLYING && dem__shape_of(w, i))
+            dem__place_polyhedron(w, i, *(const int64_t *)context);
+    }
+}
+/* Places those among particles first .. end-1 that fly and are marked in scratch.index. */
+static inline void dem__place_flying(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    (void)part;
+    for (ptrdiff_t i = first; i < end; i++) {
+        if (w->engine->scratch.index[i] && w->engine->bodies.activity[i] == DEM__FLYING && dem__shape_of(w, i))
+            dem__place_polyhedron(w, i, *(const int64_t *)context);
+    }
+}
+
+/* ---- pairs that are close ---- */
+
+/* Finds which of pairs first .. end-1 are close at a step. */
+static inline void dem__find_close(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const int64_t step = *(const int64_t *)context;
+    (void)part;
+    for (ptrdiff_t k = first; k < end; k++) { /* by number: there may be no pairs, and no array */
+        dem__convex_pair *p = &w->engine->convex.pair[k];
+        if (dem__is_idle(w, p, step)) continue;
+        p->is_close = p->count = 0, p->idle_until = 0;
+        if (!w->alive[p->i] || (p->j >= 0 && !w->alive[p->j])) continue;
+        if (p->j < 0) dem__look_at_wall(w, p, step);
+        else dem__look_at_spheres(w, p, step);
+    }
+}
+
+/* Finds the pairs that are close at a step, and places their polyhedra. */
+static inline void dem__place_close(dem_world *w, int64_t step) {
+    dem__convex_state *convex = &w->engine->convex;
+    const int parts = dem__parts(w, w->count);
+    int32_t *marked = w->engine->scratch.index;
+    dem__in_parts(w, parts, w->count, dem__place_active, &step);
+    dem__in_parts(w, dem__parts(w, convex->pairs), convex->pairs, dem__find_close, &step);
+    if (w->engine->bodies.active_count == w->count - w->engine->bodies.dropped) return; /* none flies */
+    for (ptrdiff_t i = 0; i < w->count; i++) marked[i] = 0;
+    for (ptrdiff_t k = 0; k < convex->pairs; k++) {
+        const dem__convex_pair *p = &convex->pair[k];
+        if (!p->is_close) continue;
+        marked[p->i] = 1;
+        if (p->j >= 0) marked[p->j] = 1;
+    }
+    dem__in_parts(w, parts, w->count, dem__place_flying, &step);
+}
+
+/* ---- points ---- */
+
+/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch: then only its gap and normal
+   are set. sphere_first: the sphere is a, the polyhedron b. */
+static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius, int sphere_first,
+                                        dem__convex_point *out) {
+    dem_vec n;
+    const double distance = dem__from_core(s, place, x, HUGE_VAL, &n);
+    out->gap = distance - radius - s->radius;
+    out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
+    if (!(out->gap < 0.0)) return 0;
+    out->key = out->taken = 0, out->weight = 1.0;
+    out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
+    return 1;
+}
+
+/* Finds the points of two particles; `at` is measured from the centre of i. Returns their number. */
+static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out, int64_t *overlaps) {
+    const dem_convex *a = dem__shape_of(w, p->i), *b = dem__shape_of(w, p->j);
+    const dem__convex_state *convex = &w->engine->convex;
+    const dem_particle *particle = w->particle;
+    const double dt = w->engine->run.dt, reach = particle[p->i].radius + particle[p->j].radius;
+    const dem_vec xi = a ? convex->place[p->i].x : dem__at(w, p->i, (double)(step - particle[p->i].origin) * dt);
+    const dem_vec xj = b ? convex->place[p->j].x : dem__at(w, p->j, (double)(step - particle[p->j].origin) * dt);
+    const dem_vec d = dem__nearest_image(w, dem__sub(xi, xj));
+    if (!(dem__dot(d, d) < reach * reach)) return 0;
+    dem__placed pa = convex->place[p->i], pb = convex->place[p->j];
+    pa.x = pb.x = dem_vec3(0.0, 0.0, 0.0);
+    if (!a || !b) {
+        const double radius = particle[a ? p->j : p->i].radius;
+        const int n =
+            a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out) : dem__points_of_sphere(b, &pb, d, radius, 1, out);
+        *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
+        if (n == 0) dem__rest_apart(w, p, step, d, out->gap, out->normal);
+        return n;
+    }
+    const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
+    pb.x = dem__scale(-1.0, d);
+    /* A direction only decides which features are tested. That of an earlier step can be used as long as the cores are nearly as far apart
+       along it. */
+    double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
+    if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
+    if (!(apart > good)) {
+        dem__gap_of_cores gap;
+        dem__find_gap(a, &pa, b, &pb, DEM__WINDOW * radii, &p->cache, &gap);
+        *overlaps += gap.overlap;
+        apart = gap.separation, p->axis = gap.normal;
+    }
+    const int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
+    if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
+    return n;
+}
+
+/* Finds the points of a particle at a wall, both at the end of the step. Returns their number. */
+static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out) {
+    const dem_wall *wall = &w->wall[-1 - p->j];
+    const dem_convex *s = dem__shape_of(w, p->i);
+    const dem__placed *place = &w->engine->convex.place[p->i];
+    const int n = dem__touch_with_polyhedron(wall, s, place, out);
+    if (n == 0 && dem__may_rest_at_wall(w, p->i)) dem__rest_from_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
+    return n;
+}
+
+/* A test of all pairs by several threads, each of which has a share of the points. */
+typedef struct dem__convex_look {
+    int64_t step, overlaps[DEM__PARTS_MAX];
+    ptrdiff_t share;
+    int full[DEM__PARTS_MAX];
+} dem__convex_look;
+/* Finds the points of pairs first .. end-1 at a step. look->full: this part has no room for them. */
+static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__convex_look *look = (dem__convex_look *)context;
+    dem__convex_state *convex = &w->engine->convex;
+    ptrdiff_t at = look->share * part;
+    const ptrdiff_t limit = at + look->share;
+    look->overlaps[part] = look->full[part] = 0;
+    for (ptrdiff_t q = first; q < end; q++) {
+        dem__convex_pair *p = &convex->pair[q];
+        if (!p->is_close) continue;
+        p->first = (int32_t)at;
+        if (limit - at < DEM__POINTS_MAX) {
+            look->full[part] = 1;
+            return;
+        }
+        if (p->j < 0) p->count = dem__points_at_wall(w, p, look->step, convex->point + at);
+        else p->count = dem__points_of_pair(w, p, look->step, convex->point + at, &look->overlaps[part]);
+        at += p->count;
+    }
+}
+
+/* Makes room for `wanted` points; their contents are lost. Returns 0 when out of memory. */
+static inline int dem__grow_points(dem_world *w, ptrdiff_t wanted) {
+    dem__convex_state *convex = &w->engine->convex;
+    const dem_allocator *a = &w->def.allocator;
+    if (wanted <= convex->point_capacity) return 1;
+    if (wanted > INT32_MAX / 2) return 0;
+    dem__convex_point *fresh = (dem__convex_point *)a->fn(a->user, NULL, 0, (size_t)wanted * sizeof *fresh);
+    if (!fresh) return 0;
+    dem__release(a, convex->point, (size_t)convex->point_capacity * sizeof *fresh);
+    convex->point = fresh, convex->point_capacity = wanted;
+    return 1;
+}
+
+/* Finds the points of all pairs at a step. Returns 0 when out of memory. */
+static inline int dem__find_convex_points(dem_world *w, int64_t step) {
+    dem__convex_state *convex = &w->engine->convex;
+    const int parts = dem__parts(w, convex->pairs);
+    dem__convex_look look;
+    int full = 1;
+    look.step = step;
+    dem__place_close(w, step);
+    if (!dem__grow_points(w, 2 * (w->engine->contacts.count + DEM__POINTS_MAX * (ptrdiff_t)parts))) return 0;
+    while (full) {
+        full = 0;
+        look.share = convex->point_capacity / parts;
+        dem__in_parts(w, parts, convex->pairs, dem__look_at_polyhedra, &look);
+        for (int q = 0; q < parts; q++) full |= look.full[q];
+        if (full && !dem__grow_points(w, 2 * convex->point_capacity)) return 0;
+    }
+    convex->overlaps = 0;
+    for (int q = 0; q < parts; q++) convex->overlaps += look.overlaps[q];
+    return 1;
+}
+
+DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
+    double *const *place = w->engine->contacts.touch;
+    dem__set_place_vec(w, DEM__PLACE_NORMAL, c, p->normal);
+    dem__set_place_vec(w, DEM__PLACE_ARM, c, p->at);
+    place[DEM__PLACE_GAP][c] = p->gap, place[DEM__PLACE_WEIGHT][c] = p->weight;
+}
+
+/* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall, which the contact
+   keeps. */
+static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
+    dem__touch touch;
+    touch.curvature = 0.0;
+    if (j < 0 && w->wall[-1 - j].kind != DEM_MESH) {
+        const dem_wall *wall = &w->wall[-1 - j];
+        dem__touch_element(wall, dem__add(w->engine->convex.place[i].x, p->at), dem__touching_radius(w, i),
+                           dem__element_of_key(wall, p->key), &touch);
+    }
+    dem__set_place(w, c, p);
+    contacts->touch[DEM__PLACE_CURVATURE][c] = touch.curvature;
+    dem__set_place_vec(w, DEM__PLACE_BEFORE, c, p->normal);
+}
+
+/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap above 0, and so
+   ends. */
+static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__contacts *contacts = &w->engine->contacts;
+    (void)part, (void)context;
+    for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
+        for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
+            if (!dem__is_convex_contact(w, c)) continue;
+            const dem__convex_pair *p = &w->engine->convex.pair[-2 - contacts->near[c]];
+            dem__convex_point *point = w->engine->convex.point + p->first, *stop = point + p->count;
+            dem__set_place_vec(w, DEM__PLACE_BEFORE, c, dem__place_normal(w, c));
+            while (point < stop && point->key != contacts->element[c]) point++;
+            if (point < stop) {
+                dem__set_place(w, c, point);
+                point->taken = 1;
+            } else contacts->touch[DEM__PLACE_GAP][c] = w->particle[p->i].radius;
+        }
+    }
+}
+
+/* Moves the contacts of polyhedra to a step to which the walls have been moved, and begins new ones. */
+static inline void dem__follow_polyhedra(dem_world *w, int64_t step) {
+    dem__convex_state *convex = &w->engine->convex;
+    dem__contacts *contacts = &w->engine->contacts;
+    if (!dem__find_convex_points(w, step)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return;
+    }
+    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count, dem__follow_points, NULL);
+    for (ptrdiff_t q = 0; q < convex->pairs; q++) {
+        const dem__convex_pair *p = &convex->pair[q];
+        for (const dem__convex_point *point = convex->point + p->first; point < convex->point + p->first + p->count; point++) {
+            if (point->taken) continue;
+            if (!dem__new_contact(w, p->i, p->j, point->key, (int32_t)(-2 - q))) return;
+            dem__set_first_place(w, dem__next_slot(w) - 1, point);
+        }
+    }
+}
+
+/* Returns the pair of particle i with j, or with wall -1 - j; -1 if it is not listed. */
+static inline ptrdiff_t dem__convex_pair_of(const dem_world *w, int32_t i, int32_t j) {
+    const dem__convex_state *convex = &w->engine->convex;
+    const int32_t near_pair = j < 0 ? -1 : dem__near_pair(w, i, j);
+    ptrdiff_t low = j < 0 ? convex->of_particles : 0, high = j < 0 ? convex->pairs : convex->of_particles;
+    if (j >= 0 && near_pair < 0) return -1;
+    while (low < high) {
+        const ptrdiff_t middle = (low + high) / 2;
+        const dem__convex_pair *p = &convex->pair[middle];
+        const int before = j >= 0 ? p->near < near_pair : p->i != i ? p->i < i : -1 - p->j < -1 - j;
+        if (before) low = middle + 1;
+        else high = middle;
+    }
+    const dem__convex_pair *p = &convex->pair[low];
+    return low < (j < 0 ? convex->pairs : convex->of_particles) && p->i == i && p->j == j ? low : -1;
+}
+
+/* Lists the pairs, or with pair == NULL counts them. Returns their number. */
+static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pair *pair, ptrdiff_t *of_particles) {
+    ptrdiff_t n = 0;
+    dem__convex_pair p;
+    memset(&p, 0, sizeof p);
+    for (ptrdiff_t k = 0; k < w->engine->pairs.count; k++) {
+        const dem__near *q = &w->engine->pairs.near[k];
+        if (!dem__shape_of(w, q->i) && !dem__shape_of(w, q->j)) continue;
+        p.i = q->i, p.j = q->j, p.near = (int32_t)k;
+        if (pair) pair[n] = p, dem__stop_timer(&w->engine->pairs.timers, (int32_t)k);
+        n++;
+    }
+    *of_particles = n;
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        for (int k = 0; k < w->walls && w->alive[i] && dem__shape_of(w, i) && !dem__is_fixed(w, i); k++) {
+            if (w->wall[k].kind == DEM_EXIT) continue;
+            p.i = i, p.j = -1 - k, p.near = -1;
+            if (pair) pair[n] = p;
+            n++;
+        }
+    }
+    return n;
+}
+
+/* Lists the pairs anew, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of memory. */
+static inline int dem__list_convex_pairs(dem_world *w) {
+    dem__convex_state *convex = &w->engine->convex;
+    dem__contacts *contacts = &w->engine->contacts;
+    const dem_allocator *a = &w->def.allocator;
+    const ptrdiff_t n = dem__put_convex_pairs(w, NULL, &convex->of_particles);
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].kind == DEM_MESH && !dem__make_mesh_edges(a, w->wall[k].tree)) return 0;
+    }
+    if (n > INT32_MAX / 2) return 0;
+    if (n > convex->pair_capacity) {
+        const ptrdiff_t larger = n + n / 4 + 64;
+        dem__convex_pair *fresh = (dem__convex_pair *)a->fn(a->user, NULL, 0, (size_t)larger * sizeof *fresh);
+        if (!fresh) return 0;
+        dem__release(a, convex->pair, (size_t)convex->pair_capacity * sizeof *fresh);
+        convex->pair = fresh, convex->pair_capacity = larger;
+    }
+    convex->pairs = dem__put_convex_pairs(w, convex->pair, &convex->of_particles);
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t i = contacts->i[c], j = contacts->j[c];
+        if (!dem__shape_of(w, i) && (j < 0 || !dem__shape_of(w, j))) continue;
+        const ptrdiff_t q = dem__convex_pair_of(w, i, j);
+        contacts->near[c] = (int32_t)(-2 - q);
+        if (q < 0) contacts->ended[c] = 1; /* cannot happen: they touch */
+    }
+    return 1;
+}
+
+/* --------------------------------------------------------------------------------------------- >>polyhedra/block.h */
+/* Contacts of polyhedra in a block of the kernel: they are contacts of spheres about their points, with torques about the centres of the
+   bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are left as they are.
+   May be changed here alone: how masses and weights enter; forces on both bodies are opposite. */
+
+/* Returns particle i's mass over the mass that it has at a point of contact: 1 for a sphere; for a polyhedron, which turns aside, the
+   mean. */
+DEM_INLINE double dem__per_share(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    return s ? 1.0 / s->share : 1.0;
+}
+
+/* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre. */
+DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, double half, dem_vec *v, dem_vec *a) {
+    const dem_particle *p = &w->particle[i];
+    const dem_vec round = dem__cross(p->spin, arm);
+    *v = dem__add(p->v, dem__cross(p->spin, dem__plus(arm, -half, round))); /* with the arm at that time */
+    *a = dem__add(p->a, dem__add(dem__cross(w->spin_rate[i], arm), dem__cross(p->spin, round)));
+}
+
+/* Returns the arm at the other body, from that at i, the distance of the bodies and the row's normal and gap. */
+DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, int k, dem_vec arm) {
+    const double reach = t->sum[k] + b->gap[k];
+    return dem_vec3(arm.x + b->dx[k] - reach * b->nx[k], arm.y + b->dy[k] - reach * b->ny[k], arm.z + b->dz[k] - reach * b->nz[k]);
+}
+
+/* Fills row k of a polyhedron's contact with another body or a wall. */
+static inline void dem__fill_convex_row(const dem_world *w, dem__rows *b, const dem__type_rows *t, int k, ptrdiff_t c, double half,
+                                        dem__wall_row *at) {
+    const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    const dem_vec n = dem__place_normal(w, c), arm = dem__place_arm(w, c), before = dem__place_before(w, c);
+    dem_vec v, a, other_v, other_a, spin;
+    b->nx[k] = n.x, b->ny[k] = n.y, b->nz[k] = n.z, b->gap[k] = w->engine->contacts.touch[DEM__PLACE_GAP][c];
+    b->inverse[k] = 1.0 / (t->sum[k] + b->gap[k]);
+    dem__point_motion(w, i, arm, half, &v, &a);
+    if (j >= 0) {
+        dem__point_motion(w, j, dem__other_arm(b, t, k, arm), half, &other_v, &other_a);
+        spin = w->particle[j].spin;
+    } else {
+        const dem_wall *wall = at->wall;
+        const dem_vec point = dem__add(w->particle[i].x, dem__plus(arm, -(t->sum[k] + b->gap[k]), n));
+        other_v = wall->slides ? dem__surface_velocity(wall, point, n) : wall->velocity;
+        other_a = wall->slides ? dem__surface_acceleration(wall, point) : wall->acceleration;
+        spin = dem__scale(wall->spin, wall->spin_axis);
+        at->velocity = other_v;
+        other_v = dem__plus(other_v, -half, other_a);
+    }
+    const dem_vec dv = dem__sub(v, other_v), da = dem__sub(a, other_a), turned = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
+    b->vx[k] = dv.x, b->vy[k] = dv.y, b->vz[k] = dv.z, b->ax[k] = da.x, b->ay[k] = da.y, b->az[k] = da.z;
+    b->wi[0][k] = w->particle[i].spin.x, b->wi[1][k] = w->particle[i].spin.y, b->wi[2][k] = w->particle[i].spin.z;
+    b->wj[0][k] = spin.x, b->wj[1][k] = spin.y, b->wj[2][k] = spin.z;
+    b->tx[k] = turned.x, b->ty[k] = turned.y, b->tz[k] = turned.z;
+}
+static DEM__NOINLINE void dem__fill_convex_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, ptrdiff_t base, int n,
+                                                double half, dem__wall_row *wall) {
+    for (int k = 0, q = 0; k < n; k++) {
+        const int at_wall = w->engine->contacts.j[base + k] < 0;
+        if (dem__is_convex_contact(w, base + k)) dem__fill_convex_row(w, b, t, k, base + k, half, at_wall ? &wall[q] : NULL);
+        q += at_wall;
+    }
+}
+
+/* Multiplies a block's forces by their weights, and adds torques about the centres of its bodies. */
+static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem__rows *b, const dem__type_rows *t, ptrdiff_t base, int n,
+                                                  const dem__columns *at, const double *before, double half, int features) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    double *const *out = at->out;
+    for (int k = 0; k < n; k++) {
+        const ptrdiff_t c = base + k;
+        if (!dem__is_convex_contact(w, c)) continue;
+        const double weight = contacts->touch[DEM__PLACE_WEIGHT][c];
+        const dem_vec arm = dem__place_arm(w, c), other = dem__other_arm(b, t, k, arm);
+        for (int a = 0; a < 9; a++) out[a][k] *= weight;
+        const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f), on_j = dem__cross(other, f);
+        for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
+        if (!(features & DEM_ENERGY) || weight == 1.0) continue;
+        /* losses by powers are means of the power before, which has its weight, and of the power now; without a force, the energy of the
+           spring is lost */
+        if (fabs(before[k]) + fabs(at->force[k]) == 0.0) at->loss[0][k] -= (weight - 1.0) * at->elastic[k];
+        else at->loss[0][k] += (weight - 1.0) * half * at->power[0][k];
+        at->loss[2][k] += (weight - 1.0) * half * at->power[1][k];
+        at->elastic[k] *= weight, at->loss[1][k] *= weight;
+        for (int a = 0; a < 2; a++) at->power[a][k] *= weight;
+    }
+}
+
+/* Excludes polyhedra from the correction of edge steps, among the last `marked` contacts that a chunk has listed: the mass at a corner is
+   not the pair's. */
+static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
+    dem__contacts *contacts = &w->engine->contacts;
+    for (ptrdiff_t m = in->marked - marked; m < in->marked; m++) {
+        const ptrdiff_t c = contacts->slots[in->first + m];
+        if (dem__is_convex_contact(w, c)) contacts->edge[c] = 0;
+    }
+}
+
+/* Sets what a law needs of a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
+static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birth *b) {
+    const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    const double per_i = dem__is_fixed(w, i) ? 0.0 : dem__per_share(w, i) / w->particle[i].mass;
+    b->radius_i = dem__touching_radius(w, i);
+    b->mass = 1.0 / (per_i + (j >= 0 && !dem__is_fixed(w, j) ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
+    if (j >= 0) b->radius_j = dem__touching_radius(w, j);
+    else b->curvature = w->engine->contacts.touch[DEM__PLACE_CURVATURE][c];
+}
+
+/* ----------------------------------------------------------------------------------------------- >>polyhedra/add.h */
+/* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them (dem__convex_calls). Reads shapes;
+   writes the world through dem__add_body.
+   May be changed here alone: what is refused. */
+
+static const dem__convex_calls dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
+                                                 dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
+                                                 dem__leave_convex_edges};
+
+/* Returns whether the tables of a shape agree with each other, and its numbers are such as the code relies on. */
+static inline int dem__is_sound_shape(const dem_convex *c) {
+    if (c->corners < 4 || c->corners > DEM_CORNERS_MAX || c->edges < 6 || c->edges > DEM_EDGES_MAX || c->faces < 4 ||
+        c->faces > DEM_FACES_MAX)
+        return 0;
+    int sound = dem__positive(c->radius) && dem__positive(c->reach) && dem__positive(c->volume) && c->share > 0.0 && c->share <= 1.0 &&
+                c->face_start[0] == 0 && c->face_start[c->faces] == 2 * c->edges;
+    for (int k = 0; k < 3; k++) sound &= dem__positive(c->moment[k]);
+    for (int k = 0; k < 3 * c->corners; k++) sound &= fabs(c->corner[k / 3][k % 3]) <= c->reach;
+    for (int k = 0; k < 4 * c->faces; k++) sound &= fabs(c->plane[k / 4][k % 4]) <= (k % 4 < 3 ? 1.0 + 1e-9 : c->reach);
+    for (int k = 0; k < c->faces; k++) sound &= c->face_start[k] < c->face_start[k + 1];
+    for (int k = 0; k < 2 * c->edges; k++) {
+        sound &= c->face_corner[k] < c->corners && c->edge[k / 2][k % 2] < c->corners && c->edge_face[k / 2][k % 2] < c->faces;
+    }
+    return sound;
+}
+
+DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !shape || !dem__is_sound_shape(shape)) return -(int)DEM_BAD_ARGUMENT;
+    if (dem__is_running(w)) return -(int)DEM_BUSY;
+    dem__convex_state *convex = &w->engine->convex;
+    const dem_allocator *a = &w->def.allocator;
+    dem__array list[DEM__ARRAYS_MAX];
+    const size_t size = sizeof *convex->shape, old = (size_t)convex->shapes * size;
+    if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
+    dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
+    if (!fresh) return -(int)DEM_OUT_OF_MEMORY;
+    convex->shape = fresh, convex->calls = &dem__polyhedra;
+    convex->shape[convex->shapes++] = *shape;
+    if (convex->shapes > 1) return convex->shapes - 1;
+    dem__bodies *bodies = &w->engine->bodies;
+    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + 1)) return 0;
+    dem__release(a, convex->shape, size);
+    convex->shape = NULL, convex->shapes = 0, convex->calls = NULL;
+    return -(int)DEM_OUT_OF_MEMORY;
+}
+
+/* Returns whether n orientations are quaternions with a direction. */
+static inline int dem__are_turns(ptrdiff_t n, const double *orientations) {
+    dem_quaternion q;
+    for (ptrdiff_t k = 0; k < n && orientations; k++) {
+        const double *o = orientations + 4 * k;
+        if (!dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return 0;
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
+                                  int group) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials || shape < 0 ||
+        shape >= w->engine->convex.shapes)
+        return DEM_BAD_ARGUMENT;
+    if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
+    const dem_convex *s = &w->engine->convex.shape[shape];
+    const double density = w->def.material[material].density;
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t k = 0; k < 3 * n; k++) {
+        if (!dem__finite(centres[k])) return DEM_BAD_ARGUMENT;
+    }
+    if (!dem__are_turns(n, orientations) || !dem__positive(density * s->moment[0] * s->moment[1])) return DEM_BAD_ARGUMENT;
+    if (!dem__reserve_bodies(w, n, n)) return DEM_OUT_OF_MEMORY;
+    dem__body_def body;
+    memset(&body, 0, sizeof body);
+    body.mass = density * s->volume, body.moments = dem__scale(density, dem__point(s->moment));
+    body.frame = body.turn = dem__quaternion(1.0, none);
+    body.pieces = 1, body.offset = &none, body.radius = &s->reach, body.material = material, body.group = group;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const double *o = orientations ? orientations + 4 * k : NULL;
+        body.x = dem__point(centres + 3 * k);
+        if (o) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &body.turn);
+        w->engine->convex.shape_of[dem__add_body(w, &body)] = shape + 1;
+    }
+    return DEM_OK;
+}
+
+DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i) {
+    if (!world || !world->engine || i < 0 || i >= world->count || world->engine->convex.shapes == 0) return -1;
+    return world->engine->convex.shape_of[i] - 1;
+}
+DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape) {
+    return world && world->engine && shape >= 0 && shape < world->engine->convex.shapes ? &world->engine->convex.shape[shape] : NULL;
+}
+/* Returns whether a wall cuts the core of the particle that it is listed with, in the last step. */
+static inline int dem__is_cut(const dem_world *w, const dem__convex_pair *p) {
+    const dem__convex_state *convex = &w->engine->convex;
+    const dem_convex *s = p->i < w->count && w->alive[p->i] == DEM_PRESENT ? dem__shape_of(w, p->i) : NULL;
+    if (!s || !p->is_close) return 0;
+    for (int32_t k = p->first; k < p->first + p->count; k++) {
+        if (convex->point[k].gap < -s->radius) return 1;
+    }
+    return dem__core_passes(&w->wall[-1 - p->j], s, &convex->place[p->i]);
+}
+DEM_API int64_t dem_core_overlaps(const dem_world *world) {
+    const dem__convex_state *convex = world && world->engine ? &world->engine->convex : NULL;
+    int64_t n = convex ? convex->overlaps : 0;
+    for (ptrdiff_t q = convex ? convex->of_particles : 0; convex && q < convex->pairs; q++) n += dem__is_cut(world, &convex->pair[q]);
+    return n;
+}
+
+/* --------------------------------------------------------------------------------------------------- >>save/load.h */
 /* Loading: makes a world from the records that save.h writes, and trusts none of them: every index, count and number that the engine
    relies on is checked here. Relies on saved.h for the fields, on store.h for room.
    May be changed here alone: what is checked. After any failure the world is empty. */
@@ -15835,7 +15883,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     return status;
 }
 
-/* ------------------------------------------------------------------------------------------- >>scalar laws */
+/* ------------------------------------------------------------------------------------------ >>contacts/time_step.h */
 /* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. Relies on laws.h.
    May be changed here alone: how a number is computed, to its last bits (hashes follow). */
 
@@ -15975,7 +16023,7 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
     if ((features & DEM_HERTZ) && 0.2 * a.rayleigh < a.advised) a.advised = 0.2 * a.rayleigh;
     return a;
 }
-#endif /* DEM__BODIES */
+#endif
 
 #ifdef __cplusplus
 }
