@@ -54,8 +54,7 @@
 
 /* ----------------------------------------------------------------------------------------------- >>base/compiler.h */
 /* What depends on the compiler: inlining, options, prefetch, AVX2 copies of loops.
-   Relies on the standard headers alone.
-   May be changed here alone: a compiler's way to say the same; never what is computed. */
+   Relies on the standard headers alone. */
 
 #include <float.h>
 #include <math.h>
@@ -172,8 +171,7 @@ extern "C" {
 /* Declarations, and the pure functions that laws of a user call. */
 
 /* -------------------------------------------------------------------------------------------------- >>base/types.h */
-/* Public types, and the constants that tune the engine: what a host can see of a world. Relies on nothing.
-   May be changed here alone: comments, and tuning constants above DEM__FORMAT (results change in their last bits at most). */
+/* Public types, and the constants that tune the engine: what a host can see of a world. Relies on nothing. */
 
 /* Tuning constants, each with its reason. */
 #define DEM_MATERIALS_MAX 8               /* a pair table of 64 entries stays in the definition */
@@ -670,8 +668,7 @@ typedef struct dem_world {
 
 /* ---------------------------------------------------------------------------------------------------- >>base/api.h */
 /* The public functions, declared and explained.
-   Relies on types.h.
-   May be changed here alone: comments; a declaration goes with its definition, python/shapes.txt and docs/changes_of_dem.md. */
+   Relies on types.h. */
 
 DEM_INLINE dem_vec dem_vec3(double x, double y, double z) {
     dem_vec v;
@@ -1099,8 +1096,7 @@ DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitut
 DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed);
 
 /* --------------------------------------------------------------------------------------------- >>base/polyhedron.h */
-/* Convex polyhedra: public types and functions. Relies on types.h.
-   May be changed here alone: comments. */
+/* Convex polyhedra: public types and functions. Relies on types.h. */
 
 #define DEM_CORNERS_MAX 32                      /* corners of a polyhedron, at most: a set of them fits into 32 bits */
 #define DEM_FACES_MAX (2 * DEM_CORNERS_MAX - 4) /* by Euler's formula, if all are triangles */
@@ -1327,8 +1323,7 @@ static inline double riddle_asin(double x) {
 
 /* ----------------------------------------------------------------------------------------------- >>contacts/laws.h */
 /* The shipped laws of contact: pure functions of one contact's scalars and its history.
-   Relies on types.h and the portable mathematics.
-   May be changed here alone: a law's formula (hashes and tests against analytic answers follow). A new law is added here and in step.h. */
+   Relies on types.h and the portable mathematics. */
 
 /* Linear spring-dashpot (Elskamp & Kruggel-Emden 2019, eqs 4 and 5). Constants: */
 enum {
@@ -1500,8 +1495,7 @@ DEM__FORCE(dem_force_hertz_friction, dem__hertz, DEM_FRICTION)
 DEM__FORCE(dem_force_hertz_rolling, dem__hertz, DEM_FRICTION | DEM_ROLLING)
 
 /* ----------------------------------------------------------------------------------------------- >>base/geometry.h */
-/* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions. Relies on types.h and the portable mathematics.
-   May be changed here alone: how a place is computed, as long as it is the same place. */
+/* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions. Relies on types.h and the portable mathematics. */
 
 /* Rounds to multiples of 2e-100, which changes only numbers below 1e-68. Speeds that decay thus end at 0; neither they nor their squares
    become subnormal numbers, which make a processor slow. Two additions cost less than a comparison. */
@@ -1764,8 +1758,7 @@ static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, doubl
 }
 
 /* -------------------------------------------------------------------------------------------- >>walls/mesh_touch.h */
-/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by a search.
-   May be changed here alone: how a place is searched. */
+/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by a search. */
 
 /* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in depth-first order; `skip` is
    the next node that is not below this one. */
@@ -1978,8 +1971,7 @@ DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_
 }
 
 /* ------------------------------------------------------------------------------------------------- >>walls/kinds.h */
-/* What every kind of wall computes: where it is touched, how its normal turns, how its surface moves. Pure functions.
-   May be changed here alone: one kind of wall; a new kind is a branch in each function. */
+/* What every kind of wall computes: where it is touched, how its normal turns, how its surface moves. Pure functions. */
 
 /* Returns whether a wall acts on particles of a group. */
 DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) { return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u); }
@@ -2128,8 +2120,7 @@ DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
 
 /* ---------------------------------------------------------------------------------------------------- >>gas/laws.h */
 /* Laws of drag: pure functions of scalars.
-   Relies on the portable mathematics.
-   May be changed here alone: a law's formula. */
+   Relies on the portable mathematics. */
 
 /* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], for Re = density |slip| d/viscosity, d the diameter of
    the sphere of equal volume. The force is (pi/8) viscosity d (c_D Re) slip: finite, and right, at rest. NaN for Re < 0. */
@@ -2261,8 +2252,7 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
 #ifdef DEM__BODIES
 
 /* ---------------------------------------------------------------------------------------- >>base/polyhedra_state.h */
-/* The engine's state of polyhedra. Relies on declarations only.
-   May be changed here alone: what a pair remembers to be found faster. */
+/* The engine's state of polyhedra. Relies on declarations only. */
 
 /* Place of a core: its centre [m] and the directions of its own axes. */
 typedef struct dem__placed {
@@ -2331,8 +2321,7 @@ typedef struct dem__convex_state {
 
 /* ------------------------------------------------------------------------------------------------- >>base/engine.h */
 /* The private state behind a world, in structs. Their comments say where most of it happens, not who writes each field: ask grep.
-   Relies on types.h.
-   May be changed here alone: comments; saved fields are rows of saved.h, arrays rows of store.h. */
+   Relies on types.h. */
 
 /* Bound on a particle's motion, in the frame in free fall since the list was built. At t [s] after that, its surface lies within reach + t
    tolerance of the point x + t u. The bound holds while its velocity differs from u by less than the tolerance; then it gets a new one. One
@@ -2670,8 +2659,7 @@ typedef struct dem__engine {
         for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->count; c++)
 
 /* ----------------------------------------------------------------------------------------------- >>base/parallel.h */
-/* The loops of a step on several threads. Relies on the definition alone. Promises: no result depends on the number of threads.
-   May be changed here alone: who runs a task. */
+/* The loops of a step on several threads. Relies on the definition alone. Promises: no result depends on the number of threads. */
 
 /* Runs the tasks of a loop one after the other. */
 static inline void dem__run_alone(int tasks, void (*task)(void *context, int index), void *context) {
@@ -2780,8 +2768,7 @@ static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__rang
 
 /* ------------------------------------------------------------------------------------------------- >>base/arrays.h */
 /* Memory: blocks of arrays that grow together, and the tables of those arrays.
-   Relies on engine.h.
-   May be changed here alone: how a block grows; a new array is a row of a table. */
+   Relies on engine.h. */
 
 static inline void *dem__default_allocator(void *user, void *old, size_t old_size, size_t new_size) {
     (void)user;
@@ -3007,8 +2994,7 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
 
 /* --------------------------------------------------------------------------------------------- >>base/definition.h */
 /* Defaults and checks of a definition; making and freeing a world.
-   Relies on store.h.
-   May be changed here alone: which value of a field is refused. */
+   Relies on store.h. */
 
 DEM_API const char *dem_status_text(dem_status status) {
     switch (status) {
@@ -3231,8 +3217,7 @@ DEM_API void dem_free(dem_world *world) {
 
 /* ----------------------------------------------------------------------------------------------- >>energy/ledger.h */
 /* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums, but step.h
-   sets where they start.
-   May be changed here alone: what is booked where. */
+   sets where they start. */
 
 /* Returns whether a wall is enabled and acts on particle i. */
 DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
@@ -3343,8 +3328,7 @@ static inline void dem__book_losses(dem_world *w) {
 
 /* ----------------------------------------------------------------------------------------------- >>base/rotation.h */
 /* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns the body's frame into the lab's; its scalar part
-   comes first.
-   May be changed here alone: all that keeps length and angular momentum to rounding. */
+   comes first. */
 
 DEM_INLINE dem_quaternion dem__quaternion(double w, dem_vec v) {
     dem_quaternion q;
@@ -3498,7 +3482,6 @@ DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem
 /* --------------------------------------------------------------------------------------- >>particles/free_flight.h */
 /* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned about one. Reads
    bodies. Promises: the same bits whenever a state is evaluated.
-   May be changed here alone: how a state is evaluated, bit for bit the same.
 
    A rigid body (dem__rigid) has the orientation, mass and moments. The particles that touch for it (dem_particle) are consecutive in the
    world's arrays. Their mass is the body's, and their contacts count for all of them; x, v, a and spin are those of their centres as parts
@@ -3616,8 +3599,7 @@ DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
 
 /* ----------------------------------------------------------------------------------------- >>particles/particles.h */
 /* Particles between steps: adding them, their energy, loads and motion, and what acts on all of them.
-   Relies on flight.h and the ledger.
-   May be changed here alone: what a function that changes a particle refuses. */
+   Relies on flight.h and the ledger. */
 
 /* Makes the present step the origin of particle i: the state of its parabola becomes the stored one. */
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
@@ -4005,8 +3987,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
 
 /* ----------------------------------------------------------------------------------------------- >>search/timers.h */
 /* Timers of near pairs and of particles with walls, and batches of them.
-   Relies on flight.h for where particles are; reads the bounds that bounds.h sets.
-   May be changed here alone: how times are stored; a timer is never late. */
+   Relies on flight.h for where particles are; reads the bounds that bounds.h sets. */
 
 /* A timer holds the step of the next test of a near pair, or of a particle and a wall. A test finds a contact, or the next step in which
    one is possible. */
@@ -4188,8 +4169,7 @@ DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t
 
 /* ------------------------------------------------------------------------------------------------- >>walls/exits.h */
 /* The records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises: the order of
-   records does not depend on the order of tests.
-   May be changed here alone: what a record contains (then saved.h, too). */
+   records does not depend on the order of tests. */
 
 /* Returns the diameter of a sphere with a body's mass and the material of its first particle [m]. */
 static inline double dem__equal_diameter(const dem_world *w, const dem__rigid *r) {
@@ -4244,8 +4224,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
 
 /* ------------------------------------------------------------------------------------------------ >>search/tests.h */
 /* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the last chunk. Relies on
-   timers.h and wall_shapes.h.
-   May be changed here alone: how soon a test is repeated; never later than a contact is possible. */
+   timers.h and wall_shapes.h. */
 
 /* Returns the slot of contact k. In public functions contacts are numbered from 0 in the order of slots. */
 DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
@@ -4669,8 +4648,7 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
 }
 
 /* -------------------------------------------------------------------------------------------- >>particles/active.h */
-/* Lists of active particles, and arrays without the particles that are gone. Relies on store.h's tables.
-   May be changed here alone: when gaps are closed: no result depends on it. */
+/* Lists of active particles, and arrays without the particles that are gone. Relies on store.h's tables. */
 
 /* Lets particles fly that nothing touches or loads any more, after changes by the caller. */
 static inline void dem__release_unloaded(dem_world *w) {
@@ -4771,8 +4749,7 @@ static inline void dem__compact(dem_world *w) {
 }
 
 /* ------------------------------------------------------------------------------------------------ >>search/cells.h */
-/* Cells: one grid for each size class of spheres. Reads positions; keeps nothing.
-   May be changed here alone: sizes of cells. */
+/* Cells: one grid for each size class of spheres. Reads positions; keeps nothing. */
 
 /* The grid of one size class: spheres up to DEM__CLASS times as large as its smallest. */
 typedef struct dem__grid {
@@ -4862,8 +4839,7 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
 
 /* --------------------------------------------------------------------------------------------------- >>walls/add.h */
 /* Adding walls of every kind but meshes.
-   Relies on definition.h and wall_shapes.h.
-   May be changed here alone: what a wall's function refuses; a new kind also needs its rows in wall_shapes.h and saved.h. */
+   Relies on definition.h and wall_shapes.h. */
 
 static inline int dem__unit(dem_vec v, dem_vec *unit) {
     double length = dem__length(v);
@@ -5024,8 +5000,7 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
 }
 
 /* ------------------------------------------------------------------------------------------------ >>walls/motion.h */
-/* Motion of walls that the caller prescribes, and walls driven by forces. Relies on shapes.h, which places a wall at a time.
-   May be changed here alone: what is refused; how a driven wall is integrated. */
+/* Motion of walls that the caller prescribes, and walls driven by forces. Relies on shapes.h, which places a wall at a time. */
 
 /* Places a wall of the world, or a copy of one, where it is now. Its function may not change the world. */
 static inline void dem__place_wall(dem_world *w, dem_wall *a) {
@@ -5221,8 +5196,7 @@ DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
 }
 
 /* ----------------------------------------------------------------------------------------------- >>search/bounds.h */
-/* Bounds on particles' motion, and the timers that depend on them. Relies on detect.h and timers.h.
-   May be changed here alone: tolerances; a particle never leaves its bound unnoticed. */
+/* Bounds on particles' motion, and the timers that depend on them. Relies on detect.h and timers.h. */
 
 /* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present forces. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
@@ -5506,8 +5480,7 @@ static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, pt
 
 /* ----------------------------------------------------------------------------------------------- >>search/margin.h */
 /* The frame and the margin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these fields of pairs.
-   Relies on bounds.h.
-   May be changed here alone: all but that a list lasts for at least one step; no result depends on it. */
+   Relies on bounds.h. */
 
 /* Returns the length of the box along an axis; HUGE_VAL where it is not periodic. */
 DEM_INLINE double dem__period(const dem_world *w, int axis) {
@@ -5587,8 +5560,7 @@ static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, 
 
 /* --------------------------------------------------------------------------------------- >>search/neighbour_list.h */
 /* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two spheres that are not
-   listed cannot touch before the next check.
-   May be changed here alone: margins and the list's life: no result depends on them. */
+   listed cannot touch before the next check. */
 
 /* The near pairs that a thread finds; room: how many fit. */
 typedef struct dem__found_pairs {
@@ -6019,8 +5991,7 @@ static DEM__NOINLINE int dem__check_list(dem_world *w) {
 
 /* ---------------------------------------------------------------------------------------------- >>contacts/block.h */
 /* A block of contacts as rows of numbers: gathered from bodies, walls and contact types, completed, and stored. Reads bodies, walls and
-   contacts; writes contacts through columns. Promises: what it writes of a contact depends on that contact and its bodies alone.
-   May be changed here alone: how rows are gathered, bit for bit the same. */
+   contacts; writes contacts through columns. Promises: what it writes of a contact depends on that contact and its bodies alone. */
 
 /* Geometry and motion of a block of contacts, before the law is called. */
 typedef struct dem__rows {
@@ -6348,8 +6319,7 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
 
 /* -------------------------------------------------------------------------------- >>contacts/first_and_last_step.h */
 /* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction, history and losses.
-   Promises: an impulse and a shift that make the motion of the two bodies as accurate as in the steps between.
-   May be changed here alone: how the two bodies' motion within the step is integrated. */
+   Promises: an impulse and a shift that make the motion of the two bodies as accurate as in the steps between. */
 
 /* Returns the part of the law's normal force that the overlap makes [N], at a gap [m] and a closing speed [m/s]. Leaves the history
    unchanged. */
@@ -6581,8 +6551,7 @@ DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, con
 
 /* --------------------------------------------------------------------------------------------- >>contacts/kernel.h */
 /* Forces of contacts and links, block by block: rows, law, edges, sums. Reads bodies, walls, contacts, links; writes contacts, the sums of
-   bodies and the forces on walls. Promises: the same bits for any division among threads.
-   May be changed here alone: how a block is processed, in the order of slots. */
+   bodies and the forces on walls. Promises: the same bits for any division among threads. */
 
 /* What one thread needs for a block. It lies in the engine, because a stack may be small (64 kB in WebAssembly). */
 struct dem__work {
@@ -6746,7 +6715,7 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
 
 /* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the sizes only. Conditions
    on features are constant where the loop is compiled. */
-enum { DEM__OF_LINKS = 1 << 20 };
+#define DEM__OF_LINKS (1 << 20) /* no enum: C++20 warns where numbers of two enums are combined */
 DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n, const dem__columns *old,
                                const dem__columns *at, const dem_law *law, double h, double rate, int features) {
     const void *user = w->user;
@@ -6957,8 +6926,7 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
 
 /* -------------------------------------------------------------------------------------------- >>particles/detach.h */
 /* Particles that leave, and their links, which end with them. Reads bodies, walls, pairs; writes links and lists. Promises: a particle that
-   is gone is in no list.
-   May be changed here alone: the order in which a particle is removed from lists. */
+   is gone is in no list. */
 
 /* Removes link k from particle i's list, or puts another link in its place. */
 static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t replacement) {
@@ -7045,8 +7013,7 @@ static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
 
 /* ------------------------------------------------------------------------------------------- >>contacts/contacts.h */
 /* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and timers. Promises: the
-   order depends only on the history of the scene, never on threads.
-   May be changed here alone: how slots are filled; the order is in the hashes. */
+   order depends only on the history of the scene, never on threads. */
 
 /* Returns whether contact a comes before b: by i, the last first, then by j (walls last), then by element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
@@ -7440,8 +7407,7 @@ static inline int dem__reorder_contacts(dem_world *w) {
 
 /* -------------------------------------------------------------------------------------------- >>particles/remove.h */
 /* Consequences of a removal of particles: the ends of their contacts, the numbers of those present. Reads bodies; writes contacts.
-   Promises: a particle that has no contact left is in flight afterwards.
-   May be changed here alone: the order of the two. */
+   Promises: a particle that has no contact left is in flight afterwards. */
 
 /* Removes the force of ended contacts from the acceleration of particles that touch nothing any more. */
 static inline void dem__free_untouched(dem_world *w) {
@@ -7486,8 +7452,7 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
 
 /* --------------------------------------------------------------------------------------------- >>contacts/forces.h */
 /* Forces of all contacts, on one thread or several. Reads contacts; writes the sums of bodies and the forces on walls.
-   Promises: every sum is added in the order of slots, whatever the number of threads.
-   May be changed here alone: how chunks are shared among threads. */
+   Promises: every sum is added in the order of slots, whatever the number of threads. */
 
 /* An evaluation of all contacts on several threads. */
 typedef struct dem__evaluation {
@@ -7575,8 +7540,7 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
 
 /* -------------------------------------------------------------------------------------------- >>search/due_tests.h */
 /* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers. Promises: every contact
-   that begins is found; a step that cannot be finished leaves no trace.
-   May be changed here alone: how due timers are found. */
+   that begins is found; a step that cannot be finished leaves no trace. */
 
 /* Sets the status, and failed_id to the first particle whose state is not finite. Returns 0. */
 static inline int dem__fail(dem_world *w, dem_status status) {
@@ -7698,8 +7662,7 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
 
 /* --------------------------------------------------------------------------------------------- >>particles/fixed.h */
 /* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on body.h; every part that turns forces into
-   motion calls dem__is_fixed().
-   May be changed here alone: what is recorded of the force on a fixed particle. */
+   motion calls dem__is_fixed(). */
 
 /* Makes room for the state of fixed particles. Returns 0 when out of memory; then nothing has changed. */
 static inline int dem__reserve_fixed(dem_world *w) {
@@ -7778,8 +7741,7 @@ static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse,
 
 /* ---------------------------------------------------------------------------------------------- >>step/integrate.h */
 /* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies and timers.
-   Promises: a particle whose velocity left its bound has a new one before the next step.
-   May be changed here alone: when memory is prefetched; what is checked stays. */
+   Promises: a particle whose velocity left its bound has a new one before the next step. */
 
 /* Returns where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far apart in memory. */
 DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
@@ -8111,8 +8073,7 @@ static inline void dem__check_bounds(dem_world *w) {
 /* --------------------------------------------------------------------------------------------------- >>gas/field.h */
 /* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads bodies, the law; writes
    bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end, computed at its origin and the same
-   whatever is skipped.
-   May be changed here alone: how long a flight is, within the requested accuracy. */
+   whatever is skipped. */
 
 /* Tasks of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none of it. */
 enum {
@@ -8373,8 +8334,7 @@ DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_ve
 
 /* ------------------------------------------------------------------------------------------------- >>gas/flights.h */
 /* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. Relies on field.h,
-   which computes them.
-   May be changed here alone: how long a bound lasts. */
+   which computes them. */
 
 /* Runs a task of the kernel for a part of a list of particles. */
 static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -8663,8 +8623,7 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
 
 /* --------------------------------------------------------------------------------------------------- >>step/step.h */
 /* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved
-   and freed.
-   May be changed here alone: the order of a step (hashes follow). */
+   and freed. */
 
 /* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip, and set none if it
    is 0. */
@@ -9037,8 +8996,7 @@ DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) 
 
 /* ------------------------------------------------------------------------------------------------- >>links/links.h */
 /* Links, which have a step of their own: setting them and adding one, and their step. Reads bodies and the law of links; writes links, the
-   loads and velocities of bodies. The engine calls links.step, which dem_set_links sets: a program without links compiles none of it.
-   May be changed here alone: how links are integrated. */
+   loads and velocities of bodies. The engine calls links.step, which dem_set_links sets: a program without links compiles none of it. */
 
 /* Runs the links' loop on blocks first .. end - 1. */
 static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -9207,7 +9165,6 @@ DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int3
 /* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in engine.h). Reads the
    sums of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one
    thread, so that bits do not depend on threads.
-   May be changed here alone: how a body is integrated.
 
    To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle of a body that has
    one lies at its centre of mass; its radius is that of the sphere that the search for contacts uses. The forces on a body are those added
@@ -9638,8 +9595,7 @@ static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
 }
 
 /* ------------------------------------------------------------------------------------------ >>bodies/clump_shape.h */
-/* Mass properties of bodies made of spheres. Relies on vectors and quaternions only. Promises: what dem_make_clump says.
-   May be changed here alone: how volumes and moments are computed. */
+/* Mass properties of bodies made of spheres. Relies on vectors and quaternions only. Promises: what dem_make_clump says. */
 
 /* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
 typedef struct dem__content {
@@ -9865,8 +9821,7 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
 }
 
 /* ----------------------------------------------------------------------------------------------------- >>gas/gas.h */
-/* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures.
-   May be changed here alone: how values between nodes are interpolated. */
+/* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures. */
 
 DEM_API dem_gas dem_default_gas(void) {
     dem_gas gas;
@@ -9991,8 +9946,7 @@ DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengt
 }
 
 /* --------------------------------------------------------------------------------------------- >>measure/getters.h */
-/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. Relies on body.h and the ledger.
-   May be changed here alone: all but what a result means. */
+/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. Relies on body.h and the ledger. */
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
@@ -10214,8 +10168,7 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
 
 /* -------------------------------------------------------------------------------------------------- >>walls/mesh.h */
 /* Adding meshes and boxes: the tree of a mesh's triangles.
-   Relies on walls.h and mesh_shapes.h.
-   May be changed here alone: how the tree is built (bits of mesh scenes may change). */
+   Relies on walls.h and mesh_shapes.h. */
 
 /* Spreads 21 bits to every third bit of a Morton code. */
 static inline uint64_t dem__interleave(uint64_t v) {
@@ -10426,8 +10379,7 @@ typedef struct dem__slot {
 
 /* --------------------------------------------------------------------------------------------------- >>walls/stl.h */
 /* Reading STL files: facets from bytes, corners welded.
-   Relies on the allocator alone.
-   May be changed here alone: how facets are read; what dem_stl_report counts stays. */
+   Relies on the allocator alone. */
 
 static inline uint64_t dem__scramble(uint64_t z) {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -10703,8 +10655,7 @@ static inline void dem__count_facets(const unsigned char *bytes, size_t size, de
 }
 
 /* ---------------------------------------------------------------------------------------------- >>walls/stl_mesh.h */
-/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated.
-   May be changed here alone: how corners are welded and faults counted. */
+/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated. */
 
 /* ---- from facets to a mesh ---- */
 
@@ -10947,8 +10898,7 @@ DEM_API void dem_free_mesh(dem_mesh *mesh) {
 
 /* ------------------------------------------------------------------------------------------------- >>walls/solid.h */
 /* Closed meshes: what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not closed has no inside;
-   in a closed one only points within round-off of the surface depend on how it is cut into triangles.
-   May be changed here alone: how rays are chosen. */
+   in a closed one only points within round-off of the surface depend on how it is cut into triangles. */
 
 /* Returns whether the line from p along +z crosses a triangle. Both triangles of an edge test it with its ends in the same order, so that a
    line through an edge or a corner crosses the surface as often as one beside it. */
@@ -11089,8 +11039,7 @@ static inline double dem__mesh_volume(const dem_mesh *m) {
 
 /* -------------------------------------------------------------------------------------------------- >>feed/sizes.h */
 /* Regions and size distributions: pure functions, and the checks of a source.
-   Relies on the portable mathematics.
-   May be changed here alone: how a size is drawn (bits of fed scenes change). */
+   Relies on the portable mathematics. */
 
 DEM_API dem_region dem_box_region(dem_vec low, dem_vec high) {
     dem_region region;
@@ -11317,8 +11266,7 @@ DEM_API dem_feed dem_default_feed(void) {
 
 /* ------------------------------------------------------------------------------------- >>particles/remove_region.h */
 /* Taking out the records of what passed exits, and the particles in a region. Owns nothing; relies on regions and on the removal of a
-   particle.
-   May be changed here alone: all of it. */
+   particle. */
 
 DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity) {
     dem_world *w = world;
@@ -11351,8 +11299,7 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
 }
 
 /* ----------------------------------------------------------------------------------------------- >>bodies/clumps.h */
-/* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body.
-   May be changed here alone: what is refused and how bodies are made of shapes. */
+/* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body. */
 
 static inline int dem__is_clump(const dem_clump *c) {
     dem_quaternion unit;
@@ -11442,8 +11389,7 @@ DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump
 }
 
 /* ------------------------------------------------------------------------------------------------ >>feed/filling.h */
-/* Placing particles without overlap, at once or over time. Owns nothing; writes a world through its public functions.
-   May be changed here alone: how a free place is searched (bits of filled scenes change). */
+/* Placing particles without overlap, at once or over time. Owns nothing; writes a world through its public functions. */
 
 /* Spheres in and near a region, present and new, in linked lists by level and cell. */
 typedef struct dem__room {
@@ -11942,8 +11888,7 @@ DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_f
 }
 
 /* --------------------------------------------------------------------------------------------- >>measure/measure.h */
-/* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. Relies on read.h.
-   May be changed here alone: all but what a number means. */
+/* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. Relies on read.h. */
 
 /* Returns the volume of the unit ball where z > c. */
 DEM_INLINE double dem__cap(double c) { return RIDDLE_PI / 3.0 * (1.0 - c) * (1.0 - c) * (2.0 + c); }
@@ -12416,8 +12361,7 @@ DEM_API dem_status dem_residence(const dem_world *world, const dem_region *regio
 }
 
 /* ---------------------------------------------------------------------------------------------- >>measure/mixing.h */
-/* How well groups of particles are mixed. Reads a const world; writes the caller's arrays. Relies on measure.h for cells.
-   May be changed here alone: all but what a number means. */
+/* How well groups of particles are mixed. Reads a const world; writes the caller's arrays. Relies on measure.h for cells. */
 
 DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *cells, int group, double *of_group, double *of_all) {
     const dem_world *w = world;
@@ -12480,8 +12424,7 @@ DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
 
 /* ------------------------------------------------------------------------------------------------ >>save/records.h */
 /* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows bytes and memory,
-   no physics. Relies on nothing; saved.h names what is saved, save.h and load.h use both.
-   May be changed here alone: how a record lies in the file (then DEM__FORMAT, too). */
+   no physics. Relies on nothing; saved.h names what is saved, save.h and load.h use both. */
 
 /* A field that becomes a record: its entries, of some numbers each, are `stride` bytes apart in memory. */
 enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
@@ -12580,8 +12523,7 @@ static inline int dem__find_record(const unsigned char *file, size_t at, size_t 
 
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/save.h */
 /* Shapes in a saved world: their fields, and whether loaded ones are sound.
-   Relies on records.h for what a row means.
-   May be changed here alone: what is checked. */
+   Relies on records.h for what a row means. */
 
 static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     const size_t s = sizeof *c;
@@ -12619,9 +12561,7 @@ static inline int dem__is_sound_polyhedron(const dem_world *w, ptrdiff_t i) {
 
 /* ------------------------------------------------------------------------------------------------- >>save/fields.h */
 /* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none.
-   Relies on records.h for what a row means.
-   May be changed here alone: what is saved. A new field is a row here and nothing else: old files, which lack it, load with the value that
-   is in memory (zero, or the default); a row that is unknown here is skipped. The first rows of a group are required. */
+   Relies on records.h for what a row means. */
 
 enum { DEM__FIELDS_MAX = 64 };
 
@@ -12929,8 +12869,7 @@ static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, 
 
 /* --------------------------------------------------------------------------------------------------- >>save/save.h */
 /* Saving: writes the groups of saved.h as records. Reads a const world and writes nothing of it, so that several threads may save one.
-   Relies on saved.h for what is saved, on records.h for how.
-   May be changed here alone: the order of groups. */
+   Relies on saved.h for what is saved, on records.h for how. */
 
 /* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among those present. */
 static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at, int is_body) {
@@ -13132,8 +13071,7 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/shape.h */
 /* Convex polyhedra: faces from corners, mass properties, erosion. Relies on vectors only. Promises: what is accepted is closed and convex,
-   and its tables agree with each other.
-   May be changed here alone: how faces are found; tables stay closed and convex. */
+   and its tables agree with each other. */
 
 /* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough. */
 #define DEM__FLAT 1e-6
@@ -13548,8 +13486,7 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
 /* ------------------------------------------------------------------------------------------ >>polyhedra/distance.h */
 /* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Relies on shapes and vectors. Promises: a separation that is
    returned is never more than the true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge) and a
-   triangle (3 corners, 3 edges, 2 faces) are cores like any other.
-   May be changed here alone: iterations and their order; a separation is never too large. */
+   triangle (3 corners, 3 edges, 2 faces) are cores like any other. */
 
 DEM_INLINE dem_vec dem__from_core_frame(const dem__placed *p, dem_vec v) {
     return dem__add(dem__scale(v.x, p->axis[0]), dem__plus(dem__scale(v.y, p->axis[1]), v.z, p->axis[2]));
@@ -13857,8 +13794,7 @@ static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, dou
 /* -------------------------------------------------------------------------------------------- >>polyhedra/points.h */
 /* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Relies on distances of cores, which
    only choose the features that are tested. Promises: a point depends on its own two features alone; weight times overlap along the normals
-   is the gradient of a potential (of a linear law), and continuous in the motion.
-   May be changed here alone: which features are tested; every point that touches is found. */
+   is the gradient of a potential (of a linear law), and continuous in the motion. */
 
 enum { DEM__POINTS_MAX = 256 }; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
 #define DEM__WINDOW 1.000001    /* features are tested up to this multiple of the radii, so that rounding of directions does not decide */
@@ -14246,8 +14182,7 @@ static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, c
 
 /* ---------------------------------------------------------------------------------------- >>polyhedra/mesh_edges.h */
 /* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. Relies on mesh.h for the tree and the sort. The
-   table is made once for each mesh, in a world with polyhedra.
-   May be changed here alone: what counts as flat. */
+   table is made once for each mesh, in a world with polyhedra. */
 
 #define DEM__FLAT_EDGE 1e-3 /* edges: sine of the angle of two triangles, up to which they are flat; corners: the same for two edges */
 
@@ -14373,8 +14308,7 @@ static inline int dem__make_mesh_edges(const dem_allocator *a, dem__tree *t) {
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/walls.h */
 /* Contacts of a polyhedron with a wall: its corners are spheres, its edges capsules, and its faces touch the wall's own corners. Reads a
-   wall, a shape and its place. Promises: a point depends on these alone; forces are the gradient of a potential, as between polyhedra.
-   May be changed here alone: which features are tested; every point that touches is found. */
+   wall, a shape and its place. Promises: a point depends on these alone; forces are the gradient of a potential, as between polyhedra. */
 
 /* A polyhedron at a wall, seen from its centre, and the points found so far. */
 typedef struct dem__at_wall {
@@ -14838,8 +14772,7 @@ static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const
 
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/idle.h */
 /* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that cannot touch for some steps. Reads bodies and walls; writes pairs.
-   Promises: a pair is left alone only while both of its bodies fly on, and cannot touch in that time.
-   May be changed here alone: for how long a pair is left alone; never longer. */
+   Promises: a pair is left alone only while both of its bodies fly on, and cannot touch in that time. */
 
 /* Returns whether particle i still is in the flight that began at a step. */
 DEM_INLINE int dem__flies_on(const dem_world *w, ptrdiff_t i, int64_t origin) {
@@ -14994,8 +14927,7 @@ static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, in
 /* --------------------------------------------------------------------------------------------- >>polyhedra/pairs.h */
 /* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin and end. Reads bodies,
    walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact depends on its own pair and step alone,
-   never on earlier tests or on threads. A contact of pair q has near = -2 - q.
-   May be changed here alone: which pairs are tested, and when; every point that touches is found. */
+   never on earlier tests or on threads. A contact of pair q has near = -2 - q. */
 
 /* Places a polyhedron at a step. */
 static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
@@ -15315,8 +15247,7 @@ static inline int dem__list_convex_pairs(dem_world *w) {
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/block.h */
 /* Contacts of polyhedra in a block of the kernel: they are contacts of spheres about their points, with torques about the centres of the
-   bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are left as they are.
-   May be changed here alone: how masses and weights enter; forces on both bodies are opposite. */
+   bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are left as they are. */
 
 /* Returns particle i's mass over the mass that it has at a point of contact: 1 for a sphere; for a polyhedron, which turns aside, the
    mean. */
@@ -15421,8 +15352,7 @@ static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birt
 
 /* ----------------------------------------------------------------------------------------------- >>polyhedra/add.h */
 /* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them (dem__convex_calls). Reads shapes;
-   writes the world through dem__add_body.
-   May be changed here alone: what is refused. */
+   writes the world through dem__add_body. */
 
 static const dem__convex_calls dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
                                                  dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
@@ -15532,8 +15462,7 @@ DEM_API int64_t dem_core_overlaps(const dem_world *world) {
 
 /* --------------------------------------------------------------------------------------------------- >>save/load.h */
 /* Loading: makes a world from the records that save.h writes, and trusts none of them: every index, count and number that the engine
-   relies on is checked here. Relies on saved.h for the fields, on store.h for room.
-   May be changed here alone: what is checked. After any failure the world is empty. */
+   relies on is checked here. Relies on saved.h for the fields, on store.h for room. */
 
 /* A file that is read: its bytes, and where its records begin and end. */
 typedef struct dem__file {
@@ -15884,8 +15813,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
 }
 
 /* ------------------------------------------------------------------------------------------ >>contacts/time_step.h */
-/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. Relies on laws.h.
-   May be changed here alone: how a number is computed, to its last bits (hashes follow). */
+/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. Relies on laws.h. */
 
 /* Returns half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007), in one form for any damping. */
 DEM_INLINE double dem__half_duration(double zeta) {

@@ -1,6 +1,5 @@
 /* The public functions, declared and explained.
-   Relies on types.h.
-   May be changed here alone: comments; a declaration goes with its definition, python/shapes.txt and docs/changes_of_dem.md. */
+   Relies on types.h. */
 #pragma once
 #include "compiler.h"
 #include "types.h"

@@ -1,6 +1,5 @@
 /* Memory: blocks of arrays that grow together, and the tables of those arrays.
-   Relies on engine.h.
-   May be changed here alone: how a block grows; a new array is a row of a table. */
+   Relies on engine.h. */
 #pragma once
 #include "engine.h"
 

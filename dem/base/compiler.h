@@ -1,6 +1,5 @@
 /* What depends on the compiler: inlining, options, prefetch, AVX2 copies of loops.
-   Relies on the standard headers alone.
-   May be changed here alone: a compiler's way to say the same; never what is computed. */
+   Relies on the standard headers alone. */
 #pragma once
 
 #include <float.h>

@@ -1,6 +1,5 @@
 /* Defaults and checks of a definition; making and freeing a world.
-   Relies on store.h.
-   May be changed here alone: which value of a field is refused. */
+   Relies on store.h. */
 #pragma once
 #include "../walls/mesh_touch.h"
 #include "arrays.h"

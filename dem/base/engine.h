@@ -1,6 +1,5 @@
 /* The private state behind a world, in structs. Their comments say where most of it happens, not who writes each field: ask grep.
-   Relies on types.h.
-   May be changed here alone: comments; saved fields are rows of saved.h, arrays rows of store.h. */
+   Relies on types.h. */
 #pragma once
 #include "polyhedra_state.h"
 

@@ -1,5 +1,4 @@
-/* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions. Relies on types.h and the portable mathematics.
-   May be changed here alone: how a place is computed, as long as it is the same place. */
+/* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions. Relies on types.h and the portable mathematics. */
 #pragma once
 #include "api.h"
 #include "../../base/portable_math.h"

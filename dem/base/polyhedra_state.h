@@ -1,5 +1,4 @@
-/* The engine's state of polyhedra. Relies on declarations only.
-   May be changed here alone: what a pair remembers to be found faster. */
+/* The engine's state of polyhedra. Relies on declarations only. */
 #pragma once
 #include "polyhedron.h"
 

@@ -1,5 +1,4 @@
-/* Convex polyhedra: public types and functions. Relies on types.h.
-   May be changed here alone: comments. */
+/* Convex polyhedra: public types and functions. Relies on types.h. */
 #pragma once
 #include "compiler.h"
 #include "types.h"

@@ -1,6 +1,5 @@
 /* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns the body's frame into the lab's; its scalar part
-   comes first.
-   May be changed here alone: all that keeps length and angular momentum to rounding. */
+   comes first. */
 #pragma once
 #include "geometry.h"
 

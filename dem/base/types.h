@@ -1,5 +1,4 @@
-/* Public types, and the constants that tune the engine: what a host can see of a world. Relies on nothing.
-   May be changed here alone: comments, and tuning constants above DEM__FORMAT (results change in their last bits at most). */
+/* Public types, and the constants that tune the engine: what a host can see of a world. Relies on nothing. */
 #pragma once
 #include "compiler.h"
 

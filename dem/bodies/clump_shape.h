@@ -1,5 +1,4 @@
-/* Mass properties of bodies made of spheres. Relies on vectors and quaternions only. Promises: what dem_make_clump says.
-   May be changed here alone: how volumes and moments are computed. */
+/* Mass properties of bodies made of spheres. Relies on vectors and quaternions only. Promises: what dem_make_clump says. */
 #pragma once
 #include "rigid.h"
 

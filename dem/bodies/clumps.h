@@ -1,5 +1,4 @@
-/* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body.
-   May be changed here alone: what is refused and how bodies are made of shapes. */
+/* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body. */
 #pragma once
 #include "rigid.h"
 

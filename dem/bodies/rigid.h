@@ -1,7 +1,6 @@
 /* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in engine.h). Reads the
    sums of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one
    thread, so that bits do not depend on threads.
-   May be changed here alone: how a body is integrated.
 
    To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle of a body that has
    one lies at its centre of mass; its radius is that of the sphere that the search for contacts uses. The forces on a body are those added

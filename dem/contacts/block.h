@@ -1,6 +1,5 @@
 /* A block of contacts as rows of numbers: gathered from bodies, walls and contact types, completed, and stored. Reads bodies, walls and
-   contacts; writes contacts through columns. Promises: what it writes of a contact depends on that contact and its bodies alone.
-   May be changed here alone: how rows are gathered, bit for bit the same. */
+   contacts; writes contacts through columns. Promises: what it writes of a contact depends on that contact and its bodies alone. */
 #pragma once
 #include "../search/neighbour_list.h"
 

@@ -1,6 +1,5 @@
 /* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and timers. Promises: the
-   order depends only on the history of the scene, never on threads.
-   May be changed here alone: how slots are filled; the order is in the hashes. */
+   order depends only on the history of the scene, never on threads. */
 #pragma once
 #include "laws.h"
 #include "kernel.h"

@@ -1,6 +1,5 @@
 /* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction, history and losses.
-   Promises: an impulse and a shift that make the motion of the two bodies as accurate as in the steps between.
-   May be changed here alone: how the two bodies' motion within the step is integrated. */
+   Promises: an impulse and a shift that make the motion of the two bodies as accurate as in the steps between. */
 #pragma once
 #include "block.h"
 

@@ -1,6 +1,5 @@
 /* Forces of all contacts, on one thread or several. Reads contacts; writes the sums of bodies and the forces on walls.
-   Promises: every sum is added in the order of slots, whatever the number of threads.
-   May be changed here alone: how chunks are shared among threads. */
+   Promises: every sum is added in the order of slots, whatever the number of threads. */
 #pragma once
 #include "kernel.h"
 

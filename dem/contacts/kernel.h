@@ -1,6 +1,5 @@
 /* Forces of contacts and links, block by block: rows, law, edges, sums. Reads bodies, walls, contacts, links; writes contacts, the sums of
-   bodies and the forces on walls. Promises: the same bits for any division among threads.
-   May be changed here alone: how a block is processed, in the order of slots. */
+   bodies and the forces on walls. Promises: the same bits for any division among threads. */
 #pragma once
 #include "first_and_last_step.h"
 
@@ -166,7 +165,7 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
 
 /* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the sizes only. Conditions
    on features are constant where the loop is compiled. */
-enum { DEM__OF_LINKS = 1 << 20 };
+#define DEM__OF_LINKS (1 << 20) /* no enum: C++20 warns where numbers of two enums are combined */
 DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n, const dem__columns *old,
                                const dem__columns *at, const dem_law *law, double h, double rate, int features) {
     const void *user = w->user;

@@ -1,6 +1,5 @@
 /* The shipped laws of contact: pure functions of one contact's scalars and its history.
-   Relies on types.h and the portable mathematics.
-   May be changed here alone: a law's formula (hashes and tests against analytic answers follow). A new law is added here and in step.h. */
+   Relies on types.h and the portable mathematics. */
 #pragma once
 #include "../base/compiler.h"
 #include "../base/types.h"

@@ -1,5 +1,4 @@
-/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. Relies on laws.h.
-   May be changed here alone: how a number is computed, to its last bits (hashes follow). */
+/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. Relies on laws.h. */
 #pragma once
 #include "laws.h"
 #include "../particles/free_flight.h"

@@ -1,6 +1,5 @@
 /* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums, but step.h
-   sets where they start.
-   May be changed here alone: what is booked where. */
+   sets where they start. */
 #pragma once
 #include "../walls/kinds.h"
 #include "../base/arrays.h"

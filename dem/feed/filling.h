@@ -1,5 +1,4 @@
-/* Placing particles without overlap, at once or over time. Owns nothing; writes a world through its public functions.
-   May be changed here alone: how a free place is searched (bits of filled scenes change). */
+/* Placing particles without overlap, at once or over time. Owns nothing; writes a world through its public functions. */
 #pragma once
 #include "../bodies/clumps.h"
 #include "sizes.h"

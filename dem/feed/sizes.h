@@ -1,6 +1,5 @@
 /* Regions and size distributions: pure functions, and the checks of a source.
-   Relies on the portable mathematics.
-   May be changed here alone: how a size is drawn (bits of fed scenes change). */
+   Relies on the portable mathematics. */
 #pragma once
 #include "../walls/solid.h"
 

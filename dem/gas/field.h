@@ -1,7 +1,6 @@
 /* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads bodies, the law; writes
    bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end, computed at its origin and the same
-   whatever is skipped.
-   May be changed here alone: how long a flight is, within the requested accuracy. */
+   whatever is skipped. */
 #pragma once
 #include "../search/timers.h"
 #include "../walls/exits.h"

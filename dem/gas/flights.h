@@ -1,6 +1,5 @@
 /* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. Relies on field.h,
-   which computes them.
-   May be changed here alone: how long a bound lasts. */
+   which computes them. */
 #pragma once
 #include "../step/integrate.h"
 #include "field.h"

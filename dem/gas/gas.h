@@ -1,5 +1,4 @@
-/* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures.
-   May be changed here alone: how values between nodes are interpolated. */
+/* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures. */
 #pragma once
 #include "laws.h"
 #include "field.h"

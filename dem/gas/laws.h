@@ -1,6 +1,5 @@
 /* Laws of drag: pure functions of scalars.
-   Relies on the portable mathematics.
-   May be changed here alone: a law's formula. */
+   Relies on the portable mathematics. */
 #pragma once
 #include "../base/geometry.h"
 

@@ -1,6 +1,5 @@
 /* Links, which have a step of their own: setting them and adding one, and their step. Reads bodies and the law of links; writes links, the
-   loads and velocities of bodies. The engine calls links.step, which dem_set_links sets: a program without links compiles none of it.
-   May be changed here alone: how links are integrated. */
+   loads and velocities of bodies. The engine calls links.step, which dem_set_links sets: a program without links compiles none of it. */
 #pragma once
 #include "../step/integrate.h"
 

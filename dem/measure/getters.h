@@ -1,5 +1,4 @@
-/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. Relies on body.h and the ledger.
-   May be changed here alone: all but what a result means. */
+/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. Relies on body.h and the ledger. */
 #pragma once
 #include "../contacts/block.h"
 

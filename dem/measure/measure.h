@@ -1,5 +1,4 @@
-/* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. Relies on read.h.
-   May be changed here alone: all but what a number means. */
+/* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. Relies on read.h. */
 #pragma once
 #include "getters.h"
 #include "../feed/filling.h"

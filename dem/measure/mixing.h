@@ -1,5 +1,4 @@
-/* How well groups of particles are mixed. Reads a const world; writes the caller's arrays. Relies on measure.h for cells.
-   May be changed here alone: all but what a number means. */
+/* How well groups of particles are mixed. Reads a const world; writes the caller's arrays. Relies on measure.h for cells. */
 #pragma once
 #include "measure.h"
 

@@ -1,5 +1,4 @@
-/* Lists of active particles, and arrays without the particles that are gone. Relies on store.h's tables.
-   May be changed here alone: when gaps are closed: no result depends on it. */
+/* Lists of active particles, and arrays without the particles that are gone. Relies on store.h's tables. */
 #pragma once
 #include "particles.h"
 

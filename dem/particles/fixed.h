@@ -1,6 +1,5 @@
 /* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on body.h; every part that turns forces into
-   motion calls dem__is_fixed().
-   May be changed here alone: what is recorded of the force on a fixed particle. */
+   motion calls dem__is_fixed(). */
 #pragma once
 #include "particles.h"
 

@@ -1,6 +1,5 @@
 /* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned about one. Reads
    bodies. Promises: the same bits whenever a state is evaluated.
-   May be changed here alone: how a state is evaluated, bit for bit the same.
 
    A rigid body (dem__rigid) has the orientation, mass and moments. The particles that touch for it (dem_particle) are consecutive in the
    world's arrays. Their mass is the body's, and their contacts count for all of them; x, v, a and spin are those of their centres as parts

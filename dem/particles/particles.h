@@ -1,6 +1,5 @@
 /* Particles between steps: adding them, their energy, loads and motion, and what acts on all of them.
-   Relies on flight.h and the ledger.
-   May be changed here alone: what a function that changes a particle refuses. */
+   Relies on flight.h and the ledger. */
 #pragma once
 #include "../base/definition.h"
 #include "../energy/ledger.h"

@@ -1,6 +1,5 @@
 /* Consequences of a removal of particles: the ends of their contacts, the numbers of those present. Reads bodies; writes contacts.
-   Promises: a particle that has no contact left is in flight afterwards.
-   May be changed here alone: the order of the two. */
+   Promises: a particle that has no contact left is in flight afterwards. */
 #pragma once
 #include "../contacts/contacts.h"
 

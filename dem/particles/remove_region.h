@@ -1,6 +1,5 @@
 /* Taking out the records of what passed exits, and the particles in a region. Owns nothing; relies on regions and on the removal of a
-   particle.
-   May be changed here alone: all of it. */
+   particle. */
 #pragma once
 #include "remove.h"
 #include "../measure/getters.h"

@@ -1,6 +1,5 @@
 /* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them (dem__convex_calls). Reads shapes;
-   writes the world through dem__add_body.
-   May be changed here alone: what is refused. */
+   writes the world through dem__add_body. */
 #pragma once
 #include "../bodies/rigid.h"
 #include "pairs.h"

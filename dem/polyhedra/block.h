@@ -1,6 +1,5 @@
 /* Contacts of polyhedra in a block of the kernel: they are contacts of spheres about their points, with torques about the centres of the
-   bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are left as they are.
-   May be changed here alone: how masses and weights enter; forces on both bodies are opposite. */
+   bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are left as they are. */
 #pragma once
 #include "../contacts/block.h"
 

@@ -1,6 +1,5 @@
 /* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that cannot touch for some steps. Reads bodies and walls; writes pairs.
-   Promises: a pair is left alone only while both of its bodies fly on, and cannot touch in that time.
-   May be changed here alone: for how long a pair is left alone; never longer. */
+   Promises: a pair is left alone only while both of its bodies fly on, and cannot touch in that time. */
 #pragma once
 #include "../search/tests.h"
 

@@ -1,7 +1,6 @@
 /* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin and end. Reads bodies,
    walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact depends on its own pair and step alone,
-   never on earlier tests or on threads. A contact of pair q has near = -2 - q.
-   May be changed here alone: which pairs are tested, and when; every point that touches is found. */
+   never on earlier tests or on threads. A contact of pair q has near = -2 - q. */
 #pragma once
 #include "../search/bounds.h"
 #include "walls.h"

@@ -1,7 +1,6 @@
 /* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Relies on distances of cores, which
    only choose the features that are tested. Promises: a point depends on its own two features alone; weight times overlap along the normals
-   is the gradient of a potential (of a linear law), and continuous in the motion.
-   May be changed here alone: which features are tested; every point that touches is found. */
+   is the gradient of a potential (of a linear law), and continuous in the motion. */
 #pragma once
 #include "distance.h"
 

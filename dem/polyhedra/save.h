@@ -1,6 +1,5 @@
 /* Shapes in a saved world: their fields, and whether loaded ones are sound.
-   Relies on records.h for what a row means.
-   May be changed here alone: what is checked. */
+   Relies on records.h for what a row means. */
 #pragma once
 #include "../particles/free_flight.h"
 #include "../save/records.h"

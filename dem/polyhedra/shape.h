@@ -1,6 +1,5 @@
 /* Convex polyhedra: faces from corners, mass properties, erosion. Relies on vectors only. Promises: what is accepted is closed and convex,
-   and its tables agree with each other.
-   May be changed here alone: how faces are found; tables stay closed and convex. */
+   and its tables agree with each other. */
 #pragma once
 #include "../base/definition.h"
 

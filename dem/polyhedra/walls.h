@@ -1,6 +1,5 @@
 /* Contacts of a polyhedron with a wall: its corners are spheres, its edges capsules, and its faces touch the wall's own corners. Reads a
-   wall, a shape and its place. Promises: a point depends on these alone; forces are the gradient of a potential, as between polyhedra.
-   May be changed here alone: which features are tested; every point that touches is found. */
+   wall, a shape and its place. Promises: a point depends on these alone; forces are the gradient of a potential, as between polyhedra. */
 #pragma once
 #include "points.h"
 #include "mesh_edges.h"

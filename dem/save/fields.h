@@ -1,7 +1,5 @@
 /* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none.
-   Relies on records.h for what a row means.
-   May be changed here alone: what is saved. A new field is a row here and nothing else: old files, which lack it, load with the value that
-   is in memory (zero, or the default); a row that is unknown here is skipped. The first rows of a group are required. */
+   Relies on records.h for what a row means. */
 #pragma once
 #include "../base/engine.h"
 #include "records.h"

@@ -1,6 +1,5 @@
 /* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows bytes and memory,
-   no physics. Relies on nothing; saved.h names what is saved, save.h and load.h use both.
-   May be changed here alone: how a record lies in the file (then DEM__FORMAT, too). */
+   no physics. Relies on nothing; saved.h names what is saved, save.h and load.h use both. */
 #pragma once
 #include "../base/compiler.h"
 

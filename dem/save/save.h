@@ -1,6 +1,5 @@
 /* Saving: writes the groups of saved.h as records. Reads a const world and writes nothing of it, so that several threads may save one.
-   Relies on saved.h for what is saved, on records.h for how.
-   May be changed here alone: the order of groups. */
+   Relies on saved.h for what is saved, on records.h for how. */
 #pragma once
 #include "../particles/particles.h"
 #include "../polyhedra/save.h"

@@ -1,5 +1,4 @@
-/* Bounds on particles' motion, and the timers that depend on them. Relies on detect.h and timers.h.
-   May be changed here alone: tolerances; a particle never leaves its bound unnoticed. */
+/* Bounds on particles' motion, and the timers that depend on them. Relies on detect.h and timers.h. */
 #pragma once
 #include "../walls/motion.h"
 #include "../base/parallel.h"

@@ -1,5 +1,4 @@
-/* Cells: one grid for each size class of spheres. Reads positions; keeps nothing.
-   May be changed here alone: sizes of cells. */
+/* Cells: one grid for each size class of spheres. Reads positions; keeps nothing. */
 #pragma once
 #include "../base/api.h"
 

@@ -1,6 +1,5 @@
 /* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers. Promises: every contact
-   that begins is found; a step that cannot be finished leaves no trace.
-   May be changed here alone: how due timers are found. */
+   that begins is found; a step that cannot be finished leaves no trace. */
 #pragma once
 #include "../contacts/contacts.h"
 

@@ -1,6 +1,5 @@
 /* The frame and the margin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these fields of pairs.
-   Relies on bounds.h.
-   May be changed here alone: all but that a list lasts for at least one step; no result depends on it. */
+   Relies on bounds.h. */
 #pragma once
 #include "bounds.h"
 

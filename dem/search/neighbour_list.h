@@ -1,6 +1,5 @@
 /* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two spheres that are not
-   listed cannot touch before the next check.
-   May be changed here alone: margins and the list's life: no result depends on them. */
+   listed cannot touch before the next check. */
 #pragma once
 #include "tests.h"
 #include "../particles/active.h"

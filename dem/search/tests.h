@@ -1,6 +1,5 @@
 /* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the last chunk. Relies on
-   timers.h and wall_shapes.h.
-   May be changed here alone: how soon a test is repeated; never later than a contact is possible. */
+   timers.h and wall_shapes.h. */
 #pragma once
 #include "../base/parallel.h"
 #include "timers.h"

@@ -1,6 +1,5 @@
 /* Timers of near pairs and of particles with walls, and batches of them.
-   Relies on flight.h for where particles are; reads the bounds that bounds.h sets.
-   May be changed here alone: how times are stored; a timer is never late. */
+   Relies on flight.h for where particles are; reads the bounds that bounds.h sets. */
 #pragma once
 #include "../particles/particles.h"
 

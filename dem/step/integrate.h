@@ -1,6 +1,5 @@
 /* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies and timers.
-   Promises: a particle whose velocity left its bound has a new one before the next step.
-   May be changed here alone: when memory is prefetched; what is checked stays. */
+   Promises: a particle whose velocity left its bound has a new one before the next step. */
 #pragma once
 #include "../particles/fixed.h"
 #include "../contacts/contacts.h"

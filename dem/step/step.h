@@ -1,6 +1,5 @@
 /* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved
-   and freed.
-   May be changed here alone: the order of a step (hashes follow). */
+   and freed. */
 #pragma once
 #include "../particles/remove.h"
 #include "../contacts/forces.h"

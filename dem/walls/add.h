@@ -1,6 +1,5 @@
 /* Adding walls of every kind but meshes.
-   Relies on definition.h and wall_shapes.h.
-   May be changed here alone: what a wall's function refuses; a new kind also needs its rows in wall_shapes.h and saved.h. */
+   Relies on definition.h and wall_shapes.h. */
 #pragma once
 #include "../base/definition.h"
 

@@ -1,6 +1,5 @@
 /* The records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises: the order of
-   records does not depend on the order of tests.
-   May be changed here alone: what a record contains (then saved.h, too). */
+   records does not depend on the order of tests. */
 #pragma once
 #include "../particles/free_flight.h"
 

@@ -1,5 +1,4 @@
-/* What every kind of wall computes: where it is touched, how its normal turns, how its surface moves. Pure functions.
-   May be changed here alone: one kind of wall; a new kind is a branch in each function. */
+/* What every kind of wall computes: where it is touched, how its normal turns, how its surface moves. Pure functions. */
 #pragma once
 #include "mesh_touch.h"
 

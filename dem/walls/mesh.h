@@ -1,6 +1,5 @@
 /* Adding meshes and boxes: the tree of a mesh's triangles.
-   Relies on walls.h and mesh_shapes.h.
-   May be changed here alone: how the tree is built (bits of mesh scenes may change). */
+   Relies on walls.h and mesh_shapes.h. */
 #pragma once
 #include "add.h"
 #include "../search/tests.h"

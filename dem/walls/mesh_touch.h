@@ -1,5 +1,4 @@
-/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by a search.
-   May be changed here alone: how a place is searched. */
+/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by a search. */
 #pragma once
 #include "../base/geometry.h"
 

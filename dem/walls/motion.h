@@ -1,5 +1,4 @@
-/* Motion of walls that the caller prescribes, and walls driven by forces. Relies on shapes.h, which places a wall at a time.
-   May be changed here alone: what is refused; how a driven wall is integrated. */
+/* Motion of walls that the caller prescribes, and walls driven by forces. Relies on shapes.h, which places a wall at a time. */
 #pragma once
 #include "../energy/ledger.h"
 #include "add.h"

@@ -1,6 +1,5 @@
 /* Closed meshes: what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not closed has no inside;
-   in a closed one only points within round-off of the surface depend on how it is cut into triangles.
-   May be changed here alone: how rays are chosen. */
+   in a closed one only points within round-off of the surface depend on how it is cut into triangles. */
 #pragma once
 #include "stl_mesh.h"
 

@@ -1,6 +1,5 @@
 /* Reading STL files: facets from bytes, corners welded.
-   Relies on the allocator alone.
-   May be changed here alone: how facets are read; what dem_stl_report counts stays. */
+   Relies on the allocator alone. */
 #pragma once
 #include "mesh.h"
 

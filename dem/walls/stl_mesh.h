@@ -1,5 +1,4 @@
-/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated.
-   May be changed here alone: how corners are welded and faults counted. */
+/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated. */
 #pragma once
 #include "stl.h"
 
