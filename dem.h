@@ -53,8 +53,7 @@
 
 
 /* ----------------------------------------------------------------------------------------------- >>base/compiler.h */
-/* What depends on the compiler: inlining, options, prefetch, AVX2 copies of loops.
-   Relies on the standard headers alone. */
+/* What depends on the compiler: inlining, options, prefetch, AVX2 copies of loops. */
 
 #include <float.h>
 #include <math.h>
@@ -171,7 +170,7 @@ extern "C" {
 /* Declarations, and the pure functions that laws of a user call. */
 
 /* -------------------------------------------------------------------------------------------------- >>base/types.h */
-/* Public types, and the constants that tune the engine: what a host can see of a world. Relies on nothing. */
+/* Public types, and the constants that tune the engine: what a host can see of a world. */
 
 /* Tuning constants, each with its reason. */
 #define DEM_MATERIALS_MAX 8               /* a pair table of 64 entries stays in the definition */
@@ -667,8 +666,7 @@ typedef struct dem_world {
 } dem_world;
 
 /* ---------------------------------------------------------------------------------------------------- >>base/api.h */
-/* The public functions, declared and explained.
-   Relies on types.h. */
+/* The public functions, declared and explained. */
 
 DEM_INLINE dem_vec dem_vec3(double x, double y, double z) {
     dem_vec v;
@@ -1096,7 +1094,7 @@ DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitut
 DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed);
 
 /* --------------------------------------------------------------------------------------------- >>base/polyhedron.h */
-/* Convex polyhedra: public types and functions. Relies on types.h. */
+/* Convex polyhedra: public types and functions. */
 
 #define DEM_CORNERS_MAX 32                      /* corners of a polyhedron, at most: a set of them fits into 32 bits */
 #define DEM_FACES_MAX (2 * DEM_CORNERS_MAX - 4) /* by Euler's formula, if all are triangles */
@@ -1322,8 +1320,7 @@ static inline double riddle_asin(double x) {
 /* <<portable-math */
 
 /* ----------------------------------------------------------------------------------------------- >>contacts/laws.h */
-/* The shipped laws of contact: pure functions of one contact's scalars and its history.
-   Relies on types.h and the portable mathematics. */
+/* The shipped laws of contact: pure functions of one contact's scalars and its history. */
 
 /* Linear spring-dashpot (Elskamp & Kruggel-Emden 2019, eqs 4 and 5). Constants: */
 enum {
@@ -1495,7 +1492,7 @@ DEM__FORCE(dem_force_hertz_friction, dem__hertz, DEM_FRICTION)
 DEM__FORCE(dem_force_hertz_rolling, dem__hertz, DEM_FRICTION | DEM_ROLLING)
 
 /* ----------------------------------------------------------------------------------------------- >>base/geometry.h */
-/* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions. Relies on types.h and the portable mathematics. */
+/* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions. */
 
 /* Rounds to multiples of 2e-100, which changes only numbers below 1e-68. Speeds that decay thus end at 0; neither they nor their squares
    become subnormal numbers, which make a processor slow. Two additions cost less than a comparison. */
@@ -2119,8 +2116,7 @@ DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
 }
 
 /* ---------------------------------------------------------------------------------------------------- >>gas/laws.h */
-/* Laws of drag: pure functions of scalars.
-   Relies on the portable mathematics. */
+/* Laws of drag: pure functions of scalars. */
 
 /* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], for Re = density |slip| d/viscosity, d the diameter of
    the sphere of equal volume. The force is (pi/8) viscosity d (c_D Re) slip: finite, and right, at rest. NaN for Re < 0. */
@@ -2252,7 +2248,7 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
 #ifdef DEM__BODIES
 
 /* ---------------------------------------------------------------------------------------- >>base/polyhedra_state.h */
-/* The engine's state of polyhedra. Relies on declarations only. */
+/* The engine's state of polyhedra. */
 
 /* Place of a core: its centre [m] and the directions of its own axes. */
 typedef struct dem__placed {
@@ -2284,7 +2280,7 @@ typedef struct dem__convex_pair {
     dem_vec axis; /* a direction in which the cores were apart at the last test; 0: none */
 } dem__convex_pair;
 
-/* The functions that the engine calls for polyhedra, in the order of a step; they are in convex_add.h. The first shape of a world sets the
+/* The functions that the engine calls for polyhedra, in the order of a step; they are in polyhedra/add.h. The first shape of a world sets the
    table, so that a program that adds no shape and loads no world compiles none of them. */
 struct dem__rows;
 struct dem__type_rows;
@@ -2305,7 +2301,7 @@ typedef struct dem__convex_calls {
     void (*leave_edges)(dem_world *w, const struct dem__chunk *in, ptrdiff_t marked); /* excludes polyhedra from edge steps */
 } dem__convex_calls;
 
-/* Polyhedra. convex_add.h adds shapes, convex_pairs.h lists pairs and finds their points. Without any shape all of it is zero. */
+/* Polyhedra. polyhedra/add.h adds shapes, polyhedra/pairs.h lists pairs and finds their points. Without any shape all of it is zero. */
 typedef struct dem__convex_state {
     const dem__convex_calls *calls; /* NULL without shapes */
     dem_convex *shape;
@@ -2320,8 +2316,7 @@ typedef struct dem__convex_state {
 } dem__convex_state;
 
 /* ------------------------------------------------------------------------------------------------- >>base/engine.h */
-/* The private state behind a world, in structs. Their comments say where most of it happens, not who writes each field: ask grep.
-   Relies on types.h. */
+/* The private state behind a world, in structs. Their comments say where most of it happens, not who writes each field: ask grep. */
 
 /* Bound on a particle's motion, in the frame in free fall since the list was built. At t [s] after that, its surface lies within reach + t
    tolerance of the point x + t u. The bound holds while its velocity differs from u by less than the tolerance; then it gets a new one. One
@@ -2417,7 +2412,7 @@ typedef struct dem__posture {
     dem_quaternion turn;
 } dem__posture;
 
-/* The functions that the engine calls for rigid bodies, in the order of a step; they are in rigid.h. The first body of a world sets the
+/* The functions that the engine calls for rigid bodies, in the order of a step; they are in bodies/rigid.h. The first body of a world sets the
    table (dem__reserve_bodies), so that a program that adds no body and loads no world compiles none of them. */
 typedef struct dem__body_calls {
     dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau);         /* returns the state at tau [s] after the origin
@@ -2458,7 +2453,7 @@ enum { DEM__NEVER = INT32_MAX - 1, DEM__STOPPED = INT32_MAX };
 /* Activity of a particle: in free flight; taking steps; taking steps, with its bound to be checked at the end of this one. */
 enum { DEM__FLYING, DEM__STEPPING, DEM__TO_CHECK };
 
-/* The run: time, the law, and work that is pending. step.h sets it for a run; whatever changes a world sets needs_*. */
+/* The run: time, the law, and work that is pending. step/step.h sets it for a run; whatever changes a world sets needs_*. */
 typedef struct dem__run {
     double dt, kernel_dt; /* [s]; kernel_dt is 0 where forces are found but no time passes */
     double start_time;    /* time of start_step [s] */
@@ -2486,8 +2481,8 @@ typedef struct dem__fixed {
     int64_t on;      /* 0: not fixed */
 } dem__fixed;
 
-/* Particles, beside the public arrays of the world. body.h adds them, advance.h, rigid.h and flights.h move them, bounds.h
-   bounds their motion, compact.h closes gaps. */
+/* Particles, beside the public arrays of the world. particles/particles.h adds them, step/integrate.h, bodies/rigid.h and gas/flights.h move them, search/bounds.h
+   bounds their motion, particles/active.h closes gaps. */
 typedef struct dem__bodies {
     ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
@@ -2515,7 +2510,7 @@ typedef struct dem__bodies {
     dem_vec *offset, *arm; /* from the body's centre to the particle's [m]: along the principal axes; in the world's axes, at the origin */
 } dem__bodies;
 
-/* Walls, beside the public array. walls.h and mesh.h add them, motion.h moves them, detect.h and bounds.h set their
+/* Walls, beside the public array. walls/add.h and walls/mesh.h add them, walls/motion.h moves them, search/tests.h and search/bounds.h set their
    timers. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
@@ -2527,7 +2522,7 @@ typedef struct dem__wall_state {
     int32_t *first_contact; /* of a particle: its first contact with a wall; contacts.wall_next leads on */
 } dem__wall_state;
 
-/* Near pairs and the list's life. margin.h chooses how long the list may last, pairs.h builds it, due.h tests the pairs. */
+/* Near pairs and the list's life. search/margin.h chooses how long the list may last, search/neighbour_list.h builds it, search/due_tests.h tests the pairs. */
 typedef struct dem__pairs {
     ptrdiff_t count, due_count; /* due_count: tested in the last step */
     dem__near *near;
@@ -2549,8 +2544,8 @@ typedef struct dem__pairs {
 
 /* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by partners; gaps are
    filled from its end; now and then all are ordered by i, the last first. The order of slots depends only on the history of the scene,
-   never on threads. It fixes the order of every sum, and so the bits. detect.h and convex_pairs.h begin them, kernel.h and
-   edges.h evaluate them, contacts.h orders and ends them. */
+   never on threads. It fixes the order of every sum, and so the bits. search/tests.h and polyhedra/pairs.h begin them, contacts/kernel.h and
+   contacts/first_and_last_step.h evaluate them, contacts/contacts.h orders and ends them. */
 typedef struct dem__contacts {
     ptrdiff_t count, capacity, begun; /* begun: in this step, at the end of the last chunk */
     int chunk_count;
@@ -2579,8 +2574,8 @@ typedef struct dem__contacts {
     double *mass, *predict, *sum, *part, *constant[DEM_CONSTANTS_MAX]; /* of contacts with constants of their own */
 } dem__contacts;
 
-/* Links, in the order in which they were made; each is in the lists of its two bodies. links.h adds and steps them, kernel.h
-   evaluates them, removal.h cuts them. */
+/* Links, in the order in which they were made; each is in the lists of its two bodies. links/links.h adds and steps them, contacts/kernel.h
+   evaluates them, particles/detach.h cuts them. */
 typedef struct dem__links {
     const dem_law *law;
     dem_loop_fn loop;
@@ -2598,7 +2593,7 @@ typedef struct dem__links {
     int64_t evaluated_step;          /* step of that evaluation */
 } dem__links;
 
-/* A force field, and the flights in it. flights.h begins and ends flights, field.h computes them. */
+/* A force field, and the flights in it. gas/flights.h begins and ends flights, gas/field.h computes them. */
 typedef struct dem__field {
     int on; /* a field is set; after loading its law may be missing */
     dem_force_field def;
@@ -2614,7 +2609,7 @@ typedef struct dem__field {
 } dem__field;
 #define DEM__NO_FLIGHT INT64_MAX
 
-/* The energy ledger. step.h begins, pauses and resumes it; ledger.h books. */
+/* The energy ledger. step/step.h begins, pauses and resumes it; energy/ledger.h books. */
 typedef struct dem__ledger {
     int on, started;     /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
     int counts;          /* whether the last run had DEM_ENERGY */
@@ -2632,7 +2627,7 @@ typedef struct dem__scratch {
     int32_t *index; /* one for each particle; no value outlives the function that fills it and those that it calls */
 } dem__scratch;
 
-/* Whether OpenMP's threads save time. parallel.h alone writes it; no result depends on it. */
+/* Whether OpenMP's threads save time. base/parallel.h alone writes it; no result depends on it. */
 typedef struct dem__pace {
     double loss;              /* time lost by waiting that has not been saved since [s] */
     double alone_until, rest; /* time until which loops run alone; how long they did so last [s] */
@@ -2659,7 +2654,7 @@ typedef struct dem__engine {
         for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->count; c++)
 
 /* ----------------------------------------------------------------------------------------------- >>base/parallel.h */
-/* The loops of a step on several threads. Relies on the definition alone. Promises: no result depends on the number of threads. */
+/* The loops of a step on several threads. Promises: no result depends on the number of threads. */
 
 /* Runs the tasks of a loop one after the other. */
 static inline void dem__run_alone(int tasks, void (*task)(void *context, int index), void *context) {
@@ -2767,8 +2762,7 @@ static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__rang
 }
 
 /* ------------------------------------------------------------------------------------------------- >>base/arrays.h */
-/* Memory: blocks of arrays that grow together, and the tables of those arrays.
-   Relies on engine.h. */
+/* Memory: blocks of arrays that grow together, and the tables of those arrays. */
 
 static inline void *dem__default_allocator(void *user, void *old, size_t old_size, size_t new_size) {
     (void)user;
@@ -2993,8 +2987,7 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
 }
 
 /* --------------------------------------------------------------------------------------------- >>base/definition.h */
-/* Defaults and checks of a definition; making and freeing a world.
-   Relies on store.h. */
+/* Defaults and checks of a definition; making and freeing a world. */
 
 DEM_API const char *dem_status_text(dem_status status) {
     switch (status) {
@@ -3216,7 +3209,7 @@ DEM_API void dem_free(dem_world *world) {
 }
 
 /* ----------------------------------------------------------------------------------------------- >>energy/ledger.h */
-/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums, but step.h
+/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums, but step/step.h
    sets where they start. */
 
 /* Returns whether a wall is enabled and acts on particle i. */
@@ -3598,8 +3591,7 @@ DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
 }
 
 /* ----------------------------------------------------------------------------------------- >>particles/particles.h */
-/* Particles between steps: adding them, their energy, loads and motion, and what acts on all of them.
-   Relies on flight.h and the ledger. */
+/* Particles between steps: adding them, their energy, loads and motion, and what acts on all of them. */
 
 /* Makes the present step the origin of particle i: the state of its parabola becomes the stored one. */
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
@@ -3987,7 +3979,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
 
 /* ----------------------------------------------------------------------------------------------- >>search/timers.h */
 /* Timers of near pairs and of particles with walls, and batches of them.
-   Relies on flight.h for where particles are; reads the bounds that bounds.h sets. */
+   Relies on particles/free_flight.h for where particles are; reads the bounds that search/bounds.h sets. */
 
 /* A timer holds the step of the next test of a near pair, or of a particle and a wall. A test finds a contact, or the next step in which
    one is possible. */
@@ -4224,7 +4216,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
 
 /* ------------------------------------------------------------------------------------------------ >>search/tests.h */
 /* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the last chunk. Relies on
-   timers.h and wall_shapes.h. */
+   search/timers.h and walls/kinds.h. */
 
 /* Returns the slot of contact k. In public functions contacts are numbered from 0 in the order of slots. */
 DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
@@ -4328,7 +4320,7 @@ DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
    test: it has one place, and dem__follow_meshes finds the other places of a mesh. */
 DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     if (dem__is_fixed(w, i)) return 0;
-    if (dem__shape_of(w, i)) return w->wall[wall].kind == DEM_EXIT; /* others: by corners and edges, in convex_pairs.h */
+    if (dem__shape_of(w, i)) return w->wall[wall].kind == DEM_EXIT; /* others: by corners and edges, in polyhedra/pairs.h */
     if (w->wall[wall].kind == DEM_SCREEN) return 1;
     for (int32_t c = w->engine->walls.first_contact[i]; c >= 0; c = w->engine->contacts.wall_next[c]) {
         if (w->engine->contacts.j[c] == -1 - wall) return 0;
@@ -4337,7 +4329,7 @@ DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
 }
 
 /* Returns whether the contact in slot c is one of a polyhedron. The functions after it read and write what a contact keeps of the place
-   where it touches: see DEM__PLACE_NORMAL in engine.h. first: the first of three numbers. */
+   where it touches: see DEM__PLACE_NORMAL in base/engine.h. first: the first of three numbers. */
 DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
 DEM_INLINE dem_vec dem__place_vec(const dem_world *w, int first, ptrdiff_t c) {
     double *const *place = &w->engine->contacts.touch[first];
@@ -4648,7 +4640,7 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
 }
 
 /* -------------------------------------------------------------------------------------------- >>particles/active.h */
-/* Lists of active particles, and arrays without the particles that are gone. Relies on store.h's tables. */
+/* Lists of active particles, and arrays without the particles that are gone. */
 
 /* Lets particles fly that nothing touches or loads any more, after changes by the caller. */
 static inline void dem__release_unloaded(dem_world *w) {
@@ -4838,8 +4830,7 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
 }
 
 /* --------------------------------------------------------------------------------------------------- >>walls/add.h */
-/* Adding walls of every kind but meshes.
-   Relies on definition.h and wall_shapes.h. */
+/* Adding walls of every kind but meshes. */
 
 static inline int dem__unit(dem_vec v, dem_vec *unit) {
     double length = dem__length(v);
@@ -5000,7 +4991,7 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
 }
 
 /* ------------------------------------------------------------------------------------------------ >>walls/motion.h */
-/* Motion of walls that the caller prescribes, and walls driven by forces. Relies on shapes.h, which places a wall at a time. */
+/* Motion of walls that the caller prescribes, and walls driven by forces. */
 
 /* Places a wall of the world, or a copy of one, where it is now. Its function may not change the world. */
 static inline void dem__place_wall(dem_world *w, dem_wall *a) {
@@ -5196,7 +5187,7 @@ DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
 }
 
 /* ----------------------------------------------------------------------------------------------- >>search/bounds.h */
-/* Bounds on particles' motion, and the timers that depend on them. Relies on detect.h and timers.h. */
+/* Bounds on particles' motion, and the timers that depend on them. */
 
 /* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present forces. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
@@ -5479,8 +5470,7 @@ static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, pt
 }
 
 /* ----------------------------------------------------------------------------------------------- >>search/margin.h */
-/* The frame and the margin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these fields of pairs.
-   Relies on bounds.h. */
+/* The frame and the margin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these fields of pairs. */
 
 /* Returns the length of the box along an axis; HUGE_VAL where it is not periodic. */
 DEM_INLINE double dem__period(const dem_world *w, int axis) {
@@ -7661,7 +7651,7 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>particles/fixed.h */
-/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on body.h; every part that turns forces into
+/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h; every part that turns forces into
    motion calls dem__is_fixed(). */
 
 /* Makes room for the state of fixed particles. Returns 0 when out of memory; then nothing has changed. */
@@ -8333,8 +8323,7 @@ DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_ve
 }
 
 /* ------------------------------------------------------------------------------------------------- >>gas/flights.h */
-/* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. Relies on field.h,
-   which computes them. */
+/* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. */
 
 /* Runs a task of the kernel for a part of a list of particles. */
 static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -9162,7 +9151,7 @@ DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int3
 }
 
 /* ------------------------------------------------------------------------------------------------ >>bodies/rigid.h */
-/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in engine.h). Reads the
+/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in base/engine.h). Reads the
    sums of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one
    thread, so that bits do not depend on threads.
 
@@ -9519,7 +9508,7 @@ static const dem__body_calls dem__rigid_bodies = {dem__find_posture,
                                                   dem__body_link_drift,
                                                   dem__note_strides};
 
-/* Definition of a rigid body: see rigid.h. */
+/* Definition of a rigid body: see bodies/rigid.h. */
 typedef struct dem__body_def {
     dem_vec x;             /* centre of mass [m] */
     double mass;           /* [kg] */
@@ -9595,7 +9584,7 @@ static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
 }
 
 /* ------------------------------------------------------------------------------------------ >>bodies/clump_shape.h */
-/* Mass properties of bodies made of spheres. Relies on vectors and quaternions only. Promises: what dem_make_clump says. */
+/* Mass properties of bodies made of spheres. Promises: what dem_make_clump says. */
 
 /* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
 typedef struct dem__content {
@@ -9946,7 +9935,7 @@ DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengt
 }
 
 /* --------------------------------------------------------------------------------------------- >>measure/getters.h */
-/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. Relies on body.h and the ledger. */
+/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. */
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
@@ -10167,8 +10156,7 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
 }
 
 /* -------------------------------------------------------------------------------------------------- >>walls/mesh.h */
-/* Adding meshes and boxes: the tree of a mesh's triangles.
-   Relies on walls.h and mesh_shapes.h. */
+/* Adding meshes and boxes: the tree of a mesh's triangles. */
 
 /* Spreads 21 bits to every third bit of a Morton code. */
 static inline uint64_t dem__interleave(uint64_t v) {
@@ -10378,8 +10366,7 @@ typedef struct dem__slot {
 } dem__slot;
 
 /* --------------------------------------------------------------------------------------------------- >>walls/stl.h */
-/* Reading STL files: facets from bytes, corners welded.
-   Relies on the allocator alone. */
+/* Reading STL files: facets from bytes, corners welded. */
 
 static inline uint64_t dem__scramble(uint64_t z) {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -11038,8 +11025,7 @@ static inline double dem__mesh_volume(const dem_mesh *m) {
 }
 
 /* -------------------------------------------------------------------------------------------------- >>feed/sizes.h */
-/* Regions and size distributions: pure functions, and the checks of a source.
-   Relies on the portable mathematics. */
+/* Regions and size distributions: pure functions, and the checks of a source. */
 
 DEM_API dem_region dem_box_region(dem_vec low, dem_vec high) {
     dem_region region;
@@ -11888,7 +11874,7 @@ DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_f
 }
 
 /* --------------------------------------------------------------------------------------------- >>measure/measure.h */
-/* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. Relies on read.h. */
+/* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. */
 
 /* Returns the volume of the unit ball where z > c. */
 DEM_INLINE double dem__cap(double c) { return RIDDLE_PI / 3.0 * (1.0 - c) * (1.0 - c) * (2.0 + c); }
@@ -12361,7 +12347,7 @@ DEM_API dem_status dem_residence(const dem_world *world, const dem_region *regio
 }
 
 /* ---------------------------------------------------------------------------------------------- >>measure/mixing.h */
-/* How well groups of particles are mixed. Reads a const world; writes the caller's arrays. Relies on measure.h for cells. */
+/* How well groups of particles are mixed. Reads a const world; writes the caller's arrays. */
 
 DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *cells, int group, double *of_group, double *of_all) {
     const dem_world *w = world;
@@ -12424,7 +12410,7 @@ DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
 
 /* ------------------------------------------------------------------------------------------------ >>save/records.h */
 /* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows bytes and memory,
-   no physics. Relies on nothing; saved.h names what is saved, save.h and load.h use both. */
+   no physics. Relies on nothing; save/fields.h names what is saved, save/save.h and save/load.h use both. */
 
 /* A field that becomes a record: its entries, of some numbers each, are `stride` bytes apart in memory. */
 enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
@@ -12522,8 +12508,7 @@ static inline int dem__find_record(const unsigned char *file, size_t at, size_t 
 }
 
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/save.h */
-/* Shapes in a saved world: their fields, and whether loaded ones are sound.
-   Relies on records.h for what a row means. */
+/* Shapes in a saved world: their fields, and whether loaded ones are sound. */
 
 static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     const size_t s = sizeof *c;
@@ -12560,8 +12545,7 @@ static inline int dem__is_sound_polyhedron(const dem_world *w, ptrdiff_t i) {
 }
 
 /* ------------------------------------------------------------------------------------------------- >>save/fields.h */
-/* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none.
-   Relies on records.h for what a row means. */
+/* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none. */
 
 enum { DEM__FIELDS_MAX = 64 };
 
@@ -12868,8 +12852,7 @@ static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, 
 }
 
 /* --------------------------------------------------------------------------------------------------- >>save/save.h */
-/* Saving: writes the groups of saved.h as records. Reads a const world and writes nothing of it, so that several threads may save one.
-   Relies on saved.h for what is saved, on records.h for how. */
+/* Saving: writes the groups of save/fields.h as records. Reads a const world and writes nothing of it, so that several threads may save one. */
 
 /* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among those present. */
 static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at, int is_body) {
@@ -13070,7 +13053,7 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/shape.h */
-/* Convex polyhedra: faces from corners, mass properties, erosion. Relies on vectors only. Promises: what is accepted is closed and convex,
+/* Convex polyhedra: faces from corners, mass properties, erosion. Promises: what is accepted is closed and convex,
    and its tables agree with each other. */
 
 /* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough. */
@@ -13484,7 +13467,7 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
 }
 
 /* ------------------------------------------------------------------------------------------ >>polyhedra/distance.h */
-/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Relies on shapes and vectors. Promises: a separation that is
+/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Promises: a separation that is
    returned is never more than the true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge) and a
    triangle (3 corners, 3 edges, 2 faces) are cores like any other. */
 
@@ -13792,8 +13775,7 @@ static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, dou
 }
 
 /* -------------------------------------------------------------------------------------------- >>polyhedra/points.h */
-/* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Relies on distances of cores, which
-   only choose the features that are tested. Promises: a point depends on its own two features alone; weight times overlap along the normals
+/* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Promises: a point depends on its own two features alone; weight times overlap along the normals
    is the gradient of a potential (of a linear law), and continuous in the motion. */
 
 enum { DEM__POINTS_MAX = 256 }; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
@@ -14181,7 +14163,7 @@ static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, c
 }
 
 /* ---------------------------------------------------------------------------------------- >>polyhedra/mesh_edges.h */
-/* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. Relies on mesh.h for the tree and the sort. The
+/* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. The
    table is made once for each mesh, in a world with polyhedra. */
 
 #define DEM__FLAT_EDGE 1e-3 /* edges: sine of the angle of two triangles, up to which they are flat; corners: the same for two edges */
@@ -15461,8 +15443,8 @@ DEM_API int64_t dem_core_overlaps(const dem_world *world) {
 }
 
 /* --------------------------------------------------------------------------------------------------- >>save/load.h */
-/* Loading: makes a world from the records that save.h writes, and trusts none of them: every index, count and number that the engine
-   relies on is checked here. Relies on saved.h for the fields, on store.h for room. */
+/* Loading: makes a world from the records that save/save.h writes, and trusts none of them: every index, count and number that the engine
+   relies on is checked here. */
 
 /* A file that is read: its bytes, and where its records begin and end. */
 typedef struct dem__file {
@@ -15813,7 +15795,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
 }
 
 /* ------------------------------------------------------------------------------------------ >>contacts/time_step.h */
-/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. Relies on laws.h. */
+/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. */
 
 /* Returns half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007), in one form for any damping. */
 DEM_INLINE double dem__half_duration(double zeta) {

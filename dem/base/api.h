@@ -1,5 +1,4 @@
-/* The public functions, declared and explained.
-   Relies on types.h. */
+/* The public functions, declared and explained. */
 #pragma once
 #include "compiler.h"
 #include "types.h"

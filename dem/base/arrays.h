@@ -1,5 +1,4 @@
-/* Memory: blocks of arrays that grow together, and the tables of those arrays.
-   Relies on engine.h. */
+/* Memory: blocks of arrays that grow together, and the tables of those arrays. */
 #pragma once
 #include "engine.h"
 

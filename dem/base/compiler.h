@@ -1,5 +1,4 @@
-/* What depends on the compiler: inlining, options, prefetch, AVX2 copies of loops.
-   Relies on the standard headers alone. */
+/* What depends on the compiler: inlining, options, prefetch, AVX2 copies of loops. */
 #pragma once
 
 #include <float.h>

@@ -1,5 +1,4 @@
-/* Defaults and checks of a definition; making and freeing a world.
-   Relies on store.h. */
+/* Defaults and checks of a definition; making and freeing a world. */
 #pragma once
 #include "../walls/mesh_touch.h"
 #include "arrays.h"

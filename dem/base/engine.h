@@ -1,5 +1,4 @@
-/* The private state behind a world, in structs. Their comments say where most of it happens, not who writes each field: ask grep.
-   Relies on types.h. */
+/* The private state behind a world, in structs. Their comments say where most of it happens, not who writes each field: ask grep. */
 #pragma once
 #include "polyhedra_state.h"
 
@@ -97,7 +96,7 @@ typedef struct dem__posture {
     dem_quaternion turn;
 } dem__posture;
 
-/* The functions that the engine calls for rigid bodies, in the order of a step; they are in rigid.h. The first body of a world sets the
+/* The functions that the engine calls for rigid bodies, in the order of a step; they are in bodies/rigid.h. The first body of a world sets the
    table (dem__reserve_bodies), so that a program that adds no body and loads no world compiles none of them. */
 typedef struct dem__body_calls {
     dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau);         /* returns the state at tau [s] after the origin
@@ -138,7 +137,7 @@ enum { DEM__NEVER = INT32_MAX - 1, DEM__STOPPED = INT32_MAX };
 /* Activity of a particle: in free flight; taking steps; taking steps, with its bound to be checked at the end of this one. */
 enum { DEM__FLYING, DEM__STEPPING, DEM__TO_CHECK };
 
-/* The run: time, the law, and work that is pending. step.h sets it for a run; whatever changes a world sets needs_*. */
+/* The run: time, the law, and work that is pending. step/step.h sets it for a run; whatever changes a world sets needs_*. */
 typedef struct dem__run {
     double dt, kernel_dt; /* [s]; kernel_dt is 0 where forces are found but no time passes */
     double start_time;    /* time of start_step [s] */
@@ -166,8 +165,8 @@ typedef struct dem__fixed {
     int64_t on;      /* 0: not fixed */
 } dem__fixed;
 
-/* Particles, beside the public arrays of the world. body.h adds them, advance.h, rigid.h and flights.h move them, bounds.h
-   bounds their motion, compact.h closes gaps. */
+/* Particles, beside the public arrays of the world. particles/particles.h adds them, step/integrate.h, bodies/rigid.h and gas/flights.h move them, search/bounds.h
+   bounds their motion, particles/active.h closes gaps. */
 typedef struct dem__bodies {
     ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
@@ -195,7 +194,7 @@ typedef struct dem__bodies {
     dem_vec *offset, *arm; /* from the body's centre to the particle's [m]: along the principal axes; in the world's axes, at the origin */
 } dem__bodies;
 
-/* Walls, beside the public array. walls.h and mesh.h add them, motion.h moves them, detect.h and bounds.h set their
+/* Walls, beside the public array. walls/add.h and walls/mesh.h add them, walls/motion.h moves them, search/tests.h and search/bounds.h set their
    timers. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
@@ -207,7 +206,7 @@ typedef struct dem__wall_state {
     int32_t *first_contact; /* of a particle: its first contact with a wall; contacts.wall_next leads on */
 } dem__wall_state;
 
-/* Near pairs and the list's life. margin.h chooses how long the list may last, pairs.h builds it, due.h tests the pairs. */
+/* Near pairs and the list's life. search/margin.h chooses how long the list may last, search/neighbour_list.h builds it, search/due_tests.h tests the pairs. */
 typedef struct dem__pairs {
     ptrdiff_t count, due_count; /* due_count: tested in the last step */
     dem__near *near;
@@ -229,8 +228,8 @@ typedef struct dem__pairs {
 
 /* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by partners; gaps are
    filled from its end; now and then all are ordered by i, the last first. The order of slots depends only on the history of the scene,
-   never on threads. It fixes the order of every sum, and so the bits. detect.h and convex_pairs.h begin them, kernel.h and
-   edges.h evaluate them, contacts.h orders and ends them. */
+   never on threads. It fixes the order of every sum, and so the bits. search/tests.h and polyhedra/pairs.h begin them, contacts/kernel.h and
+   contacts/first_and_last_step.h evaluate them, contacts/contacts.h orders and ends them. */
 typedef struct dem__contacts {
     ptrdiff_t count, capacity, begun; /* begun: in this step, at the end of the last chunk */
     int chunk_count;
@@ -259,8 +258,8 @@ typedef struct dem__contacts {
     double *mass, *predict, *sum, *part, *constant[DEM_CONSTANTS_MAX]; /* of contacts with constants of their own */
 } dem__contacts;
 
-/* Links, in the order in which they were made; each is in the lists of its two bodies. links.h adds and steps them, kernel.h
-   evaluates them, removal.h cuts them. */
+/* Links, in the order in which they were made; each is in the lists of its two bodies. links/links.h adds and steps them, contacts/kernel.h
+   evaluates them, particles/detach.h cuts them. */
 typedef struct dem__links {
     const dem_law *law;
     dem_loop_fn loop;
@@ -278,7 +277,7 @@ typedef struct dem__links {
     int64_t evaluated_step;          /* step of that evaluation */
 } dem__links;
 
-/* A force field, and the flights in it. flights.h begins and ends flights, field.h computes them. */
+/* A force field, and the flights in it. gas/flights.h begins and ends flights, gas/field.h computes them. */
 typedef struct dem__field {
     int on; /* a field is set; after loading its law may be missing */
     dem_force_field def;
@@ -294,7 +293,7 @@ typedef struct dem__field {
 } dem__field;
 #define DEM__NO_FLIGHT INT64_MAX
 
-/* The energy ledger. step.h begins, pauses and resumes it; ledger.h books. */
+/* The energy ledger. step/step.h begins, pauses and resumes it; energy/ledger.h books. */
 typedef struct dem__ledger {
     int on, started;     /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
     int counts;          /* whether the last run had DEM_ENERGY */
@@ -312,7 +311,7 @@ typedef struct dem__scratch {
     int32_t *index; /* one for each particle; no value outlives the function that fills it and those that it calls */
 } dem__scratch;
 
-/* Whether OpenMP's threads save time. parallel.h alone writes it; no result depends on it. */
+/* Whether OpenMP's threads save time. base/parallel.h alone writes it; no result depends on it. */
 typedef struct dem__pace {
     double loss;              /* time lost by waiting that has not been saved since [s] */
     double alone_until, rest; /* time until which loops run alone; how long they did so last [s] */

@@ -1,4 +1,4 @@
-/* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions. Relies on types.h and the portable mathematics. */
+/* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions. */
 #pragma once
 #include "api.h"
 #include "../../base/portable_math.h"

@@ -1,4 +1,4 @@
-/* The loops of a step on several threads. Relies on the definition alone. Promises: no result depends on the number of threads. */
+/* The loops of a step on several threads. Promises: no result depends on the number of threads. */
 #pragma once
 #include "engine.h"
 

@@ -1,4 +1,4 @@
-/* The engine's state of polyhedra. Relies on declarations only. */
+/* The engine's state of polyhedra. */
 #pragma once
 #include "polyhedron.h"
 
@@ -32,7 +32,7 @@ typedef struct dem__convex_pair {
     dem_vec axis; /* a direction in which the cores were apart at the last test; 0: none */
 } dem__convex_pair;
 
-/* The functions that the engine calls for polyhedra, in the order of a step; they are in convex_add.h. The first shape of a world sets the
+/* The functions that the engine calls for polyhedra, in the order of a step; they are in polyhedra/add.h. The first shape of a world sets the
    table, so that a program that adds no shape and loads no world compiles none of them. */
 struct dem__rows;
 struct dem__type_rows;
@@ -53,7 +53,7 @@ typedef struct dem__convex_calls {
     void (*leave_edges)(dem_world *w, const struct dem__chunk *in, ptrdiff_t marked); /* excludes polyhedra from edge steps */
 } dem__convex_calls;
 
-/* Polyhedra. convex_add.h adds shapes, convex_pairs.h lists pairs and finds their points. Without any shape all of it is zero. */
+/* Polyhedra. polyhedra/add.h adds shapes, polyhedra/pairs.h lists pairs and finds their points. Without any shape all of it is zero. */
 typedef struct dem__convex_state {
     const dem__convex_calls *calls; /* NULL without shapes */
     dem_convex *shape;

@@ -1,4 +1,4 @@
-/* Convex polyhedra: public types and functions. Relies on types.h. */
+/* Convex polyhedra: public types and functions. */
 #pragma once
 #include "compiler.h"
 #include "types.h"

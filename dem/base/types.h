@@ -1,4 +1,4 @@
-/* Public types, and the constants that tune the engine: what a host can see of a world. Relies on nothing. */
+/* Public types, and the constants that tune the engine: what a host can see of a world. */
 #pragma once
 #include "compiler.h"
 

@@ -1,4 +1,4 @@
-/* Mass properties of bodies made of spheres. Relies on vectors and quaternions only. Promises: what dem_make_clump says. */
+/* Mass properties of bodies made of spheres. Promises: what dem_make_clump says. */
 #pragma once
 #include "rigid.h"
 

@@ -1,4 +1,4 @@
-/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in engine.h). Reads the
+/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in base/engine.h). Reads the
    sums of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one
    thread, so that bits do not depend on threads.
 
@@ -358,7 +358,7 @@ static const dem__body_calls dem__rigid_bodies = {dem__find_posture,
                                                   dem__body_link_drift,
                                                   dem__note_strides};
 
-/* Definition of a rigid body: see rigid.h. */
+/* Definition of a rigid body: see bodies/rigid.h. */
 typedef struct dem__body_def {
     dem_vec x;             /* centre of mass [m] */
     double mass;           /* [kg] */

@@ -1,5 +1,4 @@
-/* The shipped laws of contact: pure functions of one contact's scalars and its history.
-   Relies on types.h and the portable mathematics. */
+/* The shipped laws of contact: pure functions of one contact's scalars and its history. */
 #pragma once
 #include "../base/compiler.h"
 #include "../base/types.h"

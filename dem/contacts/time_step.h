@@ -1,4 +1,4 @@
-/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. Relies on laws.h. */
+/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. */
 #pragma once
 #include "laws.h"
 #include "../particles/free_flight.h"

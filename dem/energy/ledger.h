@@ -1,4 +1,4 @@
-/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums, but step.h
+/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums, but step/step.h
    sets where they start. */
 #pragma once
 #include "../walls/kinds.h"

@@ -1,5 +1,4 @@
-/* Regions and size distributions: pure functions, and the checks of a source.
-   Relies on the portable mathematics. */
+/* Regions and size distributions: pure functions, and the checks of a source. */
 #pragma once
 #include "../walls/solid.h"
 

@@ -1,5 +1,4 @@
-/* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. Relies on field.h,
-   which computes them. */
+/* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. */
 #pragma once
 #include "../step/integrate.h"
 #include "field.h"

@@ -1,5 +1,4 @@
-/* Laws of drag: pure functions of scalars.
-   Relies on the portable mathematics. */
+/* Laws of drag: pure functions of scalars. */
 #pragma once
 #include "../base/geometry.h"
 

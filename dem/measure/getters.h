@@ -1,4 +1,4 @@
-/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. Relies on body.h and the ledger. */
+/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. */
 #pragma once
 #include "../contacts/block.h"
 

@@ -1,4 +1,4 @@
-/* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. Relies on read.h. */
+/* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. */
 #pragma once
 #include "getters.h"
 #include "../feed/filling.h"

@@ -1,4 +1,4 @@
-/* How well groups of particles are mixed. Reads a const world; writes the caller's arrays. Relies on measure.h for cells. */
+/* How well groups of particles are mixed. Reads a const world; writes the caller's arrays. */
 #pragma once
 #include "measure.h"
 

@@ -1,4 +1,4 @@
-/* Lists of active particles, and arrays without the particles that are gone. Relies on store.h's tables. */
+/* Lists of active particles, and arrays without the particles that are gone. */
 #pragma once
 #include "particles.h"
 

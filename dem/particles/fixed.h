@@ -1,4 +1,4 @@
-/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on body.h; every part that turns forces into
+/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h; every part that turns forces into
    motion calls dem__is_fixed(). */
 #pragma once
 #include "particles.h"

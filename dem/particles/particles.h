@@ -1,5 +1,4 @@
-/* Particles between steps: adding them, their energy, loads and motion, and what acts on all of them.
-   Relies on flight.h and the ledger. */
+/* Particles between steps: adding them, their energy, loads and motion, and what acts on all of them. */
 #pragma once
 #include "../base/definition.h"
 #include "../energy/ledger.h"

@@ -1,4 +1,4 @@
-/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Relies on shapes and vectors. Promises: a separation that is
+/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Promises: a separation that is
    returned is never more than the true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge) and a
    triangle (3 corners, 3 edges, 2 faces) are cores like any other. */
 #pragma once

@@ -1,4 +1,4 @@
-/* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. Relies on mesh.h for the tree and the sort. The
+/* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. The
    table is made once for each mesh, in a world with polyhedra. */
 #pragma once
 #include "../walls/mesh.h"

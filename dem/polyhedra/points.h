@@ -1,5 +1,4 @@
-/* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Relies on distances of cores, which
-   only choose the features that are tested. Promises: a point depends on its own two features alone; weight times overlap along the normals
+/* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Promises: a point depends on its own two features alone; weight times overlap along the normals
    is the gradient of a potential (of a linear law), and continuous in the motion. */
 #pragma once
 #include "distance.h"

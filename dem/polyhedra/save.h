@@ -1,5 +1,4 @@
-/* Shapes in a saved world: their fields, and whether loaded ones are sound.
-   Relies on records.h for what a row means. */
+/* Shapes in a saved world: their fields, and whether loaded ones are sound. */
 #pragma once
 #include "../particles/free_flight.h"
 #include "../save/records.h"

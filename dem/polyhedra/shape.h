@@ -1,4 +1,4 @@
-/* Convex polyhedra: faces from corners, mass properties, erosion. Relies on vectors only. Promises: what is accepted is closed and convex,
+/* Convex polyhedra: faces from corners, mass properties, erosion. Promises: what is accepted is closed and convex,
    and its tables agree with each other. */
 #pragma once
 #include "../base/definition.h"

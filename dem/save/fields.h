@@ -1,5 +1,4 @@
-/* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none.
-   Relies on records.h for what a row means. */
+/* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none. */
 #pragma once
 #include "../base/engine.h"
 #include "records.h"

@@ -1,5 +1,5 @@
-/* Loading: makes a world from the records that save.h writes, and trusts none of them: every index, count and number that the engine
-   relies on is checked here. Relies on saved.h for the fields, on store.h for room. */
+/* Loading: makes a world from the records that save/save.h writes, and trusts none of them: every index, count and number that the engine
+   relies on is checked here. */
 #pragma once
 #include "../polyhedra/add.h"
 #include "../polyhedra/save.h"

@@ -1,5 +1,5 @@
 /* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows bytes and memory,
-   no physics. Relies on nothing; saved.h names what is saved, save.h and load.h use both. */
+   no physics. Relies on nothing; save/fields.h names what is saved, save/save.h and save/load.h use both. */
 #pragma once
 #include "../base/compiler.h"
 

@@ -1,5 +1,4 @@
-/* Saving: writes the groups of saved.h as records. Reads a const world and writes nothing of it, so that several threads may save one.
-   Relies on saved.h for what is saved, on records.h for how. */
+/* Saving: writes the groups of save/fields.h as records. Reads a const world and writes nothing of it, so that several threads may save one. */
 #pragma once
 #include "../particles/particles.h"
 #include "../polyhedra/save.h"

@@ -1,4 +1,4 @@
-/* Bounds on particles' motion, and the timers that depend on them. Relies on detect.h and timers.h. */
+/* Bounds on particles' motion, and the timers that depend on them. */
 #pragma once
 #include "../walls/motion.h"
 #include "../base/parallel.h"

@@ -1,5 +1,4 @@
-/* The frame and the margin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these fields of pairs.
-   Relies on bounds.h. */
+/* The frame and the margin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these fields of pairs. */
 #pragma once
 #include "bounds.h"
 

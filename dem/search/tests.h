@@ -1,5 +1,5 @@
 /* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the last chunk. Relies on
-   timers.h and wall_shapes.h. */
+   search/timers.h and walls/kinds.h. */
 #pragma once
 #include "../base/parallel.h"
 #include "timers.h"
@@ -107,7 +107,7 @@ DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
    test: it has one place, and dem__follow_meshes finds the other places of a mesh. */
 DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     if (dem__is_fixed(w, i)) return 0;
-    if (dem__shape_of(w, i)) return w->wall[wall].kind == DEM_EXIT; /* others: by corners and edges, in convex_pairs.h */
+    if (dem__shape_of(w, i)) return w->wall[wall].kind == DEM_EXIT; /* others: by corners and edges, in polyhedra/pairs.h */
     if (w->wall[wall].kind == DEM_SCREEN) return 1;
     for (int32_t c = w->engine->walls.first_contact[i]; c >= 0; c = w->engine->contacts.wall_next[c]) {
         if (w->engine->contacts.j[c] == -1 - wall) return 0;
@@ -116,7 +116,7 @@ DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
 }
 
 /* Returns whether the contact in slot c is one of a polyhedron. The functions after it read and write what a contact keeps of the place
-   where it touches: see DEM__PLACE_NORMAL in engine.h. first: the first of three numbers. */
+   where it touches: see DEM__PLACE_NORMAL in base/engine.h. first: the first of three numbers. */
 DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
 DEM_INLINE dem_vec dem__place_vec(const dem_world *w, int first, ptrdiff_t c) {
     double *const *place = &w->engine->contacts.touch[first];

@@ -1,5 +1,5 @@
 /* Timers of near pairs and of particles with walls, and batches of them.
-   Relies on flight.h for where particles are; reads the bounds that bounds.h sets. */
+   Relies on particles/free_flight.h for where particles are; reads the bounds that search/bounds.h sets. */
 #pragma once
 #include "../particles/particles.h"
 

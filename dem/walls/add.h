@@ -1,5 +1,4 @@
-/* Adding walls of every kind but meshes.
-   Relies on definition.h and wall_shapes.h. */
+/* Adding walls of every kind but meshes. */
 #pragma once
 #include "../base/definition.h"
 

@@ -1,5 +1,4 @@
-/* Adding meshes and boxes: the tree of a mesh's triangles.
-   Relies on walls.h and mesh_shapes.h. */
+/* Adding meshes and boxes: the tree of a mesh's triangles. */
 #pragma once
 #include "add.h"
 #include "../search/tests.h"

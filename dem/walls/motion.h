@@ -1,4 +1,4 @@
-/* Motion of walls that the caller prescribes, and walls driven by forces. Relies on shapes.h, which places a wall at a time. */
+/* Motion of walls that the caller prescribes, and walls driven by forces. */
 #pragma once
 #include "../energy/ledger.h"
 #include "add.h"

@@ -1,5 +1,4 @@
-/* Reading STL files: facets from bytes, corners welded.
-   Relies on the allocator alone. */
+/* Reading STL files: facets from bytes, corners welded. */
 #pragma once
 #include "mesh.h"
 
