@@ -76,10 +76,11 @@
 #define DEM__BODIES
 #endif
 
-/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built with. Clang fuses
-   only if told to by -ffp-contract=fast. Without these options gcc leaves a loop scalar if a root in it may set errno or arithmetic may
-   trap, and most loops at -O2. The loops of a step (DEM__FAST) are compiled as with -O3, all else as with -O2: that takes a quarter off the
-   time of a compiler, and nothing off the speed. With the address sanitizer the command line decides. */
+/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built
+   with. Clang fuses only if told to by -ffp-contract=fast. Without these options gcc leaves a loop scalar if a root in
+   it may set errno or arithmetic may trap, and most loops at -O2. The loops of a step (DEM__FAST) are compiled as with
+   -O3, all else as with -O2: that takes a quarter off the time of a compiler, and nothing off the speed. With the
+   address sanitizer the command line decides. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__NO_MATH_ERRNO__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wredundant-decls"
@@ -119,17 +120,18 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__CHOICE DEM_API
 #endif
 
-/* Particles are scattered in memory: those needed soon are prefetched into the second cache, because the first is full of the current
-   block. */
+/* Particles are scattered in memory: those needed soon are prefetched into the second cache, because the first is full
+   of the current block. */
 #if defined(__GNUC__)
 #define DEM__PREFETCH(address) __builtin_prefetch(address, 0, 2)
 #else
 #define DEM__PREFETCH(address) ((void)(address))
 #endif
 
-/* gcc: the law's loop writes its results directly to the contacts; ivdep tells that no iteration reads what another one writes. Clang's
-   pragma would also promise that arrays do not alias within an iteration, which is wrong here. With clang the loop writes to rows, which
-   are copied afterwards. gcc unrolls a short loop before it tries to vectorise it; `unroll 1` stops that. */
+/* gcc: the law's loop writes its results directly to the contacts; ivdep tells that no iteration reads what another one
+   writes. Clang's pragma would also promise that arrays do not alias within an iteration, which is wrong here. With
+   clang the loop writes to rows, which are copied afterwards. gcc unrolls a short loop before it tries to vectorise it;
+   `unroll 1` stops that. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define DEM__INDEPENDENT _Pragma("GCC ivdep")
 #define DEM__NO_UNROLL _Pragma("GCC unroll 1")
@@ -140,17 +142,18 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__COPY_ROWS 1
 #endif
 
-/* x86-64: the loops that vectorise are compiled twice, with AVX2 and without. The bits are the same, because neither fuses. Not on Windows,
-   where gcc does not align the stack for wide vectors (its bug 54412): there -mavx2 for the whole program gives the speed. */
+/* x86-64: the loops that vectorise are compiled twice, with AVX2 and without. The bits are the same, because neither
+   fuses. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412): there -mavx2 for the
+   whole program gives the speed. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
-#define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                                                 \
-    __attribute__((target("avx2"))) DEM__FAST static void name##_wide parameters { call; }                                                 \
-    DEM__FAST static void name parameters {                                                                                                \
-        if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                                         \
-        else call;                                                                                                                         \
+#define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
+    __attribute__((target("avx2"))) DEM__FAST static void name##_wide parameters { call; }                             \
+    DEM__FAST static void name parameters {                                                                            \
+        if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                     \
+        else call;                                                                                                     \
     }
 #else
-#define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                                                 \
+#define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
     DEM__FAST static void name parameters { call; }
 #endif
 /* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built with. Clang fuses
@@ -169,47 +172,60 @@ extern "C" {
 
 /* Declarations, and the pure functions that laws of a user call. */
 
-/* -------------------------------------------------------------------------------------------------- >>base/types.h */
-/* Public types, and the constants that tune the engine: what a host can see of a world. */
+/* ---------------------------------------------------------------------------------------------- >>base/constants.h */
+/* Constants that tune the engine, each with its reason. Results change in their last bits with them. */
 
-/* Tuning constants, each with its reason. */
-#define DEM_MATERIALS_MAX 8               /* a pair table of 64 entries stays in the definition */
-#define DEM_WALLS_MAX 32                  /* every particle near a wall is tested with it; a mesh counts as one */
-#define DEM_CONSTANTS_MAX 16              /* constants of a law, computed when a contact begins */
-#define DEM_STATE_MAX 16                  /* doubles that a law may keep for each contact */
-#define DEM__TYPES_MAX 32                 /* sets of constants that contacts share: enough for a few sizes and materials */
-#define DEM__BLOCK 64                     /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
-#define DEM__STEPS_MAX (1 << 20)          /* longest life of a list, and longest delay of a test, in steps: rounding errors grow with it */
-#define DEM__RETEST_STEPS 1024            /* longest delay of a test at turning walls, in steps: beyond it another test costs little */
-#define DEM__FLIGHTS 8.0                  /* flights in a field that a bound should last: with more of them neighbours are tested sooner */
+#define DEM_MATERIALS_MAX 8  /* a pair table of 64 entries stays in the definition */
+#define DEM_WALLS_MAX 32     /* every particle near a wall is tested with it; a mesh counts as one */
+#define DEM_CONSTANTS_MAX 16 /* constants of a law, computed when a contact begins */
+#define DEM_STATE_MAX 16     /* doubles that a law may keep for each contact */
+/* Sets of constants that contacts share: enough for a few sizes and materials. */
+#define DEM__TYPES_MAX 32
+/* Contacts evaluated together: 30 arrays of a block fit the first-level cache. */
+#define DEM__BLOCK 64
+/* Longest life of a list, and longest delay of a test, in steps: rounding errors grow with it. */
+#define DEM__STEPS_MAX (1 << 20)
+/* Longest delay of a test at turning walls, in steps: beyond it another test costs little. */
+#define DEM__RETEST_STEPS 1024
+/* Flights in a field that a bound should last: with more of them neighbours are tested sooner. */
+#define DEM__FLIGHTS 8.0
 #define DEM__AHEAD 16                     /* entries ahead for which memory is prefetched */
 #define DEM__LINE 16                      /* timers of a line, which are compared together: a cache line */
 #define DEM__PAGE (DEM__LINE * DEM__LINE) /* timers of a page: as many lines as a line has timers */
 #define DEM__REORDER_STEPS 256            /* steps between two reorderings of contacts */
-#define DEM__LIST_STEPS 100               /* steps that a list should last: building it takes as long as about thirty steps of a gas */
-#define DEM__FEW_PAIRS 3   /* near pairs a sphere: with fewer a wide margin costs little, and lists should last four times as long */
-#define DEM__CHUNKS 16     /* chunks of contacts, if they are many: more threads than that do not share them */
+/* Steps that a list should last: building it takes as long as about thirty steps of a gas. */
+#define DEM__LIST_STEPS 100
+/* Near pairs a sphere: with fewer a wide margin costs little, and lists should last four times as long. */
+#define DEM__FEW_PAIRS 3
+/* Chunks of contacts, if they are many: more threads than that do not share them. */
+#define DEM__CHUNKS 16
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of this size lie on the stack */
-#define DEM__LEAST 1e-84   /* speeds, spins and histories of contacts are rounded to 2^-52 of this: what decays ends at 0 */
+/* Speeds, spins and histories of contacts are rounded to 2^-52 of this: what decays ends at 0. */
+#define DEM__LEAST 1e-84
 #define DEM__MAGIC 0x0a1a64656d52u /* first bytes of a saved world */
 #define DEM__FORMAT 11u            /* version of its records: new fields do not change it */
 
-#define DEM_STATUSES(X)                                                                                                                    \
-    X(DEM_OK, "ok")                                                                                                                        \
-    X(DEM_BAD_ARGUMENT, "an argument is outside its range")                                                                                \
-    X(DEM_BAD_DEFINITION, "a field of the definition is outside its range")                                                                \
-    X(DEM_OUT_OF_MEMORY, "out of memory")                                                                                                  \
-    X(DEM_NOT_FINITE, "a particle's force or position is not finite")                                                                      \
-    X(DEM_TOO_FAST, "a particle moves more than half its radius, or a body turns by a hundred radians, in one step")                       \
-    X(DEM_TOO_MANY, "more walls, materials or particles than this header counts, or more mass than a region can hold")                     \
-    X(DEM_BAD_DATA, "neither a whole saved world of this version nor an STL file with triangles")                                          \
-    X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or links have no law: call "  \
-                        "dem_set_links after dem_load")                                                                                    \
-    X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")                                   \
-    X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")                          \
-    X(DEM_BUSY, "the world is running: a law's hooks may read it, set states of contacts and (born) add links, nothing else")              \
-    X(DEM_POLYHEDRON, "polyhedra take no links, and run with DEM_FRICTION only (a coefficient of 0 takes it out)")                         \
-    X(DEM_PAIR_NOT_SET, "two different materials touch whose pair was never set: call dem_pair() or dem_set_pair()")                       \
+/* -------------------------------------------------------------------------------------------------- >>base/types.h */
+/* Public types: what a host can see of a world. */
+
+#define DEM_STATUSES(X)                                                                                                \
+    X(DEM_OK, "ok")                                                                                                    \
+    X(DEM_BAD_ARGUMENT, "an argument is outside its range")                                                            \
+    X(DEM_BAD_DEFINITION, "a field of the definition is outside its range")                                            \
+    X(DEM_OUT_OF_MEMORY, "out of memory")                                                                              \
+    X(DEM_NOT_FINITE, "a particle's force or position is not finite")                                                  \
+    X(DEM_TOO_FAST, "a particle moves more than half its radius, or a body turns by a hundred radians, in one step")   \
+    X(DEM_TOO_MANY, "more walls, materials or particles than this header counts, or more mass than a region can hold") \
+    X(DEM_BAD_DATA, "neither a whole saved world of this version nor an STL file with triangles")                      \
+    X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or "      \
+                        "links have no law: call "                                                                     \
+                        "dem_set_links after dem_load")                                                                \
+    X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")               \
+    X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")      \
+    X(DEM_BUSY,                                                                                                        \
+      "the world is running: a law's hooks may read it, set states of contacts and (born) add links, nothing else")    \
+    X(DEM_POLYHEDRON, "polyhedra take no links, and run with DEM_FRICTION only (a coefficient of 0 takes it out)")     \
+    X(DEM_PAIR_NOT_SET, "two different materials touch whose pair was never set: call dem_pair() or dem_set_pair()")   \
     X(DEM_STOPPED, "stopped by the definition's function stop; nothing has changed")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
@@ -249,19 +265,20 @@ typedef enum dem_restitution {
 struct dem_world;
 #define DEM_CLUMP_MAX 64 /* spheres of a clump, at most */
 
-/* A shape of spheres that are fixed to each other, overlapping or not. Made by dem_make_clump(). Volume, moments and axes may be replaced
-   by better ones; the centres are then from the true centre of mass. */
+/* A shape of spheres that are fixed to each other, overlapping or not. Made by dem_make_clump(). Volume, moments and
+   axes may be replaced by better ones; the centres are then from the true centre of mass. */
 typedef struct dem_clump {
     int spheres;                   /* 1 .. DEM_CLUMP_MAX; only those that can touch something */
     dem_vec centre[DEM_CLUMP_MAX]; /* from the centre of mass, in the frame in which the shape was given [m] */
     double radius[DEM_CLUMP_MAX];  /* [m] */
     dem_vec origin;                /* the centre of mass, in the frame in which the shape was given [m] */
     double volume;                 /* of the union [m3] */
-    dem_vec moments;               /* principal moments of inertia over the density [m5]; the two that differ least first */
-    dem_quaternion axes;           /* from the principal axes to the frame in which the shape was given */
-    /* private: dem_add_clumps, which feeds call through it, so that a program without clumps does not compile rigid bodies */
-    dem_status (*add__)(struct dem_world *world, ptrdiff_t n, const struct dem_clump *clump, const double *centres, const double *diameters,
-                        const double *orientations, int material, int group);
+    dem_vec moments;     /* principal moments of inertia over the density [m5]; the two that differ least first */
+    dem_quaternion axes; /* from the principal axes to the frame in which the shape was given */
+    /* private: dem_add_clumps, which feeds call through it, so that a program without clumps does not compile rigid
+       bodies */
+    dem_status (*add__)(struct dem_world *world, ptrdiff_t n, const struct dem_clump *clump, const double *centres,
+                        const double *diameters, const double *orientations, int material, int group);
 } dem_clump;
 
 typedef struct dem_material {
@@ -270,21 +287,22 @@ typedef struct dem_material {
     double poisson_ratio; /* [-] 0 .. 0.5 */
 } dem_material;
 
-/* Parameters of contacts between two materials. For two different materials no defaults would suit: if they touch and their pair was never
-   set, the run gives DEM_PAIR_NOT_SET. */
+/* Parameters of contacts between two materials. For two different materials no defaults would suit: if they touch and
+   their pair was never set, the run gives DEM_PAIR_NOT_SET. */
 typedef struct dem_pair_def {
-    double stiffness;          /* k_n [N/m] > 0; DEM_LINEAR only; default 1e5 */
-    double tangential_ratio;   /* k_t / k_n [-] 0 .. 1; DEM_LINEAR only; default 2/7 */
-    double restitution;        /* coefficient of restitution e [-] 0 < e <= 1; default 0.8 */
-    double friction;           /* Coulomb coefficient [-] >= 0; default 0.3 */
-    double rolling;            /* lever arm of rolling resistance [m] >= 0; default 0. On a slope below this limit a ball creeps at 5 g
-                                  sin(slope) dt; the law contact_epsd in examples/contact_laws.h holds it by a spring */
+    double stiffness;        /* k_n [N/m] > 0; DEM_LINEAR only; default 1e5 */
+    double tangential_ratio; /* k_t / k_n [-] 0 .. 1; DEM_LINEAR only; default 2/7 */
+    double restitution;      /* coefficient of restitution e [-] 0 < e <= 1; default 0.8 */
+    double friction;         /* Coulomb coefficient [-] >= 0; default 0.3 */
+    double rolling; /* lever arm of rolling resistance [m] >= 0; default 0. On a slope below this limit a ball creeps at
+                       5 g sin(slope) dt; the law contact_epsd in dem_laws.h holds it by a spring */
     double tangential_damping; /* tangential dashpot over the normal one [-] >= 0; default 0 */
     dem_restitution mode;      /* DEM_LINEAR only; default DEM_CLIPPED */
     int given;                 /* 1: the pair counts as set; dem_pair() and dem_set_pair() set it; default 0 */
 } dem_pair_def;
 
-/* Memory hook: fn(user, old, old_size, new_size). new_size 0 frees; old NULL allocates. Returns NULL when out of memory. */
+/* Memory hook: fn(user, old, old_size, new_size). new_size 0 frees; old NULL allocates. Returns NULL when out of
+   memory. */
 typedef struct dem_allocator {
     void *(*fn)(void *user, void *old, size_t old_size, size_t new_size);
     void *user;
@@ -292,25 +310,27 @@ typedef struct dem_allocator {
 
 /* Everything that does not change in time. Made by dem_default_def(). */
 typedef struct dem_def {
-    uint32_t cookie;         /* set by dem_default_def(); a definition without it is refused */
-    int materials;           /* number of materials, by dem_add_material() */
-    int threads;             /* number of threads >= 1; default 1; world->def.threads may be changed between runs */
-    int skip;                /* DEM_SKIP_*; default DEM_SKIP_ALL */
-    double dt;               /* time step [s] 1e-60 .. 1e6; default 1e-6; dem_advise() gives a good one */
-    double skin;             /* margin of the neighbour list, over the smallest diameter [-] > 0; default 0.35. Where lists last under 100
-                                steps (400 where pairs are few) the engine takes up to three times as much, in a narrow periodic box less */
-    dem_vec gravity;         /* [m/s2]; default (0, 0, -9.81) */
-    int periodic[3];         /* 1: the axis is periodic from low to high, over more than 2.2 of the largest diameters; default 0. Walls are
-                                not repeated: extend them a diameter past the box */
+    uint32_t cookie; /* set by dem_default_def(); a definition without it is refused */
+    int materials;   /* number of materials, by dem_add_material() */
+    int threads;     /* number of threads >= 1; default 1; world->def.threads may be changed between runs */
+    int skip;        /* DEM_SKIP_*; default DEM_SKIP_ALL */
+    double dt;       /* time step [s] 1e-60 .. 1e6; default 1e-6; dem_advise() gives a good one */
+    double skin;     /* margin of the neighbour list, over the smallest diameter [-] > 0; default 0.35. Where lists last
+                        under 100 steps (400 where pairs are few) the engine takes up to three times as much, in a narrow
+                        periodic box less */
+    dem_vec gravity; /* [m/s2]; default (0, 0, -9.81) */
+    int periodic[3]; /* 1: the axis is periodic from low to high, over more than 2.2 of the largest diameters; default
+                        0. Walls are not repeated: extend them a diameter past the box */
     dem_vec low, high;       /* [m]; used on periodic axes only; default 0 and 1 */
     dem_allocator allocator; /* default: realloc and free */
-    /* Runs task(context, index) for every index below tasks, in any order and on any thread, and returns when all are done. At most
-       `threads` tasks run at a time. Default NULL: OpenMP where the compiler has it, otherwise one after the other. Not saved. */
+    /* Runs task(context, index) for every index below tasks, in any order and on any thread, and returns when all are
+       done. At most `threads` tasks run at a time. Default NULL: OpenMP where the compiler has it, otherwise one after
+       the other. Not saved. */
     void (*parallel)(void *user, int tasks, void (*task)(void *context, int index), void *context);
     void *parallel_user;
-    /* Asked now and then, on the calling thread, while dem_fill, dem_fill_mass and the feeds look for places: other than 0 ends the call
-       with DEM_STOPPED, and nothing has changed. It may read the world. Default NULL: never asked. dem_run needs none: call it with short
-       durations. Not saved. */
+    /* Asked now and then, on the calling thread, while dem_fill, dem_fill_mass and the feeds look for places: other
+       than 0 ends the call with DEM_STOPPED, and nothing has changed. It may read the world. Default NULL: never asked.
+       dem_run needs none: call it with short durations. Not saved. */
     int (*stop)(void *user);
     void *stop_user;
     dem_material material[DEM_MATERIALS_MAX];
@@ -330,22 +350,32 @@ typedef struct dem_screen {
     double wire;         /* width of a bar [m] > 0; default 2e-3 */
     dem_profile profile; /* default DEM_SEMICIRCLE */
     int circular;        /* 1: disc of radius half_x; 0: rectangle; default 1 */
-    double half_x;       /* radius, or half length along x [m] > 0; default 0.095. With (n + 1/2) pitches a bar runs along the edge */
-    double half_y;       /* half length along y [m] > 0 if rectangular */
-    dem_vec centre;      /* centre of the deck, in the plane of the wire axes and at the centre of an aperture [m]; default 0 */
-    dem_vec normal;      /* up; default (0, 0, 1) */
-    dem_vec direction;   /* along one family of bars, made perpendicular to the normal; default (1, 0, 0) */
+    double half_x; /* radius, or half length along x [m] > 0; default 0.095. With (n + 1/2) pitches a bar runs along the
+                      edge */
+    double half_y; /* half length along y [m] > 0 if rectangular */
+    dem_vec
+        centre; /* centre of the deck, in the plane of the wire axes and at the centre of an aperture [m]; default 0 */
+    dem_vec normal;    /* up; default (0, 0, 1) */
+    dem_vec direction; /* along one family of bars, made perpendicular to the normal; default (1, 0, 0) */
 } dem_screen;
 
-/* The lateral surface of a frustum or, with equal radii, a tube of finite length: a thin sheet, touched from inside, from outside and at
-   its rims. Made by dem_default_cone(). */
+/* The lateral surface of a frustum or, with equal radii, a tube of finite length: a thin sheet, touched from inside,
+   from outside and at its rims. Made by dem_default_cone(). */
 typedef struct dem_cone {
     dem_vec low, high;  /* centres of its ends [m], not equal; default 0 and (0, 0, 0.1) */
     double low_radius;  /* at low [m] >= 0; 0 makes a tip; default 0.02 */
     double high_radius; /* at high [m] >= 0, not both 0; default 0.1 */
 } dem_cone;
 
-typedef enum dem_wall_kind { DEM_PLANE, DEM_CYLINDER, DEM_SCREEN, DEM_EXIT, DEM_SPHERE, DEM_CONE, DEM_MESH } dem_wall_kind;
+typedef enum dem_wall_kind {
+    DEM_PLANE,
+    DEM_CYLINDER,
+    DEM_SCREEN,
+    DEM_EXIT,
+    DEM_SPHERE,
+    DEM_CONE,
+    DEM_MESH
+} dem_wall_kind;
 
 /* Triangles, your own or read by dem_read_stl(). For your own arrays, set the first four fields; the rest is 0. */
 typedef struct dem_mesh {
@@ -357,13 +387,16 @@ typedef struct dem_mesh {
     size_t bytes;
 } dem_mesh;
 
-/* What dem_read_stl() found in a file. For a closed, well made surface all counts from `missing` to `wrong_normals` are 0. */
+/* What dem_read_stl() found in a file. For a closed, well made surface all counts from `missing` to `wrong_normals` are
+   0. */
 typedef struct dem_stl_report {
-    int binary;              /* 1: binary, 0: text */
-    ptrdiff_t facets;        /* whole triangles in the file; a facet of n corners counts as the n - 2 triangles into which it is cut */
-    ptrdiff_t polygons;      /* facets of more than three corners */
-    ptrdiff_t missing;       /* facets that a binary file announces and does not contain, that a text breaks off or garbles, or whose
-                                corners no fan of triangles covers; 1 more if a text that begins with "solid" ends without "endsolid" */
+    int binary;         /* 1: binary, 0: text */
+    ptrdiff_t facets;   /* whole triangles in the file; a facet of n corners counts as the n - 2 triangles into which it
+                           is cut */
+    ptrdiff_t polygons; /* facets of more than three corners */
+    ptrdiff_t missing;  /* facets that a binary file announces and does not contain, that a text breaks off or garbles,
+                           or whose  corners no fan of triangles covers; 1 more if a text that begins with "solid" ends
+                           without "endsolid" */
     ptrdiff_t unannounced;   /* facets of a binary file beyond its count; read, because they end with the file */
     ptrdiff_t surplus;       /* bytes of a binary file after its facets; not read */
     ptrdiff_t not_finite;    /* left out: a coordinate is NaN or infinite */
@@ -372,7 +405,8 @@ typedef struct dem_stl_report {
     ptrdiff_t open_edges;    /* edges of one triangle only: the rims of holes */
     ptrdiff_t nonmanifold;   /* edges of more than two triangles */
     ptrdiff_t inconsistent;  /* edges whose two triangles have opposite orientations */
-    ptrdiff_t wrong_normals; /* stored normals more than 60 degrees off the triangle's own; normals of length 0 do not count */
+    ptrdiff_t wrong_normals; /* stored normals more than 60 degrees off the triangle's own; normals of length 0 do not
+                                count */
     double area;             /* [m2] */
     double volume;           /* [m3] of a closed surface, negative if it is inside out; meaningless with open edges */
     dem_vec low, high;       /* corners of its bounding box [m] */
@@ -383,8 +417,8 @@ typedef struct dem_pose {
     dem_vec shift; /* [m] */
     dem_vec turn;  /* axis times angle [rad] */
 } dem_pose;
-/* Motion of a wall: a pure function of time [s] (and of *user, which must not change), as smooth as the motion of a body is. It is called
-   for times in any order, also one time step before and after the run. *pose is zero at entry. */
+/* Motion of a wall: a pure function of time [s] (and of *user, which must not change), as smooth as the motion of a
+   body is. It is called for times in any order, also one time step before and after the run. *pose is zero at entry. */
 typedef void (*dem_motion_fn)(void *user, double time, dem_pose *pose);
 
 typedef enum dem_drive {
@@ -398,14 +432,15 @@ struct dem__tree;
 
 /* The motion of a wall as the functions that move walls set it. */
 typedef struct dem_wall_motion {
-    int drive;                     /* dem_drive */
-    dem_vec origin, rest_axis[3];  /* position and axes of the wall when the motion began [m] */
-    double motion_start;           /* time at which the motion began; controlled: time of the coordinate [s] */
-    dem_vec amplitude, phase;      /* vibration: displacement A (sin(2 pi f t + phase) - sin(phase)) by component [m], [rad] */
-    double frequency;              /* [Hz] */
-    dem_vec drift;                 /* constant velocity [m/s] */
-    dem_vec spin_centre;           /* centre of a rotation [m] */
-    dem_vec belt;                  /* velocity of its surface within itself [m/s] */
+    int drive;                    /* dem_drive */
+    dem_vec origin, rest_axis[3]; /* position and axes of the wall when the motion began [m] */
+    double motion_start;          /* time at which the motion began; controlled: time of the coordinate [s] */
+    dem_vec amplitude,
+        phase;           /* vibration: displacement A (sin(2 pi f t + phase) - sin(phase)) by component [m], [rad] */
+    double frequency;    /* [Hz] */
+    dem_vec drift;       /* constant velocity [m/s] */
+    dem_vec spin_centre; /* centre of a rotation [m] */
+    dem_vec belt;        /* velocity of its surface within itself [m/s] */
     double inertia, load, damping; /* controlled: [kg], [N], [N s/m] or [kg m2], [N m], [N m s/rad] */
     dem_motion_fn motion;          /* prescribed */
     void *motion_user;
@@ -423,22 +458,25 @@ typedef struct dem_wall {
     double half_x, half_y;      /* screen [m] */
     struct dem__tree *tree;     /* mesh: the triangles, owned */
     int solid;                  /* mesh: 1: a closed body, whose inside is occupied; 0: a sheet */
-    uint32_t groups;            /* bit g: acts on particles of group g; bit 31: on those of all other groups; set by dem_set_wall_groups */
+    uint32_t groups;            /* bit g: acts on particles of group g; bit 31: on those of all other groups; set by
+                                   dem_set_wall_groups */
 
     dem_wall_motion asked;
 
-    dem_vec axis[3];                          /* its own frame, in the world's; axis[2] is the normal or the cylinder's axis */
+    dem_vec axis[3]; /* its own frame, in the world's; axis[2] is the normal or the cylinder's axis */
     dem_vec position, velocity, acceleration; /* of its origin */
     dem_vec spin_axis;                        /* axis of its rotation; controlled: of the motion */
     double spin, spin_rate;                   /* [rad/s], [rad/s2] */
-    double coordinate, rate, rate_change;     /* controlled: distance [m] or angle [rad] since control began, and its derivatives */
-    dem_vec force, torque;                    /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
-    dem_vec impulse;                          /* time integral of the force [N s] */
+    double coordinate, rate,
+        rate_change;       /* controlled: distance [m] or angle [rad] since control began, and its derivatives */
+    dem_vec force, torque; /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
+    dem_vec impulse;       /* time integral of the force [N s] */
 
     int slides;                     /* private: 1 if its surface moves otherwise than its origin */
-    double speed_bound, spin_bound; /* private: limits of its origin's speed, apart from rotation, and of its spin, until timers are
-                                       reset */
-    double acceleration_bound;      /* private: kinematic: limit of the acceleration of its origin, apart from rotation [m/s2] */
+    double speed_bound, spin_bound; /* private: limits of its origin's speed, apart from rotation, and of its spin,
+                                       until timers are reset */
+    double acceleration_bound;      /* private: kinematic: limit of the acceleration of its origin, apart from rotation
+                                       [m/s2] */
     double side_bound;              /* private: the same perpendicular to axis[2] */
     dem_vec phase_sine;             /* private: sine of the vibration's phase, by component */
 } dem_wall;
@@ -453,6 +491,153 @@ typedef struct dem_passed {
 } dem_passed;
 
 /* ---- laws ---- */
+
+/* To build upon: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling (states,
+   history, vectors: 0, 0, 0; with friction 3, 3, 1); the same for hertz (0, 0, 0; 4, 4, 1). Their constants come first;
+   yours follow (docs/dem.md). */
+enum { DEM_LINEAR_CONSTANTS = 8, DEM_HERTZ_CONSTANTS = 8 };
+
+/* ---- force fields ---- */
+
+/* Input of the law of a force field for one particle. */
+typedef struct dem_force_point {
+    dem_vec position; /* of its centre, within the periodic box [m] */
+    dem_vec velocity; /* [m/s] */
+    double radius;    /* [m] */
+    double mass;      /* [kg] */
+    double time;      /* [s] */
+    dem_vec gravity;  /* [m/s2] */
+    const void *user; /* the user of the field */
+} dem_force_point;
+
+struct dem__field_task;
+typedef int (*dem_field_fn)(struct dem_world *world, const struct dem__field_task *task); /* made by DEM_FORCE_FIELD */
+
+/* A force on every particle, in flight or in contact. Made by dem_default_force_field(), copied by
+   dem_set_force_field(). */
+typedef struct dem_force_field {
+    dem_field_fn
+        kernel; /* made from a law by DEM_FORCE_FIELD(name, law); the law: dem_vec law(const dem_force_point *at) [N] */
+    const void *user; /* passed to the law; default NULL */
+    double length; /* longest way of one step in flight [m] > 0: half the size of the finest detail; default HUGE_VAL */
+    double interval; /* longest time of one step in flight [s] > 0: a tenth of that in which the field changes there;
+                        default HUGE_VAL */
+    double accuracy; /* largest error of position in one step in flight, over the particle's radius [-] 1e-12 .. 1e-4;
+                        default 1e-6 */
+} dem_force_field;
+
+/* A gas: at rest, or given by values on a Cartesian grid, in a frame that may move. Made by dem_default_gas(); the
+   arrays are the caller's. */
+typedef struct dem_gas {
+    double density;   /* [kg/m3] > 0; default 1.2 */
+    double viscosity; /* [Pa s] > 0; default 1.81e-5 */
+    double shape[3];  /* C1, C2, C3 of the drag coefficient C1/Re + C2/sqrt(Re) + C3 for dem_drag_hoelzer_sommerfeld;
+                         default 24, 3, 0.42 */
+    int buoyancy; /* 1: subtracts the weight of the displaced gas; 0 if pressure_gradient contains the gas's own weight;
+                     default 0 */
+    dem_vec low, high;      /* corners of the grid in the frame [m], no gas beyond; default -HUGE_VAL, HUGE_VAL */
+    int n[3];               /* number of nodes along each axis, corners included, >= 2 where there are values */
+    const double *velocity; /* at the nodes, relative to the frame, in its axes [m/s], shape [n[2]][n[1]][n[0]][3];
+                               NULL: at rest */
+    const double
+        *pressure_gradient; /* at the nodes, in its axes [Pa/m], same shape; its force -V grad p is added; NULL: none */
+    const double *porosity; /* at the nodes [-], 0 < .. <= 1, shape [n[2]][n[1]][n[0]]; NULL: 1 */
+    dem_vec centre, axis,
+        drift; /* the frame turns about `axis` through `centre` [m], which moves at `drift` [m/s]; 0, (0, 0, 1), 0 */
+    double spin, start; /* rate of this rotation [rad/s]; time at which frame and world coincide [s]; default 0 */
+} dem_gas;
+
+/* ---- the world ---- */
+
+/* Energies now, and where energy went [J]; sums since the first run with DEM_ENERGY. */
+typedef struct dem_energy_ledger {
+    double kinetic, rotational, elastic, potential; /* now; the potential energy is that of gravity, 0 at the origin */
+    double normal_loss, sliding_loss, rolling_loss; /* dissipated, as the laws compute it */
+    double wall_work, external_work; /* done on the particles by moving walls; by loads and moving fixed particles */
+    double field_work;               /* done on the particles by a force field */
+    double link_work; /* done on the particles by links: minus what links store and lost, apart from walls' work through
+                         them */
+    double added, removed; /* carried in and out by particles, and by what the caller changes between runs: contacts
+                              that begin, end or get other constants, gravity */
+    double start, start_potential, added_potential,
+        removed_potential; /* energy when the ledger began; the potential parts */
+    double released;       /* potential energy released so far, at least 0 */
+    double error;          /* remainder of the balance: the integration error */
+} dem_energy_ledger;
+
+/* A body: a sphere, or several particles that move as one. The particles of a body are consecutive in the arrays of the
+   world; the mass of each (dem_particle.mass) is the body's. */
+typedef struct dem_body {
+    ptrdiff_t first, pieces;    /* its particles */
+    double mass;                /* [kg] */
+    double diameter;            /* of a sphere with that mass and the material of the first particle [m] */
+    dem_vec position, velocity; /* of the centre of mass [m], [m/s] */
+    dem_vec spin;               /* [rad/s], along the world's axes */
+    dem_quaternion orientation; /* from the frame in which its shape was given; a sphere: 1, 0, 0, 0 */
+    dem_vec moments;            /* of inertia, about the principal axes [kg m2] */
+    dem_quaternion axes;        /* from the principal axes to the world's */
+} dem_body;
+
+/* A sphere as the engine keeps it: radius, mass, and the state at its own origin step, which may be long past; from
+   there it moves by x + v t + a t^2/2. dem_position(), dem_velocity() and dem_spin() return the state now. In a law's
+   hooks v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */
+typedef struct dem_particle {
+    dem_vec x;               /* [m] */
+    double radius;           /* [m] */
+    dem_vec v;               /* [m/s] */
+    double mass;             /* [kg] */
+    dem_vec a;               /* [m/s2] */
+    int64_t origin;          /* step of the state */
+    dem_vec spin;            /* [rad/s] */
+    double tolerance_left__; /* private: by how much its velocity can change before it may leave its bound, at least
+                                [m/s] */
+} dem_particle;
+
+enum { DEM_LEAVING = -1, DEM_GONE = 0, DEM_PRESENT = 1 };
+
+/* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are read only unless a
+   function says otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs.
+   */
+typedef struct dem_world {
+    dem_def def;
+    void *user;      /* yours: passed to the law's hooks; not saved */
+    int64_t step;    /* steps done */
+    double time;     /* [s] */
+    double owed;     /* time requested and not yet run, at most half a step [s]; the next run makes up for it. 0 after a
+                        failed run:     request the rest again */
+    ptrdiff_t count; /* entries of the arrays; one that left or was removed stays, with alive = DEM_GONE, until the gaps
+                        are closed */
+    dem_status status; /* first failure of a run; failed_id and step then name the particle and the step */
+    uint64_t failed_id;
+    int failed_pair[2]; /* with DEM_PAIR_NOT_SET: the two materials, the smaller index first */
+    int walls;
+    dem_wall *wall;
+    ptrdiff_t passed_count; /* records kept until dem_take_passed() takes them */
+    int64_t passed_total;   /* particles that ever passed an exit */
+    dem_passed *passed;
+    int64_t particle_steps; /* sum over steps of particles present */
+    int64_t contact_steps;  /* sum over steps of contacts present */
+    int64_t looks;          /* tests of pairs and of particles with walls */
+    int64_t rebuilds;       /* of the neighbour list */
+    double step_ratio; /* time step over the largest that is stable; 0 before the first run. Computed when a run begins
+                          after a change, for the smallest and stiffest pair present (for a particle of a body, with its
+                          least effective mass). Contacts that begin later raise it if their law's prepare function
+                          returns a stiffness. Above 1 contacts create energy. dem_advise() advises 0.08 or less. With
+                          DEM_HERTZ, whose contacts stiffen in an impact, from the time of Rayleigh waves alone. Links
+                          are not included: the caller chooses their interval */
+
+    dem_particle *particle; /* states at origin steps, not now: dem_position() and its like return these */
+    dem_vec *spin_rate;     /* since the origin step [rad/s2] */
+    uint64_t *id;           /* stable; counts up from 0 in the order of adding */
+    int32_t *material, *group;
+    int32_t *alive;    /* DEM_PRESENT, DEM_GONE; within a step DEM_LEAVING */
+    int32_t *touching; /* number of its contacts */
+
+    struct dem__engine *engine; /* private */
+} dem_world;
+
+/* ---------------------------------------------------------------------------------------------------- >>base/law.h */
+/* What a law of contact gets and returns, and the kernels that are made of it: public types. */
 
 /* Input of a law for one contact. i is a sphere, j a sphere or a wall; n points from j to i. */
 typedef struct dem_contact {
@@ -470,20 +655,23 @@ typedef struct dem_contact {
     const void *user;        /* world->user */
 } dem_contact;
 
-/* Output of a law: forces on i. A law sets normal, contact and ended; with DEM_FRICTION tangential, and remaining if there is any; with
-   DEM_ROLLING rolling; with DEM_ENERGY the rest. A law of links sets normal, tangential and ended. What a law does not set is 0. */
+/* Output of a law: forces on i. A law sets normal, contact and ended; with DEM_FRICTION tangential, and remaining if
+   there is any; with DEM_ROLLING rolling; with DEM_ENERGY the rest. A law of links sets normal, tangential and ended.
+   What a law does not set is 0. */
 typedef struct dem_response {
     double normal;        /* along n; positive repels [N] */
     double contact;       /* the part of normal that the overlap makes; 0 without overlap [N] */
-    double tangential[3]; /* perpendicular to n [N]; acts at the point that divides the distance of the centres as the radii do */
-    double remaining[3];  /* the part of tangential that stays however small `contact` is: lubrication, adhesion [N]; default 0 */
+    double tangential[3]; /* perpendicular to n [N]; acts at the point that divides the distance of the centres as the
+                             radii do */
+    double remaining[3];  /* the part of tangential that stays however small `contact` is: lubrication, adhesion [N];
+                             default 0 */
     double rolling[3];    /* torque on i, the opposite on j [N m] */
     double elastic;       /* stored energy [J] */
     double normal_power;  /* dissipated by the normal dashpot [W] */
     double slide_loss;    /* dissipated by sliding in this step [J] */
     double rolling_power; /* dissipated by rolling and tangential dashpot [W] */
-    double ended;         /* 1: the contact has ended, its state may be dropped and its forces end with this step; otherwise 0 (a double, so
-                             that all vectors have one type) */
+    double ended; /* 1: the contact has ended, its state may be dropped and its forces end with this step; otherwise 0
+                     (a double, so that all vectors have one type) */
 } dem_response;
 
 /* Input of a law's prepare function for a contact that begins. */
@@ -508,97 +696,25 @@ typedef struct dem_law {
     int history;   /* the first of them, which force may change; only dem_set_contact_state() changes the rest */
     int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */
     int constants; /* doubles that prepare sets, <= DEM_CONSTANTS_MAX */
-    /* Sets the constants. Returns the k_n of a linear law with the pair's damping ratio [N/m], which makes its restitution accurate to
-       third order; otherwise 0. */
+    /* Sets the constants. Returns the k_n of a linear law with the pair's damping ratio [N/m], which makes its
+       restitution accurate to third order; otherwise 0. */
     double (*prepare)(const dem_birth *birth, double *constants);
-    void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
-    /* Both may be NULL; they get world->user. born: for the contacts that begin in a step, before their first force, sorted by partners.
-       ended: for a contact that has ended: by itself, or because a particle was removed (its world->alive is not DEM_PRESENT) or a wall no
-       longer acts (dem_wall_acts). dem_get_contact() (for a link dem_get_link()) and dem_set_contact_state() take their numbers. */
+    void (*force)(const dem_contact *contact, double *state,
+                  dem_response *response); /* always inline, no calls, few branches */
+    /* Both may be NULL; they get world->user. born: for the contacts that begin in a step, before their first force,
+       sorted by partners. ended: for a contact that has ended: by itself, or because a particle was removed (its
+       world->alive is not DEM_PRESENT) or a wall no longer acts (dem_wall_acts). dem_get_contact() (for a link
+       dem_get_link()) and dem_set_contact_state() take their numbers. */
     void (*born)(struct dem_world *world, const int32_t *numbers, ptrdiff_t n, void *user);
     void (*ended)(struct dem_world *world, int32_t number, void *user);
 } dem_law;
 
-/* To build upon: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling (states, history, vectors: 0,
-   0, 0; with friction 3, 3, 1); the same for hertz (0, 0, 0; 4, 4, 1). Their constants come first; yours follow (docs/dem.md). */
-enum { DEM_LINEAR_CONSTANTS = 8, DEM_HERTZ_CONSTANTS = 8 };
+typedef void (*dem_loop_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end,
+                            int part); /* made by the two macros below */
 
-/* ---- force fields ---- */
-
-/* Input of the law of a force field for one particle. */
-typedef struct dem_force_point {
-    dem_vec position; /* of its centre, within the periodic box [m] */
-    dem_vec velocity; /* [m/s] */
-    double radius;    /* [m] */
-    double mass;      /* [kg] */
-    double time;      /* [s] */
-    dem_vec gravity;  /* [m/s2] */
-    const void *user; /* the user of the field */
-} dem_force_point;
-
-struct dem__field_task;
-typedef int (*dem_field_fn)(struct dem_world *world, const struct dem__field_task *task); /* made by DEM_FORCE_FIELD */
-
-/* A force on every particle, in flight or in contact. Made by dem_default_force_field(), copied by dem_set_force_field(). */
-typedef struct dem_force_field {
-    dem_field_fn kernel; /* made from a law by DEM_FORCE_FIELD(name, law); the law: dem_vec law(const dem_force_point *at) [N] */
-    const void *user;    /* passed to the law; default NULL */
-    double length;       /* longest way of one step in flight [m] > 0: half the size of the finest detail; default HUGE_VAL */
-    double interval;     /* longest time of one step in flight [s] > 0: a tenth of that in which the field changes there; default
-                            HUGE_VAL */
-    double accuracy;     /* largest error of position in one step in flight, over the particle's radius [-] 1e-12 .. 1e-4; default 1e-6 */
-} dem_force_field;
-
-/* A gas: at rest, or given by values on a Cartesian grid, in a frame that may move. Made by dem_default_gas(); the arrays are the
-   caller's. */
-typedef struct dem_gas {
-    double density;   /* [kg/m3] > 0; default 1.2 */
-    double viscosity; /* [Pa s] > 0; default 1.81e-5 */
-    double shape[3];  /* C1, C2, C3 of the drag coefficient C1/Re + C2/sqrt(Re) + C3 for dem_drag_hoelzer_sommerfeld; default 24, 3, 0.42 */
-    int buoyancy;     /* 1: subtracts the weight of the displaced gas; 0 if pressure_gradient contains the gas's own weight; default 0 */
-    dem_vec low, high;               /* corners of the grid in the frame [m], no gas beyond; default -HUGE_VAL, HUGE_VAL */
-    int n[3];                        /* number of nodes along each axis, corners included, >= 2 where there are values */
-    const double *velocity;          /* at the nodes, relative to the frame, in its axes [m/s], shape [n[2]][n[1]][n[0]][3]; NULL: at
-                                        rest */
-    const double *pressure_gradient; /* at the nodes, in its axes [Pa/m], same shape; its force -V grad p is added; NULL: none */
-    const double *porosity;          /* at the nodes [-], 0 < .. <= 1, shape [n[2]][n[1]][n[0]]; NULL: 1 */
-    dem_vec centre, axis, drift;     /* the frame turns about `axis` through `centre` [m], which moves at `drift` [m/s]; 0, (0, 0, 1), 0 */
-    double spin, start;              /* rate of this rotation [rad/s]; time at which frame and world coincide [s]; default 0 */
-} dem_gas;
-
-/* ---- the world ---- */
-
-/* Energies now, and where energy went [J]; sums since the first run with DEM_ENERGY. */
-typedef struct dem_energy_ledger {
-    double kinetic, rotational, elastic, potential; /* now; the potential energy is that of gravity, 0 at the origin */
-    double normal_loss, sliding_loss, rolling_loss; /* dissipated, as the laws compute it */
-    double wall_work, external_work;                /* done on the particles by moving walls; by loads and moving fixed particles */
-    double field_work;                              /* done on the particles by a force field */
-    double link_work;      /* done on the particles by links: minus what links store and lost, apart from walls' work through them */
-    double added, removed; /* carried in and out by particles, and by what the caller changes between runs: contacts that begin, end or get
-                              other constants, gravity */
-    double start, start_potential, added_potential, removed_potential; /* energy when the ledger began; the potential parts */
-    double released;                                                   /* potential energy released so far, at least 0 */
-    double error;                                                      /* remainder of the balance: the integration error */
-} dem_energy_ledger;
-
-/* A body: a sphere, or several particles that move as one. The particles of a body are consecutive in the arrays of the world; the mass of
-   each (dem_particle.mass) is the body's. */
-typedef struct dem_body {
-    ptrdiff_t first, pieces;    /* its particles */
-    double mass;                /* [kg] */
-    double diameter;            /* of a sphere with that mass and the material of the first particle [m] */
-    dem_vec position, velocity; /* of the centre of mass [m], [m/s] */
-    dem_vec spin;               /* [rad/s], along the world's axes */
-    dem_quaternion orientation; /* from the frame in which its shape was given; a sphere: 1, 0, 0, 0 */
-    dem_vec moments;            /* of inertia, about the principal axes [kg m2] */
-    dem_quaternion axes;        /* from the principal axes to the world's */
-} dem_body;
-
-typedef void (*dem_loop_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end, int part); /* made by the two macros below */
-
-/* A law of contacts with the loop that evaluates it for some features. DEM_KERNEL(name, law, features), outside of functions, makes one: a
-   constant. features: DEM_FRICTION and DEM_ROLLING if the law computes them, DEM_ENERGY for the ledger. */
+/* A law of contacts with the loop that evaluates it for some features. DEM_KERNEL(name, law, features), outside of
+   functions, makes one: a constant. features: DEM_FRICTION and DEM_ROLLING if the law computes them, DEM_ENERGY for the
+   ledger. */
 typedef struct dem_kernel {
     const dem_law *law;
     int features;
@@ -611,60 +727,6 @@ typedef struct dem_link_kernel {
     dem_loop_fn loop;
 } dem_link_kernel;
 
-/* A sphere as the engine keeps it: radius, mass, and the state at its own origin step, which may be long past; from there it moves by x + v
-   t + a t^2/2. dem_position(), dem_velocity() and dem_spin() return the state now. In a law's hooks v and spin are those in the middle of
-   the step. Two cache lines, which are what contacts read. */
-typedef struct dem_particle {
-    dem_vec x;               /* [m] */
-    double radius;           /* [m] */
-    dem_vec v;               /* [m/s] */
-    double mass;             /* [kg] */
-    dem_vec a;               /* [m/s2] */
-    int64_t origin;          /* step of the state */
-    dem_vec spin;            /* [rad/s] */
-    double tolerance_left__; /* private: by how much its velocity can change before it may leave its bound, at least [m/s] */
-} dem_particle;
-
-enum { DEM_LEAVING = -1, DEM_GONE = 0, DEM_PRESENT = 1 };
-
-/* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are read only unless a function says otherwise;
-   arrays have `count` entries and stay valid until the next call that adds, removes or runs. */
-typedef struct dem_world {
-    dem_def def;
-    void *user;        /* yours: passed to the law's hooks; not saved */
-    int64_t step;      /* steps done */
-    double time;       /* [s] */
-    double owed;       /* time requested and not yet run, at most half a step [s]; the next run makes up for it. 0 after a failed run:
-                          request the rest again */
-    ptrdiff_t count;   /* entries of the arrays; one that left or was removed stays, with alive = DEM_GONE, until the gaps are closed */
-    dem_status status; /* first failure of a run; failed_id and step then name the particle and the step */
-    uint64_t failed_id;
-    int failed_pair[2]; /* with DEM_PAIR_NOT_SET: the two materials, the smaller index first */
-    int walls;
-    dem_wall *wall;
-    ptrdiff_t passed_count; /* records kept until dem_take_passed() takes them */
-    int64_t passed_total;   /* particles that ever passed an exit */
-    dem_passed *passed;
-    int64_t particle_steps; /* sum over steps of particles present */
-    int64_t contact_steps;  /* sum over steps of contacts present */
-    int64_t looks;          /* tests of pairs and of particles with walls */
-    int64_t rebuilds;       /* of the neighbour list */
-    double step_ratio;      /* time step over the largest that is stable; 0 before the first run. Computed when a run begins after a change,
-                               for the smallest and stiffest pair present (for a particle of a body, with its least effective mass).
-                               Contacts that begin later raise it if their law's prepare function returns a stiffness. Above 1 contacts
-                               create energy. dem_advise() advises 0.08 or less. With DEM_HERTZ, whose contacts stiffen in an impact, from
-                               the time of Rayleigh waves alone. Links are not included: the caller chooses their interval */
-
-    dem_particle *particle; /* states at origin steps, not now: dem_position() and its like return these */
-    dem_vec *spin_rate;     /* since the origin step [rad/s2] */
-    uint64_t *id;           /* stable; counts up from 0 in the order of adding */
-    int32_t *material, *group;
-    int32_t *alive;    /* DEM_PRESENT, DEM_GONE; within a step DEM_LEAVING */
-    int32_t *touching; /* number of its contacts */
-
-    struct dem__engine *engine; /* private */
-} dem_world;
-
 /* ---------------------------------------------------------------------------------------------------- >>base/api.h */
 /* The public functions, declared and explained. */
 
@@ -674,14 +736,15 @@ DEM_INLINE dem_vec dem_vec3(double x, double y, double z) {
     return v;
 }
 
-/* Returns component 0, 1 or 2. By name, because a compiler may assume that an access beyond the address of x is not to the vector. */
+/* Returns component 0, 1 or 2. By name, because a compiler may assume that an access beyond the address of x is not to
+   the vector. */
 DEM_INLINE double dem_axis(dem_vec v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 DEM_INLINE double *dem_axis_of(dem_vec *v, int axis) { return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z; }
 
 DEM_API const char *dem_status_text(dem_status status); /* never NULL */
 
-/* Returns 1 if this header, as built, computes the same bits as elsewhere: doubles evaluated as doubles, no fused multiply-add. Tested at
-   run time. The code around it is not tested: compile that with -ffp-contract=off. */
+/* Returns 1 if this header, as built, computes the same bits as elsewhere: doubles evaluated as doubles, no fused
+   multiply-add. Tested at run time. The code around it is not tested: compile that with -ffp-contract=off. */
 DEM_API int dem_build_is_deterministic(void);
 
 /* ---- definition ---- */
@@ -689,50 +752,57 @@ DEM_API int dem_build_is_deterministic(void);
 DEM_API dem_def dem_default_def(void);
 /* Adds a material. Returns its index, or -1 if there are DEM_MATERIALS_MAX already. Units as in dem_material. */
 DEM_API int dem_add_material(dem_def *def, double density, double young_modulus, double poisson_ratio);
-/* Returns the parameters of a pair of materials, in either order, to be edited; NULL if an index is out of range. From then on the pair
-   counts as set, even to its defaults. */
+/* Returns the parameters of a pair of materials, in either order, to be edited; NULL if an index is out of range. From
+   then on the pair counts as set, even to its defaults. */
 DEM_API dem_pair_def *dem_pair(dem_def *def, int a, int b);
 /* Returns DEM_OK, or DEM_BAD_DEFINITION; then *field is the name of the first bad field (field may be NULL). */
 DEM_API dem_status dem_check_def(const dem_def *def, const char **field);
 
 /* ---- a world ---- */
 
-/* Makes an empty world with a copy of the definition. What the memory of *world contained is not read, so that it need not be set: a world
-   that is in use must be freed before, or all its memory is lost. On failure nothing is allocated, and *field (if not NULL) names what is
-   wrong. */
+/* Makes an empty world with a copy of the definition. What the memory of *world contained is not read, so that it need
+   not be set: a world that is in use must be freed before, or all its memory is lost. On failure nothing is allocated,
+   and *field (if not NULL) names what is wrong. */
 DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **field);
 DEM_API void dem_free(dem_world *world); /* frees everything; safe on a zeroed or freed world */
 
-/* Adds n spheres at rest. centres: shape [n][3] [m]; diameters: [n] [m] > 0; material: index; group: any number of yours, kept in records.
-   Overlaps are allowed and push. On failure nothing is added. Ids, world->id[i], count up in array order. */
-DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group);
-/* Makes a shape of n spheres, overlapping or not. centres: shape [n][3] [m], in a frame of the shape's own, anywhere; diameters: [n] [m] >
-   0. Volume, centre of mass and moments are those of the union at one density: exact for spheres that do not overlap and for centres on one
-   line; otherwise overlaps are integrated to about 1e-5 of the whole. Moments that differ by less than that are taken to be equal. A sphere
-   within another is left out: it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
+/* Adds n spheres at rest. centres: shape [n][3] [m]; diameters: [n] [m] > 0; material: index; group: any number of
+   yours, kept in records. Overlaps are allowed and push. On failure nothing is added. Ids, world->id[i], count up in
+   array order. */
+DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters,
+                                   int material, int group);
+/* Makes a shape of n spheres, overlapping or not. centres: shape [n][3] [m], in a frame of the shape's own, anywhere;
+   diameters: [n] [m] > 0. Volume, centre of mass and moments are those of the union at one density: exact for spheres
+   that do not overlap and for centres on one line; otherwise overlaps are integrated to about 1e-5 of the whole.
+   Moments that differ by less than that are taken to be equal. A sphere within another is left out: it can touch
+   nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
 DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
 DEM_API double dem_clump_diameter(const dem_clump *clump); /* of the sphere of the same volume [m] */
-/* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]; diameters: of spheres of the same volume, [n] [m], to which the
-   shape is scaled, NULL: as it was made; orientations: shape [n][4], quaternions (scalar first, of any length but 0) from the shape's frame
-   to the world's, NULL: as it was made. Each sphere is a particle; those of a clump are consecutive, move as one and do not touch each
-   other. A contact counts with the mass of the whole clump. On failure nothing is added. */
-DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres, const double *diameters,
-                                  const double *orientations, int material, int group);
-/* Sets velocity [m/s] and spin [rad/s] of particle i (array index), or of the rigid body that it is a part of, at its centre of mass. */
+/* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]; diameters: of spheres of the same volume, [n]
+   [m], to which the shape is scaled, NULL: as it was made; orientations: shape [n][4], quaternions (scalar first, of
+   any length but 0) from the shape's frame to the world's, NULL: as it was made. Each sphere is a particle; those of a
+   clump are consecutive, move as one and do not touch each other. A contact counts with the mass of the whole clump. On
+   failure nothing is added. */
+DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres,
+                                  const double *diameters, const double *orientations, int material, int group);
+/* Sets velocity [m/s] and spin [rad/s] of particle i (array index), or of the rigid body that it is a part of, at its
+   centre of mass. */
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin);
-/* Sets a constant external force [N] at the centre of particle i, and a torque [N m]; they act until changed. DEM_BAD_ARGUMENT also for
-   accelerations above 1e80. */
+/* Sets a constant external force [N] at the centre of particle i, and a torque [N m]; they act until changed.
+   DEM_BAD_ARGUMENT also for accelerations above 1e80. */
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque);
-/* Fixes particle i and the body that it is a part of (1), or releases it (0). A fixed particle stops at once. From then on it stays at
-   rest, or moves with the velocity of dem_set_motion (bodies: without spin), whatever forces act on it. To other particles it is an
-   obstacle of its shape; the mass of a contact is theirs, as at a wall. Gravity, loads, walls, exits and other fixed particles have no
-   effect on it. The ledger counts no energy of it, and books its work on others as external_work. */
+/* Fixes particle i and the body that it is a part of (1), or releases it (0). A fixed particle stops at once. From then
+   on it stays at rest, or moves with the velocity of dem_set_motion (bodies: without spin), whatever forces act on it.
+   To other particles it is an obstacle of its shape; the mass of a contact is theirs, as at a wall. Gravity, loads,
+   walls, exits and other fixed particles have no effect on it. The ledger counts no energy of it, and books its work on
+   others as external_work. */
 DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed);
 DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i); /* 1 or 0 */
-/* Returns the forces of contacts and links on a fixed particle, or on the whole fixed body that it is a part of: force [N], and torque
-   about the centre [N m], at the end of the last step; time integral of the force since it was fixed [N s]. For other particles,
-   DEM_BAD_ARGUMENT and NaN. */
-DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque, dem_vec *impulse);
+/* Returns the forces of contacts and links on a fixed particle, or on the whole fixed body that it is a part of: force
+   [N], and torque about the centre [N m], at the end of the last step; time integral of the force since it was fixed [N
+   s]. For other particles, DEM_BAD_ARGUMENT and NaN. */
+DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque,
+                                       dem_vec *impulse);
 /* Removes particle i, and the body that it is a part of. */
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);
 
@@ -740,37 +810,49 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);
 
 #define DEM_SIZES_MAX 32 /* sizes of a list, at most: a stack of sieves has fewer */
 
-/* A part of space, for filling, removing and measuring. Made by the four functions below. Functions that take a region return
-   DEM_BAD_ARGUMENT (or NaN) if it is not finite or a length is negative. */
-typedef enum dem_region_kind { DEM_REGION_BOX, DEM_REGION_CYLINDER, DEM_REGION_SPHERE, DEM_REGION_MESH } dem_region_kind;
+/* A part of space, for filling, removing and measuring. Made by the four functions below. Functions that take a region
+   return DEM_BAD_ARGUMENT (or NaN) if it is not finite or a length is negative. */
+typedef enum dem_region_kind {
+    DEM_REGION_BOX,
+    DEM_REGION_CYLINDER,
+    DEM_REGION_SPHERE,
+    DEM_REGION_MESH
+} dem_region_kind;
 typedef struct dem_region {
     dem_region_kind kind;
-    dem_vec low, high;     /* box: its corners; mesh: those of its bounding box; cylinder: centre of its bottom; sphere: its centre [m] */
-    dem_vec axis;          /* cylinder: from bottom to top, of any length but 0 */
+    dem_vec low, high; /* box: its corners; mesh: those of its bounding box; cylinder: centre of its bottom; sphere: its
+                          centre [m] */
+    dem_vec axis;      /* cylinder: from bottom to top, of any length but 0 */
     double length, radius; /* cylinder, sphere [m] >= 0 */
     const dem_mesh *mesh;  /* yours: it must not change while the region is in use */
 } dem_region;
-DEM_API dem_region dem_box_region(dem_vec low, dem_vec high);                                       /* low = high along an axis: a face */
-DEM_API dem_region dem_cylinder_region(dem_vec bottom, dem_vec axis, double length, double radius); /* length 0: a disc */
+DEM_API dem_region dem_box_region(dem_vec low, dem_vec high); /* low = high along an axis: a face */
+DEM_API dem_region dem_cylinder_region(dem_vec bottom, dem_vec axis, double length,
+                                       double radius); /* length 0: a disc */
 DEM_API dem_region dem_sphere_region(dem_vec centre, double radius);
-/* Makes a region of the inside of a closed mesh; where shells overlap, of the points that an odd number of them encloses. A mesh that is
-   not closed is refused when the region is used. Filling and measuring sort the triangles at each call; dem_region_holds tests all of
-   them. */
+/* Makes a region of the inside of a closed mesh; where shells overlap, of the points that an odd number of them
+   encloses. A mesh that is not closed is refused when the region is used. Filling and measuring sort the triangles at
+   each call; dem_region_holds tests all of them. */
 DEM_API dem_region dem_mesh_region(const dem_mesh *mesh);
 DEM_API double dem_region_volume(const dem_region *region);            /* [m3] */
 DEM_API int dem_region_holds(const dem_region *region, dem_vec point); /* 1 if the point is inside or on the surface */
 
 /* Diameters of spheres. Shares are by number or, with by_mass, by mass. Made by the functions below, to be edited. */
-typedef enum dem_size_kind { DEM_SIZES_LIST, DEM_SIZES_UNIFORM, DEM_SIZES_LOGNORMAL, DEM_SIZES_ROSIN_RAMMLER } dem_size_kind;
+typedef enum dem_size_kind {
+    DEM_SIZES_LIST,
+    DEM_SIZES_UNIFORM,
+    DEM_SIZES_LOGNORMAL,
+    DEM_SIZES_ROSIN_RAMMLER
+} dem_size_kind;
 typedef struct dem_sizes {
     dem_size_kind kind;
     int by_mass;                                          /* 1: shares of mass, 0: of number */
     int count;                                            /* list: 1 .. DEM_SIZES_MAX */
     double diameter[DEM_SIZES_MAX], share[DEM_SIZES_MAX]; /* list: [m] > 0; >= 0, of any sum > 0 */
-    double scale;                                         /* lognormal: median; Rosin-Rammler: diameter that 36.8 % exceed [m] > 0 */
+    double scale;             /* lognormal: median; Rosin-Rammler: diameter that 36.8 % exceed [m] > 0 */
     double spread;            /* lognormal: standard deviation of ln d, 1e-3 .. 5; R.-R.: exponent, 0.1 .. 100 */
-    double smallest, largest; /* all but the list are cut off there [m] > 0, largest <= 1e6 smallest; refused if the share per ln d reaches
-                                 1e-20 of its peak nowhere between */
+    double smallest, largest; /* all but the list are cut off there [m] > 0, largest <= 1e6 smallest; refused if the
+                                 share per ln d reaches 1e-20 of its peak nowhere between */
 } dem_sizes;
 DEM_API dem_sizes dem_one_size(double diameter);
 DEM_API dem_sizes dem_size_list(int n, const double *diameter, const double *share,
@@ -779,135 +861,147 @@ DEM_API dem_sizes dem_uniform_sizes(double smallest, double largest, int by_mass
 DEM_API dem_sizes dem_lognormal_sizes(double median, double spread, double smallest, double largest, int by_mass);
 /* Makes sizes by Rosin & Rammler 1933: the share coarser than d is exp(-(d/scale)^exponent). */
 DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double smallest, double largest, int by_mass);
-/* Draws a diameter [m]. *random is the generator's state, any number at first. NaN if the sizes are out of range. Takes 12 tries on average
-   at most, and never more than 10000. */
+/* Draws a diameter [m]. *random is the generator's state, any number at first. NaN if the sizes are out of range. Takes
+   12 tries on average at most, and never more than 10000. */
 DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random);
 
-/* A source of spheres: where, what, and how far it is. Owned by the caller, plain data: with a copy of it beside the saved world, a restart
-   continues with the same spheres. (It is no part of the world, because a world may have any number of sources, and most have none.) */
+/* A source of spheres: where, what, and how far it is. Owned by the caller, plain data: with a copy of it beside the
+   saved world, a restart continues with the same spheres. (It is no part of the world, because a world may have any
+   number of sources, and most have none.) */
 typedef struct dem_feed {
     dem_region region; /* spheres lie wholly within; in a face or a disc, their centres do */
     dem_sizes sizes;
     int material, group;    /* as in dem_add_spheres; default 0 */
     dem_vec velocity;       /* of the new spheres [m/s]; default 0 */
     dem_vec scatter;        /* largest deviation from it, uniform by component [m/s] >= 0; default 0 */
-    const dem_clump *clump; /* shape of the bodies, oriented at random; the sizes are then those of spheres of the same volume. It must
-                               exist as long as the feed is used. Default NULL: spheres */
-    int polyhedron;         /* 1 + number of a shape of the world (dem_add_shape): bodies are polyhedra of that shape and size, oriented at
-                               random; sizes are not used, and clump is NULL. Each is kept apart by the sphere around it. Default 0: none */
-    int tries;              /* random places tried for a sphere before it is given up, 1 .. 1000000; default 1000 */
-    uint64_t random;        /* the generator's state; at first the seed; default 1 */
+    const dem_clump *clump; /* shape of the bodies, oriented at random; the sizes are then those of spheres of the same
+                               volume. It must exist as long as the feed is used. Default NULL: spheres */
+    int polyhedron;  /* 1 + number of a shape of the world (dem_add_shape): bodies are polyhedra of that shape and size,
+                        oriented at  random; sizes are not used, and clump is NULL. Each is kept apart by the sphere
+                        around it. Default 0: none */
+    int tries;       /* random places tried for a sphere before it is given up, 1 .. 1000000; default 1000 */
+    uint64_t random; /* the generator's state; at first the seed; default 1 */
     /* set by the functions below */
     ptrdiff_t placed, missed;        /* spheres placed in all; those for which dem_fill found no place */
     double placed_mass, missed_mass; /* [kg] */
-    double due, due_mass;            /* what dem_feed_number, dem_feed_mass still owe [-], [kg]; they may be ahead by half a sphere */
-    double waiting;                  /* diameter of the next sphere [m]; 0: not drawn yet */
+    double due,
+        due_mass;   /* what dem_feed_number, dem_feed_mass still owe [-], [kg]; they may be ahead by half a sphere */
+    double waiting; /* diameter of the next sphere [m]; 0: not drawn yet */
 } dem_feed;
 DEM_API dem_feed dem_default_feed(void); /* one size of 1 mm in a cube of 0.1 m at the origin, to be edited */
 
-/* Places a number of spheres, or as many as come nearest to `mass` [kg], at random, the largest first. They touch neither spheres nor
-   enabled walls, and are in no solid wall (dem_set_solid). Spheres without a place are dropped and counted in missed; random places fill up
-   to about 0.3 of a volume within reasonable time. At most feed->tries places are tried for each sphere. Statuses: DEM_BAD_ARGUMENT,
-   DEM_OUT_OF_MEMORY, DEM_TOO_MANY (more than 2e8 spheres; more mass than the density times the volume of the region or, of a mesh, of the
-   box around it), DEM_STOPPED (def.stop; also from the feeds below); then nothing has changed. */
+/* Places a number of spheres, or as many as come nearest to `mass` [kg], at random, the largest first. They touch
+   neither spheres nor enabled walls, and are in no solid wall (dem_set_solid). Spheres without a place are dropped and
+   counted in missed; random places fill up to about 0.3 of a volume within reasonable time. At most feed->tries places
+   are tried for each sphere. Statuses: DEM_BAD_ARGUMENT, DEM_OUT_OF_MEMORY, DEM_TOO_MANY (more than 2e8 spheres; more
+   mass than the density times the volume of the region or, of a mesh, of the box around it), DEM_STOPPED (def.stop;
+   also from the feeds below); then nothing has changed. */
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count);
 DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass);
-/* Places what falls due within duration [s] >= 0 at a rate [1/s] or [kg/s] >= 0. Call it before every dem_run of that duration, which is no
-   longer than spheres need to clear the region. A sphere without a place waits, and with it those after it, so that sizes keep their
-   shares; `due` tells how far the source is behind. */
+/* Places what falls due within duration [s] >= 0 at a rate [1/s] or [kg/s] >= 0. Call it before every dem_run of that
+   duration, which is no longer than spheres need to clear the region. A sphere without a place waits, and with it those
+   after it, so that sizes keep their shares; `due` tells how far the source is behind. */
 DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration);
 DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration);
-/* Copies the oldest records of what passed exits, at most `capacity`, and removes them from the world. Returns their number, or minus a
-   dem_status. records: [capacity], or NULL to drop them. Until then world->passed keeps 88 bytes of every particle that passed;
-   world->passed_total counts all. dem_residence() reads the records: call it first. */
+/* Copies the oldest records of what passed exits, at most `capacity`, and removes them from the world. Returns their
+   number, or minus a dem_status. records: [capacity], or NULL to drop them. Until then world->passed keeps 88 bytes of
+   every particle that passed; world->passed_total counts all. dem_residence() reads the records: call it first. */
 DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity);
-/* Removes the spheres whose centres lie in the region, and the bodies whose centres of mass do. Returns their number, or minus a
-   dem_status. */
+/* Removes the spheres whose centres lie in the region, and the bodies whose centres of mass do. Returns their number,
+   or minus a dem_status. */
 DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region);
 
-/* Adds a wall, as the functions below do. Returns the wall's index (>= 0), or minus a dem_status. normal and axis may have any length but
-   0. Walls are independent of each other: on the seam of two flush walls a sphere touches both, and both push. One mesh of both has one
-   surface. */
-DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal); /* particles are on the side of the normal */
+/* Adds a wall, as the functions below do. Returns the wall's index (>= 0), or minus a dem_status. normal and axis may
+   have any length but 0. Walls are independent of each other: on the seam of two flush walls a sphere touches both, and
+   both push. One mesh of both has one surface. */
+DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point,
+                          dem_vec normal); /* particles are on the side of the normal */
 DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside);
 DEM_API dem_screen dem_default_screen(void);
 DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen);
 DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside);
 DEM_API dem_cone dem_default_cone(void);
 DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone);
-/* Adds triangles, which are copied, as one wall: a thin sheet that particles touch from both sides, at faces, edges and corners. How it is
-   oriented, welded or cut into triangles does not matter. Places whose normals differ by less than 26 degrees are one contact, at the
-   deepest of them (its friction goes with it from triangle to triangle); a sharper concave corner makes two. Triangles without area are
-   left out. Besides the common statuses: DEM_OUT_OF_MEMORY; DEM_BAD_ARGUMENT if an index or a number is out of range, or no triangle is
-   left. */
+/* Adds triangles, which are copied, as one wall: a thin sheet that particles touch from both sides, at faces, edges and
+   corners. How it is oriented, welded or cut into triangles does not matter. Places whose normals differ by less than
+   26 degrees are one contact, at the deepest of them (its friction goes with it from triangle to triangle); a sharper
+   concave corner makes two. Triangles without area are left out. Besides the common statuses: DEM_OUT_OF_MEMORY;
+   DEM_BAD_ARGUMENT if an index or a number is out of range, or no triangle is left. */
 DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh);
-/* Adds six faces between two corners low < high [m], as a mesh of 12 triangles: a container or a block, one wall that moves as one. */
+/* Adds six faces between two corners low < high [m], as a mesh of 12 triangles: a container or a block, one wall that
+   moves as one. */
 DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high);
-/* Makes a mesh or a box a solid body (1), whose inside dem_fill and the feeds leave empty, or a sheet (0, the default), as a container is.
-   DEM_BAD_ARGUMENT for a wall that is not a closed mesh: an edge of one triangle only, a triangle that is there twice.
-   DEM_OUT_OF_MEMORY. */
+/* Makes a mesh or a box a solid body (1), whose inside dem_fill and the feeds leave empty, or a sheet (0, the default),
+   as a container is. DEM_BAD_ARGUMENT for a wall that is not a closed mesh: an edge of one triangle only, a triangle
+   that is there twice. DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid);
-/* Sets the groups of particles that a wall acts on, or an exit removes: bit g for group g = 0 .. 30, bit 31 for all others. Default:
-   all. */
+/* Sets the groups of particles that a wall acts on, or an exit removes: bit g for group g = 0 .. 30, bit 31 for all
+   others. Default: all. */
 DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups);
 /* Returns 1 if a wall is enabled and acts on particle i's group, otherwise 0. */
 DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i);
 /* Adds a plane that records and removes particles whose centre passes to the side opposite to the normal. */
 DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal);
 
-/* Moves a wall from now on, from where it is. Amplitude [m] and phase [rad] are components along the world's axes; frequency [Hz].
-   Displacement A (sin(2 pi f t + phase) - sin(phase)). */
+/* Moves a wall from now on, from where it is. Amplitude [m] and phase [rad] are components along the world's axes;
+   frequency [Hz]. Displacement A (sin(2 pi f t + phase) - sin(phase)). */
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency);
 DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity);                            /* [m/s] */
 DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin); /* [rad/s] */
-/* Moves a wall by a function of time, which replaces its other motions. Velocities follow from differences over the time step. For a wall
-   that is prescribed already, as after dem_load (functions are not saved: until then running gives DEM_NO_MOTION), it replaces function and
-   centre only. DEM_BAD_ARGUMENT if the pose now is not finite. */
+/* Moves a wall by a function of time, which replaces its other motions. Velocities follow from differences over the
+   time step. For a wall that is prescribed already, as after dem_load (functions are not saved: until then running
+   gives DEM_NO_MOTION), it replaces function and centre only. DEM_BAD_ARGUMENT if the pose now is not finite. */
 DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user);
-/* Makes a wall a piston: it moves along axis only, as a body of mass [kg] > 0, under the particles' forces, a force along the axis [N] (its
-   own weight is not added) and a damper fixed in space [N s/m] >= 0. It begins with its present speed along the axis, so that another call
-   can change the force. At rest the particles exert -force on it. The damping of contacts takes the wall's mass for infinite: it should be
-   20 times a particle's or more. */
-DEM_API dem_status dem_control_force(dem_world *world, int wall, dem_vec axis, double mass, double force, double damping);
-/* Makes a wall a rotor: it turns about a fixed line only, with a moment of inertia about it [kg m2] > 0, under the particles' torques, a
-   torque [N m] and a damper [N m s/rad] >= 0. Otherwise as dem_control_force. world->wall[].rate is its speed [rad/s], coordinate its angle
-   [rad]. */
-DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre, dem_vec axis, double inertia, double torque,
-                                      double damping);
-/* Makes a wall a belt: its surface moves at this velocity [m/s], or at its part along the surface, while the wall stays where it is. */
+/* Makes a wall a piston: it moves along axis only, as a body of mass [kg] > 0, under the particles' forces, a force
+   along the axis [N] (its own weight is not added) and a damper fixed in space [N s/m] >= 0. It begins with its present
+   speed along the axis, so that another call can change the force. At rest the particles exert -force on it. The
+   damping of contacts takes the wall's mass for infinite: it should be 20 times a particle's or more. */
+DEM_API dem_status dem_control_force(dem_world *world, int wall, dem_vec axis, double mass, double force,
+                                     double damping);
+/* Makes a wall a rotor: it turns about a fixed line only, with a moment of inertia about it [kg m2] > 0, under the
+   particles' torques, a torque [N m] and a damper [N m s/rad] >= 0. Otherwise as dem_control_force. world->wall[].rate
+   is its speed [rad/s], coordinate its angle [rad]. */
+DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre, dem_vec axis, double inertia,
+                                      double torque, double damping);
+/* Makes a wall a belt: its surface moves at this velocity [m/s], or at its part along the surface, while the wall stays
+   where it is. */
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity);
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 0: as if it were not there */
 
 /* ---- meshes from files ---- */
 
-/* Reads an STL file from memory (3D Systems 1988), text or binary, which the bytes themselves tell (docs/dem_walls.md). bytes: [size];
-   scale [m per unit of the file] > 0, 1e-3 for millimetres; weld [m] >= 0: corners nearer than this become one, 0 joins equal ones only;
-   allocator may be NULL; report may be NULL. DEM_OK also for a file with faults, which the report counts; DEM_BAD_DATA if it is no STL file
-   or no triangle is left; DEM_OUT_OF_MEMORY. On failure *mesh is empty. */
-DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld, const dem_allocator *allocator, dem_mesh *mesh,
-                                dem_stl_report *report);
+/* Reads an STL file from memory (3D Systems 1988), text or binary, which the bytes themselves tell (docs/dem_walls.md).
+   bytes: [size]; scale [m per unit of the file] > 0, 1e-3 for millimetres; weld [m] >= 0: corners nearer than this
+   become one, 0 joins equal ones only; allocator may be NULL; report may be NULL. DEM_OK also for a file with faults,
+   which the report counts; DEM_BAD_DATA if it is no STL file or no triangle is left; DEM_OUT_OF_MEMORY. On failure
+   *mesh is empty. */
+DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld,
+                                const dem_allocator *allocator, dem_mesh *mesh, dem_stl_report *report);
 DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; safe on a zeroed or freed one */
 
 /* ---- running ---- */
 
-/* Advances by duration [s] (to the nearest step; the remainder carries over to the next call). features: DEM_LINEAR | DEM_FRICTION | ...
-   Statuses: DEM_BAD_ARGUMENT (features that no shipped law has, more than 9e15 steps), DEM_BAD_DEFINITION
-   (def.threads; a sphere wider than 1/2.2 of a periodic box), DEM_LAW_MISMATCH, DEM_NO_MOTION, DEM_NO_FIELD, DEM_POLYHEDRON, DEM_BUSY,
-   DEM_OUT_OF_MEMORY, DEM_TOO_MANY, DEM_PAIR_NOT_SET (world->failed_pair), and DEM_NOT_FINITE and DEM_TOO_FAST (world->failed_id names the
-   particle, world->step the step at which it was noticed; the world can be read, saved and freed). */
+/* Advances by duration [s] (to the nearest step; the remainder carries over to the next call). features: DEM_LINEAR |
+   DEM_FRICTION | ... Statuses: DEM_BAD_ARGUMENT (features that no shipped law has, more than 9e15 steps),
+   DEM_BAD_DEFINITION (def.threads; a sphere wider than 1/2.2 of a periodic box), DEM_LAW_MISMATCH, DEM_NO_MOTION,
+   DEM_NO_FIELD, DEM_POLYHEDRON, DEM_BUSY, DEM_OUT_OF_MEMORY, DEM_TOO_MANY, DEM_PAIR_NOT_SET (world->failed_pair), and
+   DEM_NOT_FINITE and DEM_TOO_FAST (world->failed_id names the particle, world->step the step at which it was noticed;
+   the world can be read, saved and freed). */
 DEM_API dem_status dem_run(dem_world *world, double duration, int features);
-/* Does the same with a law of your own. kernel: made by DEM_KERNEL; it must outlive the world. Besides the statuses of dem_run:
-   DEM_LAW_MISMATCH if the contacts present keep another number of states than the law. */
+/* Does the same with a law of your own. kernel: made by DEM_KERNEL; it must outlive the world. Besides the statuses of
+   dem_run: DEM_LAW_MISMATCH if the contacts present keep another number of states than the law. */
 DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kernel *kernel);
 
-/* Changes gravity [m/s2], or the parameters of a pair of materials, from now on, also for what flies or touches already. Between runs. The
-   ledger books the energy of the change as added. DEM_BAD_ARGUMENT; nothing has changed then. */
+/* Changes gravity [m/s2], or the parameters of a pair of materials, from now on, also for what flies or touches
+   already. Between runs. The ledger books the energy of the change as added. DEM_BAD_ARGUMENT; nothing has changed
+   then. */
 DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity);
 DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair);
 /* Changes the time step [s], 1e-60 .. 1e6, from now on. */
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt);
 
-/* The time steps [s] that the smallest and stiffest pair present needs; infinite where nothing limits them, as before the first feed. */
+/* The time steps [s] that the smallest and stiffest pair present needs; infinite where nothing limits them, as before
+   the first feed. */
 typedef struct dem_advice {
     double contact;  /* duration of the shortest contact, t_c */
     double rayleigh; /* pi R sqrt(rho/G)/(0.1631 nu + 0.8766) of the smallest sphere (materials with moduli) */
@@ -919,46 +1013,50 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
 
 /* ---- links: forces between bodies that need not touch, smooth enough for a larger step; a liquid bridge ---- */
 
-/* Sets the law of links; before the first link, and again after dem_load. kernel: made by DEM_LINK_KERNEL. Of a dem_law, a link uses
-   states, history, vectors, force (gap of any sign; no contact, constants and mass) and ended. interval: time between evaluations [s] > 0,
-   rounded down to steps, at least one; the force is constant between. near: gap below which linked bodies also have a contact, by the law
-   of contacts [m] >= 0, at most 0.01 * skin * smallest diameter; forces that grow fast near contact (lubrication) belong there.
-   DEM_LAW_MISMATCH if there are links with another number of states. */
+/* Sets the law of links; before the first link, and again after dem_load. kernel: made by DEM_LINK_KERNEL. Of a
+   dem_law, a link uses states, history, vectors, force (gap of any sign; no contact, constants and mass) and ended.
+   interval: time between evaluations [s] > 0, rounded down to steps, at least one; the force is constant between. near:
+   gap below which linked bodies also have a contact, by the law of contacts [m] >= 0, at most 0.01 * skin * smallest
+   diameter; forces that grow fast near contact (lubrication) belong there. DEM_LAW_MISMATCH if there are links with
+   another number of states. */
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near);
-/* Links particle i with j (a particle, or -1 - wall at an element of it). state: [law->states]. From a law's born hook, or between runs.
-   When a particle leaves, ended is called for its links, and they are gone. From the hook ended: DEM_BUSY. */
+/* Links particle i with j (a particle, or -1 - wall at an element of it). state: [law->states]. From a law's born hook,
+   or between runs. When a particle leaves, ended is called for its links, and they are gone. From the hook ended:
+   DEM_BUSY. */
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state);
 DEM_API ptrdiff_t dem_link_count(const dem_world *world);
 
 /* ---- force fields: a force on every particle, in flight and touching; drag in a gas (docs/dem_gas.md) ---- */
 
 DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user);
-/* Sets the force field from now on, or with NULL removes it. A particle in flight advances by steps of its own, chosen by their error (Cash
-   & Karp 1990). Between the ends of a step it is on a parabola that has the right places at both ends and errs by at most `accuracy`;
-   velocities read in between err as little. A particle in contact gets the force of the law in each step. Where the law gives exactly 0, a
-   flight is the same to the bit as without a field. Call this again after dem_load (until then running gives DEM_NO_FIELD), and when what
-   the law reads has changed. The time step must be below the shortest relaxation time. A rigid body feels the field at its centre, as a
-   sphere of its volume; the field exerts no torque. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
+/* Sets the force field from now on, or with NULL removes it. A particle in flight advances by steps of its own, chosen
+   by their error (Cash & Karp 1990). Between the ends of a step it is on a parabola that has the right places at both
+   ends and errs by at most `accuracy`; velocities read in between err as little. A particle in contact gets the force
+   of the law in each step. Where the law gives exactly 0, a flight is the same to the bit as without a field. Call this
+   again after dem_load (until then running gives DEM_NO_FIELD), and when what the law reads has changed. The time step
+   must be below the shortest relaxation time. A rigid body feels the field at its centre, as a sphere of its volume;
+   the field exerts no torque. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
 
-/* Computes the constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, of a body of volume pi x^3/6
-   and surface S. sphericity: pi x^2/S, 0 < .. <= 1; crosswise: (pi x^2/4)/A, A its area seen along the flow; lengthwise: (pi x^2/4)/(S/2 -
-   B), B its mean area seen across the flow; both 0 < .. <= 100. A convex body that turns at random has all three equal. NaN outside these
-   ranges. */
+/* Computes the constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, of a body
+   of volume pi x^3/6 and surface S. sphericity: pi x^2/S, 0 < .. <= 1; crosswise: (pi x^2/4)/A, A its area seen along
+   the flow; lengthwise: (pi x^2/4)/(S/2 - B), B its mean area seen across the flow; both 0 < .. <= 100. A convex body
+   that turns at random has all three equal. NaN outside these ranges. */
 DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengthwise, double shape[3]);
 DEM_API dem_gas dem_default_gas(void); /* air at 20 degrees C, at rest everywhere */
 /* Returns DEM_OK, or DEM_BAD_DEFINITION; then *field is the name of the first bad field (field may be NULL). */
 DEM_API dem_status dem_check_gas(const dem_gas *gas, const char **field);
-/* Returns a force field of a kernel made by DEM_GAS, with the gas as its user and half a cell of the grid as its length. */
+/* Returns a force field of a kernel made by DEM_GAS, with the gas as its user and half a cell of the grid as its
+   length. */
 DEM_API dem_force_field dem_gas_field(dem_field_fn kernel, const dem_gas *gas);
-/* Attaches the frame to a wall moved by dem_rotate or dem_move, or at rest: it moves with the wall from now on. DEM_BAD_ARGUMENT for other
-   walls. */
+/* Attaches the frame to a wall moved by dem_rotate or dem_move, or at rest: it moves with the wall from now on.
+   DEM_BAD_ARGUMENT for other walls. */
 DEM_API dem_status dem_attach_gas(dem_gas *gas, const dem_world *world, int wall);
 /* Returns the velocity of the gas in the world [m/s] at a place [m] and a time [s]; NaN beyond the grid. */
 DEM_API dem_vec dem_gas_velocity(const dem_gas *gas, dem_vec position, double time);
-/* Computes the porosity at the grid's nodes from the present volumes of the spheres, each shared among the nodes around it; at least 0.2.
-   Cells should be 3 diameters wide or more. porosity: [n[2]][n[1]][n[0]], which gas->porosity may be. DEM_BAD_ARGUMENT without a finite
-   grid. */
+/* Computes the porosity at the grid's nodes from the present volumes of the spheres, each shared among the nodes around
+   it; at least 0.2. Cells should be 3 diameters wide or more. porosity: [n[2]][n[1]][n[0]], which gas->porosity may be.
+   DEM_BAD_ARGUMENT without a finite grid. */
 DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, double *porosity);
 
 /* ---- reading ---- */
@@ -966,12 +1064,13 @@ DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i); /* now [m]; NaN if i is out of range */
 DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i); /* now [m/s] */
 DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i);     /* now [rad/s], along the world's axes */
-/* Returns the orientation now: from the frame in which the shape was given to the world's. A single sphere has none: 1, 0, 0, 0. */
+/* Returns the orientation now: from the frame in which the shape was given to the world's. A single sphere has none: 1,
+   0, 0, 0. */
 DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i);
 /* Returns the body that particle i is, or is a part of, now; first is -1 if i is out of range. */
 DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i);
-/* Turns the body of particle i about its centre of mass into an orientation, a quaternion of any length but 0. Velocity and spin stay.
-   DEM_BAD_ARGUMENT for a single sphere, which has none. */
+/* Turns the body of particle i about its centre of mass into an orientation, a quaternion of any length but 0. Velocity
+   and spin stay. DEM_BAD_ARGUMENT for a single sphere, which has none. */
 DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation);
 DEM_API double dem_radius(const dem_world *world, ptrdiff_t i); /* [m]; NaN if i is out of range */
 DEM_API double dem_mass(const dem_world *world, ptrdiff_t i);   /* [kg]; of a part of a body: the body's */
@@ -980,11 +1079,12 @@ DEM_API dem_vec dem_momentum(const dem_world *world);           /* of all partic
 DEM_API dem_energy_ledger dem_energy(const dem_world *world);
 
 typedef struct dem_contact_info {
-    ptrdiff_t i, j;              /* particles; j < 0: wall -1 - j */
-    double gap;                  /* [m] */
-    dem_vec force;               /* on i [N] */
-    dem_vec normal, point;       /* from j to i; place of the contact, which divides the distance of the centres as the radii do [m] */
-    int element;                 /* screen: the bar; mesh: 0, 1 ... tell a particle's contacts with it apart */
+    ptrdiff_t i, j; /* particles; j < 0: wall -1 - j */
+    double gap;     /* [m] */
+    dem_vec force;  /* on i [N] */
+    dem_vec normal,
+        point;   /* from j to i; place of the contact, which divides the distance of the centres as the radii do [m] */
+    int element; /* screen: the bar; mesh: 0, 1 ... tell a particle's contacts with it apart */
     double state[DEM_STATE_MAX]; /* of the law */
 } dem_contact_info;
 /* Returns link k = 0 .. dem_link_count-1; gap and force as last evaluated. */
@@ -997,31 +1097,35 @@ DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k);
 /* Sets the law's states of contact k. state: [law->states]. For hooks of laws, and between runs. */
 DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state);
 
-/* Counts the apertures of a screen now: whole apertures, those without a blocking particle, those in which any particle sits. A particle
-   sits in an aperture if it touches two or more of its bars with its centre within one radius of the mesh plane; it blocks if, besides,
-   friction would hold it against reversed gravity. */
+/* Counts the apertures of a screen now: whole apertures, those without a blocking particle, those in which any particle
+   sits. A particle sits in an aperture if it touches two or more of its bars with its centre within one radius of the
+   mesh plane; it blocks if, besides, friction would hold it against reversed gravity. */
 typedef struct dem_apertures {
     int total, free, occupied;
 } dem_apertures;
 DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall);
 
-/* ---- measuring: readers of a world, into arrays of the caller; DEM_BAD_ARGUMENT for what is not finite or out of range ---- */
+/* ---- measuring: readers of a world, into arrays of the caller; DEM_BAD_ARGUMENT for what is not finite or out of
+ * range ---- */
 
-/* Stresses are positive where spheres push. First index: component of force or momentum; second: direction in which it is carried. */
+/* Stresses are positive where spheres push. First index: component of force or momentum; second: direction in which it
+   is carried. */
 typedef struct dem_measure {
-    ptrdiff_t count;             /* spheres whose centres lie in the region */
-    double mass;                 /* of them [kg] */
-    double solid_fraction;       /* volume of the parts of spheres in the region over its volume [-]; exact for box and sphere, to 1e-4 for
-                                    a cylinder, to 1e-2 of what the surface of a mesh cuts; overlaps count twice */
-    double coordination;         /* mean number of contacts of these spheres [-] */
-    dem_vec velocity;            /* mean by mass [m/s] */
+    ptrdiff_t count; /* spheres whose centres lie in the region */
+    double mass;     /* of them [kg] */
+    double
+        solid_fraction;  /* volume of the parts of spheres in the region over its volume [-]; exact for box and sphere,
+                            to 1e-4 for  a cylinder, to 1e-2 of what the surface of a mesh cuts; overlaps count twice */
+    double coordination; /* mean number of contacts of these spheres [-] */
+    dem_vec velocity;    /* mean by mass [m/s] */
     double granular_temperature; /* sum m |v - velocity|^2/(3 sum m) [m2/s2] */
-    double contact_stress[3][3]; /* sum F l/V over contacts and links, l the part of the branch in the region [Pa]; the branch goes from
-                                    centre to centre, or from a wall's point to the centre (Goldhirsch 2010, the region as kernel) */
+    double contact_stress[3][3]; /* sum F l/V over contacts and links, l the part of the branch in the region [Pa]; the
+                                    branch goes from centre to centre, or from a wall's point to the centre (Goldhirsch
+                                    2010, the region as kernel) */
     double kinetic_stress[3][3]; /* sum m v' v'/V, v' = v - velocity [Pa] */
 } dem_measure;
-/* Measures a region. Along periodic axes it must not be longer than the box. Without a volume, what is divided by it is NaN. With a mesh
-   also DEM_OUT_OF_MEMORY. */
+/* Measures a region. Along periodic axes it must not be longer than the box. Without a volume, what is divided by it is
+   NaN. With a mesh also DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *region, dem_measure *measure);
 
 /* A block of cells. n = 1 along an axis: no profile along it. */
@@ -1037,49 +1141,57 @@ typedef struct dem_field {
     double contact_stress[3][3]; /* [Pa] */
     double kinetic_stress[3][3]; /* with v' relative to the cell's own velocity [Pa] */
 } dem_field;
-/* Computes coarse-grained fields (Goldhirsch 2010, Granular Matter 12, 239, eqs 5, 6, 25, 30) with the kernel product of 15/16 (1 - u^2)^2
-   by axis, u = distance/width. field: [n[2]][n[1]][n[0]]. Masses are integrated exactly over cells: their sum is that of the spheres if the
-   block extends a width beyond them. Branches are integrated by Gauss's rule with 8 points. */
+/* Computes coarse-grained fields (Goldhirsch 2010, Granular Matter 12, 239, eqs 5, 6, 25, 30) with the kernel product
+   of 15/16 (1 - u^2)^2 by axis, u = distance/width. field: [n[2]][n[1]][n[0]]. Masses are integrated exactly over
+   cells: their sum is that of the spheres if the block extends a width beyond them. Branches are integrated by Gauss's
+   rule with 8 points. */
 DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field);
 
-/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N] or overlap [m]; contacts without overlap are left out.
-   count: [bins]. Returns how many lie outside, or minus a dem_status. */
+/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N] or overlap [m]; contacts without
+   overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
 typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP } dem_quantity;
-DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins, double *count);
+DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
+                                double *count);
 
-/* Sums times in a region. Call it at intervals [s], which are its resolution; ids < n are followed. entered: [n] time of entering, NaN
-   outside, NaN at first; stayed: [n] sum of the visits that are over [s], 0 at first. Leaving by an exit counts at its own time. */
-DEM_API dem_status dem_residence(const dem_world *world, const dem_region *region, ptrdiff_t n, double *entered, double *stayed);
+/* Sums times in a region. Call it at intervals [s], which are its resolution; ids < n are followed. entered: [n] time
+   of entering, NaN outside, NaN at first; stayed: [n] sum of the visits that are over [s], 0 at first. Leaving by an
+   exit counts at its own time. */
+DEM_API dem_status dem_residence(const dem_world *world, const dem_region *region, ptrdiff_t n, double *entered,
+                                 double *stayed);
 
 /* Counts centres by cell: those of one group, and all. [n[2]][n[1]][n[0]] each; width is not used. */
-DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *cells, int group, double *of_group, double *of_all);
-/* How well two species are mixed, from their numbers in samples: [samples] of one, of both; empty samples do not count. All NaN if one
-   species is missing, or a number is negative or larger than that of both. */
+DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *cells, int group, double *of_group,
+                                      double *of_all);
+/* How well two species are mixed, from their numbers in samples: [samples] of one, of both; empty samples do not count.
+   All NaN if one species is missing, or a number is negative or larger than that of both. */
 typedef struct dem_mixing {
-    double share;       /* share of the one species in all [-] */
-    double separated;   /* variance of its share over samples, weighted by their numbers: if each sample held one species only [-] */
-    double random;      /* the same, expected of a random mixture with these sizes of samples [-] */
-    double variance;    /* the same, as it is [-] */
-    double lacey;       /* (separated - variance)/(separated - random): 0 separated, 1 on average in a random mixture (Lacey 1954) */
+    double share;     /* share of the one species in all [-] */
+    double separated; /* variance of its share over samples, weighted by their numbers: if each sample held one species
+                         only [-] */
+    double random;    /* the same, expected of a random mixture with these sizes of samples [-] */
+    double variance;  /* the same, as it is [-] */
+    double lacey; /* (separated - variance)/(separated - random): 0 separated, 1 on average in a random mixture (Lacey
+                     1954) */
     double segregation; /* variance/separated: 1 separated (intensity of segregation, Danckwerts 1952) */
 } dem_mixing;
 DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, const double *of_all);
-/* Returns the number of contacts between a group and the others, over what chance would give: 0 separated, 1 random. NaN without
-   contacts. */
+/* Returns the number of contacts between a group and the others, over what chance would give: 0 separated, 1 random.
+   NaN without contacts. */
 DEM_API double dem_unlike_contacts(const dem_world *world, int group);
 
-/* Returns the volume of a ball within a box, its centre at the origin [m3] (closed form: Gauss-Bonnet for the sphere's part, then the
-   divergence theorem). radius > 0, low <= high by axis; otherwise NaN. */
+/* Returns the volume of a ball within a box, its centre at the origin [m3] (closed form: Gauss-Bonnet for the sphere's
+   part, then the divergence theorem). radius > 0, low <= high by axis; otherwise NaN. */
 DEM_API double dem_ball_in_box(double radius, dem_vec low, dem_vec high);
 
 /* Returns a hash of every bit of the particles' state and histories, and of controlled walls. */
 DEM_API uint64_t dem_hash(const dem_world *world);
 
-/* Saves everything that the future depends on, little-endian, with version and checksum. Returns the size in bytes; writes only if capacity
-   is enough (call it with NULL, 0 first). 0 for what is no world, and from hooks: a step is half done there. */
+/* Saves everything that the future depends on, little-endian, with version and checksum. Returns the size in bytes;
+   writes only if capacity is enough (call it with NULL, 0 first). 0 for what is no world, and from hooks: a step is
+   half done there. */
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
-/* Makes a world from saved bytes; its runs continue with the same bits. As for dem_init, *world must not be in use. allocator may be NULL.
-   DEM_BAD_DATA, DEM_OUT_OF_MEMORY: nothing is allocated then. */
+/* Makes a world from saved bytes; its runs continue with the same bits. As for dem_init, *world must not be in use.
+   allocator may be NULL. DEM_BAD_DATA, DEM_OUT_OF_MEMORY: nothing is allocated then. */
 DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator);
 
 /* ---- pure laws, NaN outside their domain ---- */
@@ -1090,7 +1202,8 @@ DEM_API double dem_damping_ratio(double e, dem_restitution mode);
 DEM_API double dem_restitution_of(double zeta, dem_restitution mode);
 /* Returns the duration of a contact [s]: stiffness k [N/m] > 0, effective mass [kg] > 0. */
 DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitution mode);
-/* Returns the duration of an elastic Hertz contact [s] (Hertz 1881): E* [Pa], R* [m], m_eff [kg], impact speed [m/s], all > 0. */
+/* Returns the duration of an elastic Hertz contact [s] (Hertz 1881): E* [Pa], R* [m], m_eff [kg], impact speed [m/s],
+   all > 0. */
 DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed);
 
 /* --------------------------------------------------------------------------------------------- >>base/polyhedron.h */
@@ -1100,55 +1213,62 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
 #define DEM_FACES_MAX (2 * DEM_CORNERS_MAX - 4) /* by Euler's formula, if all are triangles */
 #define DEM_EDGES_MAX (3 * DEM_CORNERS_MAX - 6)
 
-/* A convex polyhedron with rounded edges and corners: all points within a radius of a core. Its flat faces are those of the polyhedron that
-   it was made of; the core is that polyhedron, eroded by the radius. Volume, centroid and inertia are those of the sharp polyhedron.
-   Lengths are from the centroid, along the principal axes. Made by the three functions below. */
+/* A convex polyhedron with rounded edges and corners: all points within a radius of a core. Its flat faces are those of
+   the polyhedron that it was made of; the core is that polyhedron, eroded by the radius. Volume, centroid and inertia
+   are those of the sharp polyhedron. Lengths are from the centroid, along the principal axes. Made by the three
+   functions below. */
 typedef struct dem_convex {
     int corners, edges, faces;
-    int is_box;                        /* 1: the core is a box along the axes with half lengths `half` */
-    double radius;                     /* of rounding [m] */
-    double reach;                      /* from the centroid to the farthest point [m] */
-    double volume;                     /* [m3] */
-    double moment[3];                  /* principal moments of inertia over density [m5] */
-    double share;                      /* share of its mass that the outermost corner has in an impact, mean over directions [-] */
-    dem_vec half;                      /* of a box [m] */
-    dem_vec centroid;                  /* in the frame in which the polyhedron was given [m] */
-    dem_vec axis[3];                   /* principal axes in that frame, right-handed; where moments are equal, those nearest to its axes */
-    double corner[DEM_CORNERS_MAX][3]; /* of the core [m] */
-    double plane[DEM_FACES_MAX][4];    /* of the core: outward normal and distance from the centroid [m] */
+    int is_box;       /* 1: the core is a box along the axes with half lengths `half` */
+    double radius;    /* of rounding [m] */
+    double reach;     /* from the centroid to the farthest point [m] */
+    double volume;    /* [m3] */
+    double moment[3]; /* principal moments of inertia over density [m5] */
+    double share;     /* share of its mass that the outermost corner has in an impact, mean over directions [-] */
+    dem_vec half;     /* of a box [m] */
+    dem_vec centroid; /* in the frame in which the polyhedron was given [m] */
+    dem_vec
+        axis[3]; /* principal axes in that frame, right-handed; where moments are equal, those nearest to its axes */
+    double corner[DEM_CORNERS_MAX][3];      /* of the core [m] */
+    double plane[DEM_FACES_MAX][4];         /* of the core: outward normal and distance from the centroid [m] */
     uint8_t face_start[DEM_FACES_MAX + 1];  /* where a face's corners begin in face_corner */
     uint8_t face_corner[2 * DEM_EDGES_MAX]; /* counterclockwise from outside */
     uint8_t edge[DEM_EDGES_MAX][2];         /* corners of an edge */
-    uint8_t edge_face[DEM_EDGES_MAX][2];    /* its faces; it runs along the first one's corners, against the second one's */
+    uint8_t edge_face[DEM_EDGES_MAX]
+                     [2]; /* its faces; it runs along the first one's corners, against the second one's */
 } dem_convex;
 
-/* Makes a polyhedron from its corners, in any order. n: 4 .. DEM_CORNERS_MAX; corners: shape [n][3] [m]; rounding: radius over the smallest
-   distance of a face from the corner opposite to it [-], 0.001 .. 0.4; 0.03 is a good value. DEM_BAD_ARGUMENT, with the cause in *reason
-   (may be NULL): a number that is not finite or out of range, corners in one plane, a point that is no corner (it lies inside, in a face,
-   on an edge or on another), or a core of more than DEM_CORNERS_MAX corners (it may have more of them where more than three faces meet). */
-DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding, const char **reason);
+/* Makes a polyhedron from its corners, in any order. n: 4 .. DEM_CORNERS_MAX; corners: shape [n][3] [m]; rounding:
+   radius over the smallest distance of a face from the corner opposite to it [-], 0.001 .. 0.4; 0.03 is a good value.
+   DEM_BAD_ARGUMENT, with the cause in *reason (may be NULL): a number that is not finite or out of range, corners in
+   one plane, a point that is no corner (it lies inside, in a face, on an edge or on another), or a core of more than
+   DEM_CORNERS_MAX corners (it may have more of them where more than three faces meet). */
+DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding,
+                                   const char **reason);
 /* Makes a box of these lengths along its axes [m] > 0. rounding, reason: as in dem_make_convex. */
 DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason);
-/* Makes a polyhedron from a closed surface of triangles that is convex. Also refuses an edge that has not two triangles, and a corner
-   outside of a triangle's plane. Triangles in one plane make one face. */
+/* Makes a polyhedron from a closed surface of triangles that is convex. Also refuses an edge that has not two
+   triangles, and a corner outside of a triangle's plane. Triangles in one plane make one face. */
 DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason);
 
 /* Adds a shape to a world, which keeps a copy of it. Returns its number from 0 on, or minus a dem_status. */
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
-/* Adds n polyhedra of a shape at rest. centres: of mass, shape [n][3] [m]; orientations: [n][4], quaternions of any length but 0, scalar
-   first, from the shape's principal axes to the world's; NULL: none is turned. Otherwise as dem_add_spheres. Each is one particle, whose
-   radius is that of the sphere around it. A contact is a point: a corner at the other body, or two edges that cross. At each point the
-   pair's law acts between spheres with the rounding radii (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass;
-   so a face on a face has as many springs as points. Weights of points let force pass from edges to corners without a jump
-   (docs/dem_convex.md). Runs need DEM_FRICTION (otherwise DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the
-   sum of the radii: cores that overlap are pushed apart, too, but their normals may jump. Corners, edges and faces touch walls of every
-   kind. Links of polyhedra are refused with DEM_POLYHEDRON. */
-DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
-                                  int group);
-DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i);              /* number of its shape; -1: it has none */
-DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape); /* owned by the world; NULL if there is none */
-/* Counts the overlaps that are too deep, in the last step: pairs of polyhedra whose cores overlapped, spheres whose centre was in a core,
-   and walls that cut a core. 0 is right. */
+/* Adds n polyhedra of a shape at rest. centres: of mass, shape [n][3] [m]; orientations: [n][4], quaternions of any
+   length but 0, scalar first, from the shape's principal axes to the world's; NULL: none is turned. Otherwise as
+   dem_add_spheres. Each is one particle, whose radius is that of the sphere around it. A contact is a point: a corner
+   at the other body, or two edges that cross. At each point the pair's law acts between spheres with the rounding radii
+   (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass; so a face on a face has as many
+   springs as points. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs
+   need DEM_FRICTION (otherwise DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the sum of
+   the radii: cores that overlap are pushed apart, too, but their normals may jump. Corners, edges and faces touch walls
+   of every kind. Links of polyhedra are refused with DEM_POLYHEDRON. */
+DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres,
+                                  const double *orientations, int material, int group);
+DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i); /* number of its shape; -1: it has none */
+DEM_API const dem_convex *dem_get_shape(const dem_world *world,
+                                        int shape); /* owned by the world; NULL if there is none */
+/* Counts the overlaps that are too deep, in the last step: pairs of polyhedra whose cores overlapped, spheres whose
+   centre was in a core, and walls that cut a core. 0 is right. */
 DEM_API int64_t dem_core_overlaps(const dem_world *world);
 
 /* ------------------------------------------------------------------------------------------ >>base/portable_math.h */
@@ -1336,10 +1456,13 @@ enum {
 /* State, from DEM__XI on: tangential displacement [m], which the kernel turns with the contact. */
 enum { DEM__XI };
 
-/* Returns the factor of the dashpot's velocity, which is predicted over a step h. With it, an oscillation of two bodies on a linear spring
-   of k m/h^2 and a dashpot of c m/h decays as it should, to third order. It follows from the characteristic equation of the scheme for
-   positions proportional to z^n: 2 z (z - 1)^2 + 2 k z^2 + c (z - 1)(3 z - 1) = 0. */
-DEM_INLINE double dem__prediction(double k, double c) { return 1.0 - (11.0 * k - 5.0 * c * c + 9.0 * c * k - 3.0 * c * c * c) / 24.0; }
+/* Returns the factor of the dashpot's velocity, which is predicted over a step h. With it, an oscillation of two bodies
+   on a linear spring of k m/h^2 and a dashpot of c m/h decays as it should, to third order. It follows from the
+   characteristic equation of the scheme for positions proportional to z^n: 2 z (z - 1)^2 + 2 k z^2 + c (z - 1)(3 z - 1)
+   = 0. */
+DEM_INLINE double dem__prediction(double k, double c) {
+    return 1.0 - (11.0 * k - 5.0 * c * c + 9.0 * c * k - 3.0 * c * c * c) / 24.0;
+}
 
 /* Computes rolling resistance against the relative spin: at most the torque that stops it in two steps. */
 DEM_INLINE void dem__roll(const dem_contact *c, double normal, double arm, double cap, dem_response *r) {
@@ -1370,17 +1493,20 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
     if (!(features & DEM_FRICTION)) return;
 
     double push = force > 0.0 ? force : 0.0, limit = p[DEM__MU] * push;
-    double relax = p[DEM__GAMMA_T] / (p[DEM__KT] > 0.0 ? p[DEM__KT] : 1.0), xi[3], t[3]; /* [s]; arbitrary without a spring */
+    double relax = p[DEM__GAMMA_T] / (p[DEM__KT] > 0.0 ? p[DEM__KT] : 1.0), xi[3],
+           t[3]; /* [s]; arbitrary without a spring */
     for (int a = 0; a < 3; a++) {
         xi[a] = state[DEM__XI + a] + c->slip[a] * c->dt;
         t[a] = p[DEM__KT] * xi[a] + p[DEM__GAMMA_T] * c->slip[a];
     }
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), most = size + 1e-300;
-    double scale = (limit < most ? limit : most) / most; /* a choice of 1 would make gcc compute both cases of all that follows */
+    double scale =
+        (limit < most ? limit : most) / most; /* a choice of 1 would make gcc compute both cases of all that follows */
     for (int a = 0; a < 3; a++) {
-        double kept = size > limit ? scale * (xi[a] + relax * c->slip[a]) : xi[a];        /* sliding: the spring carries the whole force */
-        r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force over the distance
-                                                                                             slid */
+        double kept = size > limit ? scale * (xi[a] + relax * c->slip[a])
+                                   : xi[a]; /* sliding: the spring carries the whole force */
+        r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force over
+                                                                                             the distance slid */
         r->elastic += 0.5 * p[DEM__KT] * kept * kept;
         r->rolling_power += (scale * t[a] - p[DEM__KT] * kept) * c->slip[a];
         state[DEM__XI + a] = kept;
@@ -1404,10 +1530,11 @@ static inline double dem_prepare_linear(const dem_birth *b, double *constants) {
     return k;
 }
 
-/* Hertz-Mindlin: normal force 4/3 E* sqrt(R*) delta^1.5, dashpot sqrt(5) beta sqrt(m k) delta^0.25 (Tsuji et al. 1992; gives e exactly:
-   Antypov & Elliott 2011), tangential force 8 G* sqrt(R* delta) times the displacement (Mindlin 1949, without microslip). A stored
-   tangential force follows the contact radius when it grows and when it shrinks, as in Chung & Ooi's impact tests and in the common codes.
-   The energy that a change of the radius adds or takes counts as sliding loss, with its sign. */
+/* Hertz-Mindlin: normal force 4/3 E* sqrt(R*) delta^1.5, dashpot sqrt(5) beta sqrt(m k) delta^0.25 (Tsuji et al. 1992;
+   gives e exactly: Antypov & Elliott 2011), tangential force 8 G* sqrt(R* delta) times the displacement (Mindlin 1949,
+   without microslip). A stored tangential force follows the contact radius when it grows and when it shrinks, as in
+   Chung & Ooi's impact tests and in the common codes. The energy that a change of the radius adds or takes counts as
+   sliding loss, with its sign. */
 enum {
     DEM__HERTZ_K,
     DEM__HERTZ_GAMMA,
@@ -1425,7 +1552,8 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
     const double *p = c->constants;
     double overlap = c->gap < 0.0 ? -c->gap : 0.0, area = sqrt(p[DEM__HERTZ_RADIUS] * overlap);
     double spring = p[DEM__HERTZ_K] * area * overlap, damping = p[DEM__HERTZ_GAMMA] * sqrt(area);
-    double step = c->dt / c->mass, k = 1.5 * p[DEM__HERTZ_K] * area * c->dt * step; /* of a spring as stiff as it is now */
+    double step = c->dt / c->mass,
+           k = 1.5 * p[DEM__HERTZ_K] * area * c->dt * step; /* of a spring as stiff as it is now */
     double closing = dem__prediction(k, damping * step) * c->closing, force = spring + damping * closing;
     r->normal = r->contact = force;
     r->ended = c->gap < 0.0 ? 0.0 : 1.0;
@@ -1461,8 +1589,8 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
     if (features & DEM_ROLLING) dem__roll(c, push, p[DEM__HERTZ_ROLL], p[DEM__HERTZ_CAP], r);
 }
 
-/* Computes the constants of a contact by Hertz. Shear modulus of the pair: 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j with G = E/(2 (1 +
-   nu)). */
+/* Computes the constants of a contact by Hertz. Shear modulus of the pair: 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j with
+   G = E/(2 (1 + nu)). */
 static inline double dem_prepare_hertz(const dem_birth *b, double *constants) {
     const dem_material *i = &b->def->material[b->material_i], *j = &b->def->material[b->material_j];
     double modulus = 1.0 / ((1.0 - i->poisson_ratio * i->poisson_ratio) / i->young_modulus +
@@ -1482,7 +1610,7 @@ static inline double dem_prepare_hertz(const dem_birth *b, double *constants) {
     return 0.0;
 }
 
-#define DEM__FORCE(name, body, features)                                                                                                   \
+#define DEM__FORCE(name, body, features)                                                                               \
     DEM_INLINE void name(const dem_contact *c, double *state, dem_response *r) { body(c, state, r, features); }
 DEM__FORCE(dem_force_linear, dem__linear, DEM_LINEAR)
 DEM__FORCE(dem_force_linear_friction, dem__linear, DEM_FRICTION)
@@ -1494,22 +1622,28 @@ DEM__FORCE(dem_force_hertz_rolling, dem__hertz, DEM_FRICTION | DEM_ROLLING)
 /* ----------------------------------------------------------------------------------------------- >>base/geometry.h */
 /* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions. */
 
-/* Rounds to multiples of 2e-100, which changes only numbers below 1e-68. Speeds that decay thus end at 0; neither they nor their squares
-   become subnormal numbers, which make a processor slow. Two additions cost less than a comparison. */
+/* Rounds to multiples of 2e-100, which changes only numbers below 1e-68. Speeds that decay thus end at 0; neither they
+   nor their squares become subnormal numbers, which make a processor slow. Two additions cost less than a comparison.
+   */
 DEM_INLINE double dem__flushed(double v) { return (v + DEM__LEAST) - DEM__LEAST; }
-DEM_INLINE dem_vec dem__flushed_vec(dem_vec v) { return dem_vec3(dem__flushed(v.x), dem__flushed(v.y), dem__flushed(v.z)); }
+DEM_INLINE dem_vec dem__flushed_vec(dem_vec v) {
+    return dem_vec3(dem__flushed(v.x), dem__flushed(v.y), dem__flushed(v.z));
+}
 
 DEM_INLINE dem_vec dem__add(dem_vec a, dem_vec b) { return dem_vec3(a.x + b.x, a.y + b.y, a.z + b.z); }
 DEM_INLINE dem_vec dem__sub(dem_vec a, dem_vec b) { return dem_vec3(a.x - b.x, a.y - b.y, a.z - b.z); }
 DEM_INLINE dem_vec dem__scale(double s, dem_vec a) { return dem_vec3(s * a.x, s * a.y, s * a.z); }
-DEM_INLINE dem_vec dem__plus(dem_vec a, double s, dem_vec b) { return dem_vec3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z); }
+DEM_INLINE dem_vec dem__plus(dem_vec a, double s, dem_vec b) {
+    return dem_vec3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
+}
 DEM_INLINE double dem__dot(dem_vec a, dem_vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 DEM_INLINE dem_vec dem__cross(dem_vec a, dem_vec b) {
     return dem_vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 DEM_INLINE double dem__length(dem_vec a) { return sqrt(dem__dot(a, a)); }
 
-/* Returns the sine of an angle, and its cosine: the bits of riddle_sin and riddle_cos, which both find the quarter turn. */
+/* Returns the sine of an angle, and its cosine: the bits of riddle_sin and riddle_cos, which both find the quarter
+   turn. */
 static DEM__NOINLINE double dem__sine(double angle, double *cosine) {
     int quarter;
     const double r = riddle__within_quarter(angle, &quarter);
@@ -1521,13 +1655,14 @@ static DEM__NOINLINE double dem__sine(double angle, double *cosine) {
 static DEM__NOINLINE dem_vec dem__rotated(dem_vec v, dem_vec axis, double angle) {
     double turns = angle / (2.0 * RIDDLE_PI), phase = 2.0 * RIDDLE_PI * (turns - floor(turns));
     double c, s = dem__sine(phase, &c);
-    return dem__add(dem__add(dem__scale(c, v), dem__scale(s, dem__cross(axis, v))), dem__scale((1.0 - c) * dem__dot(axis, v), axis));
+    return dem__add(dem__add(dem__scale(c, v), dem__scale(s, dem__cross(axis, v))),
+                    dem__scale((1.0 - c) * dem__dot(axis, v), axis));
 }
 
-/* Returns the displacement of a harmonic vibration from its start [m], and its velocity and acceleration. start: sine of the phase; angle:
-   2 pi times frequency and time. */
-DEM_INLINE double dem__vibration(double amplitude, double phase, double start, double angle, double rate, double *velocity,
-                                 double *acceleration) {
+/* Returns the displacement of a harmonic vibration from its start [m], and its velocity and acceleration. start: sine
+   of the phase; angle: 2 pi times frequency and time. */
+DEM_INLINE double dem__vibration(double amplitude, double phase, double start, double angle, double rate,
+                                 double *velocity, double *acceleration) {
     if (amplitude == 0.0) {
         *velocity = *acceleration = 0.0;
         return 0.0;
@@ -1541,7 +1676,8 @@ DEM_INLINE double dem__vibration(double amplitude, double phase, double start, d
 /* Sets the sines of a vibration's phases, which do not change while it lasts. */
 static inline void dem__set_phase_sine(dem_wall *w) {
     const dem_vec phase = w->asked.phase;
-    w->phase_sine = dem_vec3(riddle_sin(phase.x) + 0.0, riddle_sin(phase.y) + 0.0, riddle_sin(phase.z) + 0.0); /* no -0 */
+    w->phase_sine =
+        dem_vec3(riddle_sin(phase.x) + 0.0, riddle_sin(phase.y) + 0.0, riddle_sin(phase.z) + 0.0); /* no -0 */
 }
 
 /* Displacement, velocity and acceleration of a wall by vibration. */
@@ -1562,8 +1698,8 @@ static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
 /* Returns whether two walls vibrate alike, as a deck and its side wall do. */
 DEM_INLINE int dem__sways_like(const dem_wall *a, const dem_wall *b) {
     return memcmp(&a->asked.amplitude, &b->asked.amplitude, sizeof a->asked.amplitude) == 0 &&
-           memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 && a->asked.frequency == b->asked.frequency &&
-           a->asked.motion_start == b->asked.motion_start;
+           memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 &&
+           a->asked.frequency == b->asked.frequency && a->asked.motion_start == b->asked.motion_start;
 }
 
 /* Returns the position of a wall in a pose; axis: its axes in the pose. */
@@ -1610,7 +1746,8 @@ static inline void dem__rated_wall(dem_wall *w, double rate) {
     const dem_vec arm = dem__sub(w->position, w->asked.spin_centre), across = dem__cross(w->spin_axis, arm);
     w->spin = rate, w->spin_rate = w->rate_change;
     w->velocity = dem__scale(rate, across);
-    w->acceleration = dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
+    w->acceleration =
+        dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
 }
 
 /* Moves a controlled wall to its place at a time: predicted from the last step, as a particle is. */
@@ -1661,26 +1798,31 @@ typedef struct dem__touch {
     int32_t face; /* mesh: the triangle that has the nearest point inside its edges; -1: none */
 } dem__touch;
 
-/* The face on which a contact with a mesh rests. It is the only place touched as long as the centre is within `slack` of `at`, and a
-   contact opens by less than that in a step. */
+/* The face on which a contact with a mesh rests. It is the only place touched as long as the centre is within `slack`
+   of `at`, and a contact opens by less than that in a step. */
 typedef struct dem__footing {
     dem_vec at;   /* in the wall's own frame */
     double slack; /* [m]; 0: search */
     int32_t face;
 } dem__footing;
 
-enum { DEM__TOUCHES = 4, DEM__NUMBERS = 16 }; /* NUMBERS: contacts of a particle with a mesh, including those that end in this step */
-#define DEM__SMOOTH 0.9                       /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides is round */
+enum {
+    DEM__TOUCHES = 4,
+    DEM__NUMBERS = 16
+};                      /* NUMBERS: contacts of a particle with a mesh, including those that end in this step */
+#define DEM__SMOOTH 0.9 /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides is round */
 
 DEM_INLINE double dem__clamp(double v, double low, double high) { return v < low ? low : (v > high ? high : v); }
 
-/* Computes the vector `from`, in (along, across, up), from the nearest point of the axis of bar `index` of a family, at (index - 1/2)
-   pitch, to a centre. along: the centre's coordinate parallel to the bars; across: in the deck, perpendicular to them. Returns how far the
-   surface is from that point [m]; < 0 if there is no such bar. */
-DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, double along, double across, double up, dem_vec *from) {
+/* Computes the vector `from`, in (along, across, up), from the nearest point of the axis of bar `index` of a family, at
+   (index - 1/2) pitch, to a centre. along: the centre's coordinate parallel to the bars; across: in the deck,
+   perpendicular to them. Returns how far the surface is from that point [m]; < 0 if there is no such bar. */
+DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, double along, double across, double up,
+                                 dem_vec *from) {
     const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire);
     const double side = family ? w->half_x : w->half_y, length = family ? w->half_y : w->half_x;
-    const double end2 = w->circular ? (w->half_x - bar) * (w->half_x + bar) : length * length; /* square of its half length */
+    const double end2 =
+        w->circular ? (w->half_x - bar) * (w->half_x + bar) : length * length; /* square of its half length */
     const int beyond = !(along * along <= end2);
     const double da = !beyond ? 0.0 : along < 0.0 ? along + sqrt(end2) : along - sqrt(end2), dc = across - bar;
     *from = dem_vec3(da, dc, up);
@@ -1696,15 +1838,17 @@ DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, do
     return 0.0;
 }
 
-/* Computes the touch with bar `index` of a family; its normal is in (along, across, up). Returns 0 if there is no such bar. */
-DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up, double radius,
-                              dem__touch *out) {
+/* Computes the touch with bar `index` of a family; its normal is in (along, across, up). Returns 0 if there is no such
+   bar. */
+DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up,
+                              double radius, dem__touch *out) {
     dem_vec from;
     const double inner = dem__reach_bar(w, family, index, along, across, up, &from);
     if (!(inner >= 0.0)) return 0;
     const double distance = dem__length(from);
     out->gap = distance - inner - radius;
-    out->curvature = 1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on where it begins */
+    out->curvature =
+        1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on where it begins */
     out->normal = dem__scale(1.0 / distance, from);
     out->element = 2 * (int32_t)index + family;
     return distance > 0.0;
@@ -1712,31 +1856,37 @@ DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, doubl
 
 /* Converts a vector from (along, across, up) of a family to the world's axes. */
 DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
-    const dem_vec a = dem__scale(v.x, w->axis[family]), c = dem__scale(v.y, w->axis[1 - family]), u = dem__scale(v.z, w->axis[2]);
+    const dem_vec a = dem__scale(v.x, w->axis[family]), c = dem__scale(v.y, w->axis[1 - family]),
+                  u = dem__scale(v.z, w->axis[2]);
     return dem__add(dem__add(a, c), u);
 }
 
-/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck they are the last two. */
+/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck they
+   are the last two. */
 DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across) {
-    const double pitch = w->aperture + w->wire, half = family ? w->half_x : w->half_y, nearest = floor(across / pitch + 0.5);
+    const double pitch = w->aperture + w->wire, half = family ? w->half_x : w->half_y,
+                 nearest = floor(across / pitch + 0.5);
     if (fabs(across) < half - pitch) return nearest;
     const double last = floor(half / pitch + 0.5);
     return dem__clamp(nearest, 1.0 - last, last - 1.0);
 }
 
-/* Returns a lower limit of the gap of all other bars [m]. lowest: the smallest gap found, which counts where it is negative. */
+/* Returns a lower limit of the gap of all other bars [m]. lowest: the smallest gap found, which counts where it is
+   negative. */
 DEM_INLINE double dem__third_bar(const dem_wall *w, double radius, double lowest) {
     const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, near = lowest < 0.0 ? sum + lowest : sum;
     return sqrt(near * near + 0.75 * pitch * pitch) - sum;
 }
 
-/* Computes the touch with a frustum. Its nearest point lies in the plane of axis and centre, on a segment. d: the centre, from the low end;
-   up: along the axis. Returns 0 if the gap is not below `limit`; least: the gap. */
-static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, double radius, double limit, dem__touch *out, double *least) {
+/* Computes the touch with a frustum. Its nearest point lies in the plane of axis and centre, on a segment. d: the
+   centre, from the low end; up: along the axis. Returns 0 if the gap is not below `limit`; least: the gap. */
+static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, double radius, double limit, dem__touch *out,
+                                  double *least) {
     const dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
-    const double rho = dem__length(radial), rise = w->high_radius - w->radius, slant = sqrt(rise * rise + w->length * w->length);
-    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is nearest: any point of
-                                                                                       it */
+    const double rho = dem__length(radial), rise = w->high_radius - w->radius,
+                 slant = sqrt(rise * rise + w->length * w->length);
+    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is
+                                                                                       nearest: any point of it */
     const double along = dem__clamp(((rho - w->radius) * rise + up * w->length) / (slant * slant), 0.0, 1.0);
     const double x = rho - (w->radius + along * rise), y = up - along * w->length;
     double distance = sqrt(x * x + y * y), nx = w->length / slant, ny = -rise / slant;
@@ -1755,17 +1905,19 @@ static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, doubl
 }
 
 /* -------------------------------------------------------------------------------------------- >>walls/mesh_touch.h */
-/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by a search. */
+/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by
+   a search. */
 
-/* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in depth-first order; `skip` is
-   the next node that is not below this one. */
+/* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in
+   depth-first order; `skip` is the next node that is not below this one. */
 typedef struct dem__node {
     double low[3], high[3];
     int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
 } dem__node;
-typedef int dem__touch_mesh_fn(const dem_wall *w, dem_vec d, double radius, double deep, double limit, dem__touch *out, double *least);
-/* Sharp edges and corners of a mesh. Entry 3 k + c is the edge of triangle k from its corner c, and that corner. Edges and corners that
-   triangles share have one entry. */
+typedef int dem__touch_mesh_fn(const dem_wall *w, dem_vec d, double radius, double deep, double limit, dem__touch *out,
+                               double *least);
+/* Sharp edges and corners of a mesh. Entry 3 k + c is the edge of triangle k from its corner c, and that corner. Edges
+   and corners that triangles share have one entry. */
 typedef struct dem__mesh_edges {
     size_t bytes;
     dem_vec *outward; /* of an edge: direction away from both of its faces; 0 for a rim */
@@ -1783,20 +1935,23 @@ typedef struct dem__tree {
 } dem__tree;
 enum { DEM__LEAF = 4 };
 
-/* Returns the vector from the plane of a triangle to p; distance: its length. All triangles of one plane give the same vector. */
+/* Returns the vector from the plane of a triangle to p; distance: its length. All triangles of one plane give the same
+   vector. */
 DEM_INLINE dem_vec dem__above_face(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
     const double up = dem__dot(dem__sub(p, t->vertex[t->corner[3 * k]]), t->normal[k]);
     *distance = fabs(up);
     return dem__scale(up, t->normal[k]);
 }
 
-/* Returns the vector from the nearest point of a triangle to p (Ericson 2005, Real-Time Collision Detection, 5.1.5). distance: its length;
-   inside: whether the point is not on an edge or a corner. */
+/* Returns the vector from the nearest point of a triangle to p (Ericson 2005, Real-Time Collision Detection, 5.1.5).
+   distance: its length; inside: whether the point is not on an edge or a corner. */
 static inline dem_vec dem__from_triangle(const dem__tree *t, int32_t k, dem_vec p, double *distance, int *inside) {
-    const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]], c = t->vertex[t->corner[3 * k + 2]];
-    const dem_vec ab = dem__sub(b, a), ac = dem__sub(c, a), ap = dem__sub(p, a), bp = dem__sub(p, b), cp = dem__sub(p, c);
-    const double a1 = dem__dot(ab, ap), a2 = dem__dot(ac, ap), b1 = dem__dot(ab, bp), b2 = dem__dot(ac, bp), c1 = dem__dot(ab, cp),
-                 c2 = dem__dot(ac, cp);
+    const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]],
+                  c = t->vertex[t->corner[3 * k + 2]];
+    const dem_vec ab = dem__sub(b, a), ac = dem__sub(c, a), ap = dem__sub(p, a), bp = dem__sub(p, b),
+                  cp = dem__sub(p, c);
+    const double a1 = dem__dot(ab, ap), a2 = dem__dot(ac, ap), b1 = dem__dot(ab, bp), b2 = dem__dot(ac, bp),
+                 c1 = dem__dot(ab, cp), c2 = dem__dot(ac, cp);
     const double to_ab = a1 * b2 - b1 * a2, to_ac = c1 * a2 - a1 * c2, to_bc = b1 * c2 - c1 * b2;
     dem_vec v;
     *inside = 0;
@@ -1805,7 +1960,8 @@ static inline dem_vec dem__from_triangle(const dem__tree *t, int32_t k, dem_vec 
     else if (c2 >= 0.0 && c1 <= c2) v = cp;
     else if (to_ab <= 0.0 && a1 >= 0.0 && b1 <= 0.0) v = dem__sub(ap, dem__scale(a1 / (a1 - b1), ab));
     else if (to_ac <= 0.0 && a2 >= 0.0 && c2 <= 0.0) v = dem__sub(ap, dem__scale(a2 / (a2 - c2), ac));
-    else if (to_bc <= 0.0 && b2 >= b1 && c1 >= c2) v = dem__sub(bp, dem__scale((b2 - b1) / ((b2 - b1) + (c1 - c2)), dem__sub(c, b)));
+    else if (to_bc <= 0.0 && b2 >= b1 && c1 >= c2)
+        v = dem__sub(bp, dem__scale((b2 - b1) / ((b2 - b1) + (c1 - c2)), dem__sub(c, b)));
     else {
         *inside = 1;
         return dem__above_face(t, k, p, distance);
@@ -1821,8 +1977,9 @@ DEM_INLINE int dem__is_far(const dem__node *b, dem_vec p, double reach) {
     return !(x * x + y * y + z * z < reach * reach);
 }
 
-/* Returns whether a place is in the shadow of a nearer one, because a surface is touched only once: their normals agree to 26 degrees, or
-   the place does not rise over the nearer one's tangent plane, as edges and corners of a touched face do not. */
+/* Returns whether a place is in the shadow of a nearer one, because a surface is touched only once: their normals agree
+   to 26 degrees, or the place does not rise over the nearer one's tangent plane, as edges and corners of a touched face
+   do not. */
 DEM_INLINE int dem__is_shadowed(const dem__touch *far_one, const dem__touch *near_one, double radius) {
     const double flat = (1.0 - 1e-9) * (radius + near_one->gap) / (radius + far_one->gap);
     return dem__dot(far_one->normal, near_one->normal) > (flat < DEM__SMOOTH ? flat : DEM__SMOOTH);
@@ -1851,9 +2008,10 @@ DEM_INLINE dem_vec dem__from_frame(const dem_wall *w, dem_vec v) {
     return dem__add(dem__add(dem__scale(v.x, w->axis[0]), dem__scale(v.y, w->axis[1])), dem__scale(v.z, w->axis[2]));
 }
 
-/* Finds the nearest place of a mesh, if its gap is below `limit`, and those with a gap below `deep` that no nearer one shadows: at most
-   DEM__TOUCHES, nearest first. Returns how many; least: the smallest gap, or limit. */
-static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, double deep, double limit, dem__touch *out, double *least) {
+/* Finds the nearest place of a mesh, if its gap is below `limit`, and those with a gap below `deep` that no nearer one
+   shadows: at most DEM__TOUCHES, nearest first. Returns how many; least: the smallest gap, or limit. */
+static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, double deep, double limit,
+                                  dem__touch *out, double *least) {
     const dem__tree *t = w->tree;
     const dem_vec p = dem__to_frame(w, d);
     dem__touch here;
@@ -1906,16 +2064,17 @@ static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, d
 static inline double dem__inside_edges(const dem__tree *t, int32_t k, dem_vec q) {
     double least = HUGE_VAL;
     for (int e = 0; e < 3; e++) {
-        const dem_vec u = t->vertex[t->corner[3 * k + e]], v = t->vertex[t->corner[3 * k + (e + 1) % 3]], along = dem__sub(v, u);
+        const dem_vec u = t->vertex[t->corner[3 * k + e]], v = t->vertex[t->corner[3 * k + (e + 1) % 3]],
+                      along = dem__sub(v, u);
         const double in = dem__dot(dem__sub(q, u), dem__cross(t->normal[k], along)) / dem__length(along);
         least = in < least ? in : least;
     }
     return least;
 }
 
-/* Computes the footing of a sphere whose only touch is on a face. A triangle that rises above the plane of the face can be touched, or
-   become the nearest, after half its gap. One that does not rise is in the face's shadow; it becomes the nearest only where the centre
-   leaves the face for it. */
+/* Computes the footing of a sphere whose only touch is on a face. A triangle that rises above the plane of the face can
+   be touched, or become the nearest, after half its gap. One that does not rise is in the face's shadow; it becomes the
+   nearest only where the centre leaves the face for it. */
 static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, double radius, const dem__touch *touch) {
     const dem__tree *t = w->tree;
     const int32_t face = touch->face;
@@ -1955,9 +2114,10 @@ static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, doubl
     return f;
 }
 
-/* Computes the touch of a sphere that has not left its footing. Returns 0 if a search is needed. opens: the most that a contact opens in a
-   step [m]. */
-DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_vec d, double radius, double opens, dem__touch *out) {
+/* Computes the touch of a sphere that has not left its footing. Returns 0 if a search is needed. opens: the most that a
+   contact opens in a step [m]. */
+DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_vec d, double radius, double opens,
+                                  dem__touch *out) {
     const dem_vec p = dem__to_frame(w, d), moved = dem__sub(p, f->at);
     double distance;
     if (!(f->slack > opens && dem__dot(moved, moved) < f->slack * f->slack)) return 0;
@@ -1968,10 +2128,13 @@ DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_
 }
 
 /* ------------------------------------------------------------------------------------------------- >>walls/kinds.h */
-/* What every kind of wall computes: where it is touched, how its normal turns, how its surface moves. Pure functions. */
+/* What every kind of wall computes: where it is touched, how its normal turns, how its surface moves. Pure functions.
+ */
 
 /* Returns whether a wall acts on particles of a group. */
-DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) { return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u); }
+DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) {
+    return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u);
+}
 
 DEM_INLINE void dem__touch_plane(const dem_wall *w, dem_vec centre, double radius, dem__touch *out) {
     out->element = 0;
@@ -1979,9 +2142,10 @@ DEM_INLINE void dem__touch_plane(const dem_wall *w, dem_vec centre, double radiu
     out->normal = w->axis[2], out->curvature = 0.0;
 }
 
-/* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and those that overlap).
-   Returns their number; least: a lower limit of the gap. */
-static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out, double *least) {
+/* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and
+   those that overlap). Returns their number; least: a lower limit of the gap. */
+static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out,
+                                  double *least) {
     dem_vec d = dem__sub(centre, w->position);
     double up = dem__dot(d, w->axis[2]);
     int n = 0;
@@ -2025,15 +2189,16 @@ static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radi
 }
 
 /* Finds the one place where an element of a wall is touched, at any gap. */
-static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem__touch *out) {
+static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double radius, int32_t element,
+                                      dem__touch *out) {
     double least;
     if (w->kind == DEM_SCREEN) {
         const dem_vec d = dem__sub(centre, w->position);
         const int family = (int)((uint32_t)element & 1u);
         const double index = (double)((element - family) / 2);
         out->gap = HUGE_VAL, out->curvature = 0.0, out->normal = w->axis[2];
-        if (dem__touch_bar(w, family, index, dem__dot(d, w->axis[family]), dem__dot(d, w->axis[1 - family]), dem__dot(d, w->axis[2]),
-                           radius, out))
+        if (dem__touch_bar(w, family, index, dem__dot(d, w->axis[family]), dem__dot(d, w->axis[1 - family]),
+                           dem__dot(d, w->axis[2]), radius, out))
             out->normal = dem__from_bar(w, family, out->normal);
         return;
     }
@@ -2047,13 +2212,16 @@ static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double 
     *out = touch[0];
 }
 
-/* Computes the vector from the axis or centre of a wall that is round at an element to a sphere's centre, and how far from there the
-   surface is. Returns 1 if the sphere is outside, -1 if inside, 0 if the place is not round or has no normal. */
-static inline double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t element, dem_vec *from, double *inner) {
+/* Computes the vector from the axis or centre of a wall that is round at an element to a sphere's centre, and how far
+   from there the surface is. Returns 1 if the sphere is outside, -1 if inside, 0 if the place is not round or has no
+   normal. */
+static inline double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t element, dem_vec *from,
+                                      double *inner) {
     const dem_vec d = dem__sub(centre, w->position);
     if (w->kind == DEM_SCREEN) {
         const int family = (int)((uint32_t)element & 1u);
-        const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]), up = dem__dot(d, w->axis[2]);
+        const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]),
+                     up = dem__dot(d, w->axis[2]);
         *inner = dem__reach_bar(w, family, (double)((element - family) / 2), along, across, up, from);
         *from = dem__from_bar(w, family, *from);
         return *inner >= 0.0 && dem__dot(*from, *from) > 0.0 ? 1.0 : 0.0;
@@ -2083,21 +2251,23 @@ static inline dem_vec dem__normal_rate_of_cone(const dem_wall *w, dem_vec d, dou
 
 /* Returns whether the normal of a wall at rest is the same at all of its places. */
 DEM_INLINE int dem__is_flat(const dem_wall *w) {
-    return w->kind != DEM_SPHERE && w->kind != DEM_CYLINDER && w->kind != DEM_CONE && w->kind != DEM_SCREEN && w->kind != DEM_MESH;
+    return w->kind != DEM_SPHERE && w->kind != DEM_CYLINDER && w->kind != DEM_CONE && w->kind != DEM_SCREEN &&
+           w->kind != DEM_MESH;
 }
 
-/* Returns the rate of change of the normal n at a place of a wall [1/s] for a sphere that moves at u in the wall's own frame. inverse: 1 /
-   distance from the axis of a round wall, with the sign of the side. */
-static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n, double inverse,
-                                       dem_vec u) {
+/* Returns the rate of change of the normal n at a place of a wall [1/s] for a sphere that moves at u in the wall's own
+   frame. inverse: 1 / distance from the axis of a round wall, with the sign of the side. */
+static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n,
+                                       double inverse, dem_vec u) {
     const dem_vec side = dem__sub(u, dem__scale(dem__dot(u, n), n));
     if (w->kind == DEM_SPHERE) return dem__scale(inverse, side);
     if (w->kind == DEM_CYLINDER) return dem__scale(inverse, dem__plus(side, -dem__dot(side, w->axis[2]), w->axis[2]));
     if (w->kind == DEM_CONE) return dem__normal_rate_of_cone(w, dem__sub(centre, w->position), radius, n, u);
     if (w->kind == DEM_SCREEN) {
         const dem_vec along = w->axis[(uint32_t)element & 1u];
-        if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side);                                      /* at a bar's end */
-        if (w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) <= 1e-12 - 1.0) return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
+        if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side); /* at a bar's end */
+        if (w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) <= 1e-12 - 1.0)
+            return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
         return dem__scale(inverse, dem__plus(side, -dem__dot(side, along), along));
     }
     return dem_vec3(0.0, 0.0, 0.0);
@@ -2118,8 +2288,9 @@ DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
 /* ---------------------------------------------------------------------------------------------------- >>gas/laws.h */
 /* Laws of drag: pure functions of scalars. */
 
-/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], for Re = density |slip| d/viscosity, d the diameter of
-   the sphere of equal volume. The force is (pi/8) viscosity d (c_D Re) slip: finite, and right, at rest. NaN for Re < 0. */
+/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], for Re = density |slip|
+   d/viscosity, d the diameter of the sphere of equal volume. The force is (pi/8) viscosity d (c_D Re) slip: finite, and
+   right, at rest. NaN for Re < 0. */
 typedef double (*dem_drag_fn)(double reynolds, const dem_gas *gas);
 
 /* Returns c_D Re by Stokes 1851. */
@@ -2141,8 +2312,8 @@ DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, const dem_gas *ga
     return gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
 }
 
-/* Returns the exponent chi of the porosity (Di Felice 1994). The drag on a particle among others is that on a single one, both at the
-   superficial slip, times porosity^-chi. reynolds: at the superficial slip [-] >= 0. */
+/* Returns the exponent chi of the porosity (Di Felice 1994). The drag on a particle among others is that on a single
+   one, both at the superficial slip, times porosity^-chi. reynolds: at the superficial slip [-] >= 0. */
 DEM_INLINE double dem_di_felice(double reynolds) {
     if (!(reynolds >= 0.0)) return (double)NAN;
     const double off = 1.5 - riddle_log(reynolds) / 2.302585092994045684; /* infinite at rest, where chi is 3.7 */
@@ -2209,9 +2380,12 @@ DEM_INLINE double dem__gas_value(const double *values, const dem__gas_cell *cell
     }
     return sum;
 }
-DEM_INLINE dem_vec dem__gas_vector(const dem_gas *gas, const dem__gas_frame *f, const double *values, const dem__gas_cell *cell) {
-    return dem__turned(
-        gas, f, dem_vec3(dem__gas_value(values, cell, 3, 0), dem__gas_value(values, cell, 3, 1), dem__gas_value(values, cell, 3, 2)), 1.0);
+DEM_INLINE dem_vec dem__gas_vector(const dem_gas *gas, const dem__gas_frame *f, const double *values,
+                                   const dem__gas_cell *cell) {
+    return dem__turned(gas, f,
+                       dem_vec3(dem__gas_value(values, cell, 3, 0), dem__gas_value(values, cell, 3, 1),
+                                dem__gas_value(values, cell, 3, 2)),
+                       1.0);
 }
 
 /* Returns the velocity of the gas in the world at x, which lies in a cell. */
@@ -2221,7 +2395,8 @@ DEM_INLINE dem_vec dem__gas_speed(const dem_gas *gas, const dem__gas_frame *f, c
     return gas->velocity ? dem__add(u, dem__gas_vector(gas, f, gas->velocity, cell)) : u;
 }
 
-/* Returns the force of a gas on a particle [N]: drag, alone or among others, pressure gradient, buoyancy; 0 beyond the grid. */
+/* Returns the force of a gas on a particle [N]: drag, alone or among others, pressure gradient, buoyancy; 0 beyond the
+   grid. */
 DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, dem_drag_fn drag) {
     const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
     const double d = 2.0 * at->radius, volume = RIDDLE_PI / 6.0 * d * d * d;
@@ -2235,13 +2410,17 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
     double factor = RIDDLE_PI / 8.0 * gas->viscosity * d * drag(reynolds, gas);
     if (porosity < 1.0) factor *= riddle_exp((1.0 - dem_di_felice(reynolds)) * riddle_log(porosity));
     dem_vec force = dem__scale(factor, slip);
-    if (gas->pressure_gradient) force = dem__plus(force, -volume, dem__gas_vector(gas, &f, gas->pressure_gradient, &cell));
+    if (gas->pressure_gradient)
+        force = dem__plus(force, -volume, dem__gas_vector(gas, &f, gas->pressure_gradient, &cell));
     return gas->buoyancy ? dem__plus(force, -gas->density * volume, at->gravity) : force;
 }
 
-/* Makes the kernel of a force field of drag in a gas from a law of drag: DEM_GAS(name, dem_drag_schiller_naumann), or one of yours. */
-#define DEM_GAS(name, drag)                                                                                                                \
-    DEM_INLINE dem_vec name##_force(const dem_force_point *at) { return dem_gas_force(at, (const dem_gas *)at->user, drag); }              \
+/* Makes the kernel of a force field of drag in a gas from a law of drag: DEM_GAS(name, dem_drag_schiller_naumann), or
+   one of yours. */
+#define DEM_GAS(name, drag)                                                                                            \
+    DEM_INLINE dem_vec name##_force(const dem_force_point *at) {                                                       \
+        return dem_gas_force(at, (const dem_gas *)at->user, drag);                                                     \
+    }                                                                                                                  \
     DEM_FORCE_FIELD(name, name##_force)
 
 /* Bodies: the parts that no other one includes. */
@@ -2255,12 +2434,14 @@ typedef struct dem__placed {
     dem_vec x, axis[3];
 } dem__placed;
 
-/* The corners that were nearest at the last test of a pair: 12 bytes that change how fast a distance is found, not what it is. */
+/* The corners that were nearest at the last test of a pair: 12 bytes that change how fast a distance is found, not what
+   it is. */
 typedef struct dem__nearest_cache {
     uint8_t n, a[4], b[4], unused[3];
 } dem__nearest_cache;
 
-/* A point where two rounded cores a and b touch: a sphere of a's radius about `at` touches one of b's about at - (gap + radii) normal. */
+/* A point where two rounded cores a and b touch: a sphere of a's radius about `at` touches one of b's about at - (gap +
+   radii) normal. */
 typedef struct dem__convex_point {
     int32_t key;        /* 0 .. 31: corner of a; 32 .. 63: corner of b; from 64 on: a pair of edges, or its ends */
     int32_t taken;      /* a contact uses it */
@@ -2280,35 +2461,40 @@ typedef struct dem__convex_pair {
     dem_vec axis; /* a direction in which the cores were apart at the last test; 0: none */
 } dem__convex_pair;
 
-/* The functions that the engine calls for polyhedra, in the order of a step; they are in polyhedra/add.h. The first shape of a world sets the
-   table, so that a program that adds no shape and loads no world compiles none of them. */
+/* The functions that the engine calls for polyhedra, in the order of a step; they are in polyhedra/add.h. The first
+   shape of a world sets the table, so that a program that adds no shape and loads no world compiles none of them. */
 struct dem__rows;
 struct dem__type_rows;
 struct dem__wall_row;
 struct dem__columns;
 struct dem__chunk;
 typedef struct dem__convex_calls {
-    int (*list_pairs)(dem_world *w);                                /* lists pairs for a new list of near pairs; 0: out of memory */
-    void (*follow)(dem_world *w, int64_t step);                     /* finds points of contact at a step; moves and begins contacts */
+    int (*list_pairs)(dem_world *w);            /* lists pairs for a new list of near pairs; 0: out of memory */
+    void (*follow)(dem_world *w, int64_t step); /* finds points of contact at a step; moves and begins contacts */
     void (*prepare)(const dem_world *w, ptrdiff_t c, dem_birth *b); /* sets sizes and mass of the contact in slot c */
-    void (*fill_rows)(const dem_world *w, struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n, double half,
-                      struct dem__wall_row *wall); /* fills rows of a block before the law */
-    void (*finish_rows)(const dem_world *w, const struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n,
-                        const struct dem__columns *at, const double *before, double half, int features); /* forces and torques after the
-                                                                                                            law; before: contact forces */
-    dem_status (*add)(dem_world *w, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
-                      int group);                                                     /* adds polyhedra: dem_add_convex, for feeds */
-    void (*leave_edges)(dem_world *w, const struct dem__chunk *in, ptrdiff_t marked); /* excludes polyhedra from edge steps */
+    void (*fill_rows)(const dem_world *w, struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n,
+                      double half, struct dem__wall_row *wall); /* fills rows of a block before the law */
+    void (*finish_rows)(const dem_world *w, const struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base,
+                        int n, const struct dem__columns *at, const double *before, double half,
+                        int features); /* forces and torques after the
+                                                                                                            law; before:
+                                          contact forces */
+    dem_status (*add)(dem_world *w, int shape, ptrdiff_t n, const double *centres, const double *orientations,
+                      int material, int group); /* adds polyhedra: dem_add_convex, for feeds */
+    void (*leave_edges)(dem_world *w, const struct dem__chunk *in,
+                        ptrdiff_t marked); /* excludes polyhedra from edge steps */
 } dem__convex_calls;
 
-/* Polyhedra. polyhedra/add.h adds shapes, polyhedra/pairs.h lists pairs and finds their points. Without any shape all of it is zero. */
+/* Polyhedra. polyhedra/add.h adds shapes, polyhedra/pairs.h lists pairs and finds their points. Without any shape all
+   of it is zero. */
 typedef struct dem__convex_state {
     const dem__convex_calls *calls; /* NULL without shapes */
     dem_convex *shape;
     int shapes;
     int32_t *shape_of;      /* of a particle: its shape's number + 1, or 0 for a sphere; NULL without shapes */
     dem__placed *place;     /* of a particle that is a polyhedron: its place at the end of the present step */
-    dem__convex_pair *pair; /* those of particles in the order of near pairs, then those with walls in the order of particles and walls */
+    dem__convex_pair *pair; /* those of particles in the order of near pairs, then those with walls in the order of
+                               particles and walls */
     ptrdiff_t pairs, of_particles, pair_capacity;
     dem__convex_point *point;
     ptrdiff_t point_capacity;
@@ -2316,11 +2502,12 @@ typedef struct dem__convex_state {
 } dem__convex_state;
 
 /* ------------------------------------------------------------------------------------------------- >>base/engine.h */
-/* The private state behind a world, in structs. Their comments say where most of it happens, not who writes each field: ask grep. */
+/* The private state behind a world, in structs. Their comments say where most of it happens, not who writes each field:
+   ask grep. */
 
-/* Bound on a particle's motion, in the frame in free fall since the list was built. At t [s] after that, its surface lies within reach + t
-   tolerance of the point x + t u. The bound holds while its velocity differs from u by less than the tolerance; then it gets a new one. One
-   cache line. */
+/* Bound on a particle's motion, in the frame in free fall since the list was built. At t [s] after that, its surface
+   lies within reach + t tolerance of the point x + t u. The bound holds while its velocity differs from u by less than
+   the tolerance; then it gets a new one. One cache line. */
 typedef struct dem__bound {
     double x, y, z, reach;        /* [m] */
     double ux, uy, uz, tolerance; /* [m/s] */
@@ -2342,15 +2529,16 @@ typedef struct dem__contact_type {
     double constant[DEM_CONSTANTS_MAX];
 } dem__contact_type;
 
-/* A chunk holds the contacts whose first particle is at least first_particle and below that of the chunk before, in the slots first ..
-   first + count - 1. When it is full, new contacts go to the last chunk, which can grow. Because i < j, a particle has contacts in its own
-   chunk and in later ones only. */
+/* A chunk holds the contacts whose first particle is at least first_particle and below that of the chunk before, in the
+   slots first .. first + count - 1. When it is full, new contacts go to the last chunk, which can grow. Because i < j,
+   a particle has contacts in its own chunk and in later ones only. */
 typedef struct dem__chunk {
     ptrdiff_t first, count, capacity;
-    ptrdiff_t marked, postponed;           /* contacts that begin or end in this step, listed in contacts.slots; number of postponed
-                                              forces */
-    int32_t first_particle, postpone_from; /* forces on particles from postpone_from on are postponed: see dem__evaluate_range */
-    int32_t low, high;                     /* smallest and largest particle with a postponed force; INT32_MAX, 0 if there is none */
+    ptrdiff_t marked, postponed; /* contacts that begin or end in this step, listed in contacts.slots; number of
+                                    postponed forces */
+    int32_t first_particle,
+        postpone_from; /* forces on particles from postpone_from on are postponed: see dem__evaluate_range */
+    int32_t low, high; /* smallest and largest particle with a postponed force; INT32_MAX, 0 if there is none */
 } dem__chunk;
 
 /* A force that this thread may not add yet, because another thread must add to that particle first. */
@@ -2370,8 +2558,8 @@ typedef struct dem__wall_force {
     dem_vec force, torque;
 } dem__wall_force;
 
-/* The numbers kept of the place where a contact touches: the arrays of contacts.touch. A sphere at a mesh, a sphere at a cone and a
-   polyhedron use them each in its own way; other contacts have none. */
+/* The numbers kept of the place where a contact touches: the arrays of contacts.touch. A sphere at a mesh, a sphere at
+   a cone and a polyhedron use them each in its own way; other contacts have none. */
 enum {
     DEM__PLACE_NORMAL = 0,    /* mesh, polyhedron: normal of the place that it follows (3 numbers) */
     DEM__PLACE_GAP = 3,       /* mesh, polyhedron: gap there [m] */
@@ -2392,8 +2580,9 @@ typedef struct dem__near {
     double distance; /* of centres, below which they touch [m] */
 } dem__near;
 
-/* A rigid body that has an orientation. Its state is that at the origin step of its first particle, as that of a sphere is. Its moments are
-   about its principal axes; the first two are equal if any two are. Its particles, which touch for it, are consecutive. */
+/* A rigid body that has an orientation. Its state is that at the origin step of its first particle, as that of a sphere
+   is. Its moments are about its principal axes; the first two are equal if any two are. Its particles, which touch for
+   it, are consecutive. */
 typedef struct dem__rigid {
     dem_vec x, v, a;          /* centre of mass [m], [m/s], [m/s2] */
     dem_vec momentum, torque; /* angular momentum [kg m2/s] and torque [N m] about it */
@@ -2402,8 +2591,8 @@ typedef struct dem__rigid {
     dem_vec moments;          /* [kg m2] */
     double mass;              /* [kg] */
     int32_t first, pieces;    /* of its particles */
-    double strides;           /* number of quarter radians of a flight, with three different moments, that are integrated, */
-    dem_quaternion ahead;     /* and the orientation there; neither is saved */
+    double strides; /* number of quarter radians of a flight, with three different moments, that are integrated, */
+    dem_quaternion ahead; /* and the orientation there; neither is saved */
 } dem__rigid;
 
 /* State of a rigid body at a time: place and velocity of its centre of mass, spin, angular momentum, orientation. */
@@ -2412,29 +2601,32 @@ typedef struct dem__posture {
     dem_quaternion turn;
 } dem__posture;
 
-/* The functions that the engine calls for rigid bodies, in the order of a step; they are in bodies/rigid.h. The first body of a world sets the
-   table (dem__reserve_bodies), so that a program that adds no body and loads no world compiles none of them. */
+/* The functions that the engine calls for rigid bodies, in the order of a step; they are in bodies/rigid.h. The first
+   body of a world sets the table (dem__reserve_bodies), so that a program that adds no body and loads no world compiles
+   none of them. */
 typedef struct dem__body_calls {
-    dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau);         /* returns the state at tau [s] after the origin
-                                                                                             step */
-    void (*set_origin)(dem_world *w, dem__rigid *r);                                      /* makes the present step the origin */
-    void (*set_motion)(dem_world *w, dem__rigid *r, dem_vec velocity, dem_vec spin);      /* sets velocity and spin at the origin */
-    void (*wrap)(dem_world *w, dem__rigid *r);                                            /* puts the body back into the periodic box */
-    void (*place)(dem_world *w, dem__rigid *r);                                           /* places its particles by its state */
-    void (*fall)(dem_world *w, dem__rigid *r);                                            /* computes accelerations without contacts */
-    void (*test_due)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step); /* tests due pairs, in pages of timers */
-    void (*advance)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h);     /* moves active particles and bodies to the end of
-                                                                                             a step */
-    void (*kick)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h);        /* moves velocities of active bodies to the end of
-                                                                                             a step */
-    void (*push)(dem_world *w, int32_t c, int has_friction);                              /* applies impulses of the edge step in slot c */
-    void (*shift)(dem_world *w, int32_t c);                                               /* applies its shift, after all impulses */
-    void (*kick_links)(dem_world *w, dem__rigid *r, double half);                         /* applies the change of the links' forces */
-    double (*swing)(const dem__rigid *r, double arm);                                     /* greatest speed in flight of what is an arm [m]
-                                                                                             from the centre, about it [m/s] */
-    double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);           /* estimated change of i's velocity by links
-                                                                                             [m/s] */
-    void (*note_strides)(dem_world *w);                                                   /* stores how far flights are integrated */
+    dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau); /* returns the state at tau [s] after
+                                                                                     the origin step */
+    void (*set_origin)(dem_world *w, dem__rigid *r); /* makes the present step the origin */
+    void (*set_motion)(dem_world *w, dem__rigid *r, dem_vec velocity,
+                       dem_vec spin);           /* sets velocity and spin at the origin */
+    void (*wrap)(dem_world *w, dem__rigid *r);  /* puts the body back into the periodic box */
+    void (*place)(dem_world *w, dem__rigid *r); /* places its particles by its state */
+    void (*fall)(dem_world *w, dem__rigid *r);  /* computes accelerations without contacts */
+    void (*test_due)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part,
+                     void *step); /* tests due pairs, in pages of timers */
+    void (*advance)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h); /* moves active particles and
+                                                                                         bodies to the end of a step */
+    void (*kick)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h); /* moves velocities of active bodies
+                                                                                      to the end of a step */
+    void (*push)(dem_world *w, int32_t c, int has_friction);      /* applies impulses of the edge step in slot c */
+    void (*shift)(dem_world *w, int32_t c);                       /* applies its shift, after all impulses */
+    void (*kick_links)(dem_world *w, dem__rigid *r, double half); /* applies the change of the links' forces */
+    double (*swing)(const dem__rigid *r, double arm);             /* greatest speed in flight of what is an arm [m]
+                                                                     from the centre, about it [m/s] */
+    double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i); /* estimated change of i's velocity by
+                                                                                   links [m/s] */
+    void (*note_strides)(dem_world *w); /* stores how far flights are integrated */
 } dem__body_calls;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */
@@ -2450,10 +2642,12 @@ typedef struct dem__timers {
 /* NEVER: not on the present bounds; STOPPED: as long as it touches, or after it has left. */
 enum { DEM__NEVER = INT32_MAX - 1, DEM__STOPPED = INT32_MAX };
 
-/* Activity of a particle: in free flight; taking steps; taking steps, with its bound to be checked at the end of this one. */
+/* Activity of a particle: in free flight; taking steps; taking steps, with its bound to be checked at the end of this
+   one. */
 enum { DEM__FLYING, DEM__STEPPING, DEM__TO_CHECK };
 
-/* The run: time, the law, and work that is pending. step/step.h sets it for a run; whatever changes a world sets needs_*. */
+/* The run: time, the law, and work that is pending. step/step.h sets it for a run; whatever changes a world sets
+   needs_*. */
 typedef struct dem__run {
     double dt, kernel_dt; /* [s]; kernel_dt is 0 where forces are found but no time passes */
     double start_time;    /* time of start_step [s] */
@@ -2473,20 +2667,21 @@ typedef struct dem__run {
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
 } dem__run;
 
-/* State of a fixed particle: the force on it by contacts and links in the last step, and the time integral of the force since it was
-   fixed. */
+/* State of a fixed particle: the force on it by contacts and links in the last step, and the time integral of the force
+   since it was fixed. */
 typedef struct dem__fixed {
     dem__wrench load;
     dem_vec impulse; /* [N s] */
     int64_t on;      /* 0: not fixed */
 } dem__fixed;
 
-/* Particles, beside the public arrays of the world. particles/particles.h adds them, step/integrate.h, bodies/rigid.h and gas/flights.h move them, search/bounds.h
-   bounds their motion, particles/active.h closes gaps. */
+/* Particles, beside the public arrays of the world. particles/particles.h adds them, step/integrate.h, bodies/rigid.h
+   and gas/flights.h move them, search/bounds.h bounds their motion, particles/active.h closes gaps. */
 typedef struct dem__bodies {
     ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
-    int loads_on, has_fixed; /* has_fixed: a particle has been fixed since the world was made; then loads_on is set, too */
+    int loads_on,
+        has_fixed; /* has_fixed: a particle has been fixed since the world was made; then loads_on is set, too */
     void *block;
     size_t bytes;
     dem__sum *sum;
@@ -2507,22 +2702,25 @@ typedef struct dem__bodies {
     ptrdiff_t rigid_count, rigid_capacity;
     int32_t *rigid_of;     /* of a particle: its body's number + 1; 0: a sphere of its own; NULL without any body */
     dem__fixed *fixed;     /* NULL unless has_fixed */
-    dem_vec *offset, *arm; /* from the body's centre to the particle's [m]: along the principal axes; in the world's axes, at the origin */
+    dem_vec *offset, *arm; /* from the body's centre to the particle's [m]: along the principal axes; in the world's
+                              axes, at the origin */
 } dem__bodies;
 
-/* Walls, beside the public array. walls/add.h and walls/mesh.h add them, walls/motion.h moves them, search/tests.h and search/bounds.h set their
-   timers. */
+/* Walls, beside the public array. walls/add.h and walls/mesh.h add them, walls/motion.h moves them, search/tests.h and
+   search/bounds.h set their timers. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
-    int meshes, touch_keepers, controls; /* number of meshes; of walls whose contacts keep a touch (meshes, cones); whether forces drive any
-                                            wall */
-    void (*follow_meshes)(dem_world *w, int64_t step); /* takes contacts with meshes to a step; set with the first mesh */
-    dem__timers timers;                                /* of particle i and wall k: number i * walls + k */
+    int meshes, touch_keepers, controls; /* number of meshes; of walls whose contacts keep a touch (meshes, cones);
+                                            whether forces drive any wall */
+    void (*follow_meshes)(dem_world *w,
+                          int64_t step); /* takes contacts with meshes to a step; set with the first mesh */
+    dem__timers timers;                  /* of particle i and wall k: number i * walls + k */
     uint32_t *sure;         /* step, modulo 2^32, before which no test is needed, whatever the particle's bound */
     int32_t *first_contact; /* of a particle: its first contact with a wall; contacts.wall_next leads on */
 } dem__wall_state;
 
-/* Near pairs and the list's life. search/margin.h chooses how long the list may last, search/neighbour_list.h builds it, search/due_tests.h tests the pairs. */
+/* Near pairs and the list's life. search/margin.h chooses how long the list may last, search/neighbour_list.h builds
+   it, search/due_tests.h tests the pairs. */
 typedef struct dem__pairs {
     ptrdiff_t count, due_count; /* due_count: tested in the last step */
     dem__near *near;
@@ -2539,13 +2737,14 @@ typedef struct dem__pairs {
     double position_tolerance;                  /* how far corrections may shift a particle from its bound [m] */
     double gravity_size;                        /* [m/s2] */
     dem_vec frame_velocity, frame_acceleration; /* frame in which the list measures how far particles have moved */
-    double frame_fall;                          /* greatest acceleration of particles without contacts in that frame [m/s2] */
+    double frame_fall; /* greatest acceleration of particles without contacts in that frame [m/s2] */
 } dem__pairs;
 
-/* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by partners; gaps are
-   filled from its end; now and then all are ordered by i, the last first. The order of slots depends only on the history of the scene,
-   never on threads. It fixes the order of every sum, and so the bits. search/tests.h and polyhedra/pairs.h begin them, contacts/kernel.h and
-   contacts/first_and_last_step.h evaluate them, contacts/contacts.h orders and ends them. */
+/* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by
+   partners; gaps are filled from its end; now and then all are ordered by i, the last first. The order of slots depends
+   only on the history of the scene, never on threads. It fixes the order of every sum, and so the bits. search/tests.h
+   and polyhedra/pairs.h begin them, contacts/kernel.h and contacts/first_and_last_step.h evaluate them,
+   contacts/contacts.h orders and ends them. */
 typedef struct dem__contacts {
     ptrdiff_t count, capacity, begun; /* begun: in this step, at the end of the last chunk */
     int chunk_count;
@@ -2556,26 +2755,29 @@ typedef struct dem__contacts {
     int has_history;             /* whether states can be other than zero */
     void *block;
     size_t bytes;
-    int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the near pair; -1: none; below -1: a contact of a polyhedron
-                                                    (dem__is_convex_contact) */
+    int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the near pair; -1: none; below -1: a
+                                                    contact of a polyhedron (dem__is_convex_contact) */
     int32_t *type;                               /* index in types; -1: constants of its own */
     int32_t *slots;                              /* a list of slots, or one in each chunk */
-    uint8_t *edge;                               /* its edge step is to be corrected: written by the kernel for the contacts that it lists;
-                                                    free before it, when dem__follow_meshes notes meshes with places left */
-    uint8_t *ended;                              /* has ended */
+    uint8_t
+        *edge;      /* its edge step is to be corrected: written by the kernel for the contacts that it lists;
+                      free before it, when dem__follow_meshes notes meshes with places left */
+    uint8_t *ended; /* has ended */
     double *gap, *force;
     double *state[DEM_STATE_MAX];
-    double *touch[DEM__PLACES];           /* of the place where it touches: see DEM__PLACE_NORMAL; only with walls.touch_keepers */
-    double *wrench[9];                    /* force on i, torques on i and j, of a run's last step */
-    dem__correction *correction;          /* from the kernel to the end of the step; scratch memory of dem__arrange before it */
-    double *elastic, *power[3], *loss[4]; /* with a ledger: power by normal, rolling, wall; loss by normal, sliding, rolling, wall */
+    double
+        *touch[DEM__PLACES]; /* of the place where it touches: see DEM__PLACE_NORMAL; only with walls.touch_keepers */
+    double *wrench[9];       /* force on i, torques on i and j, of a run's last step */
+    dem__correction *correction; /* from the kernel to the end of the step; scratch memory of dem__arrange before it */
+    double *elastic, *power[3],
+        *loss[4]; /* with a ledger: power by normal, rolling, wall; loss by normal, sliding, rolling, wall */
     dem__contact_type types[DEM__TYPES_MAX];
     int type_count;
     double *mass, *predict, *sum, *part, *constant[DEM_CONSTANTS_MAX]; /* of contacts with constants of their own */
 } dem__contacts;
 
-/* Links, in the order in which they were made; each is in the lists of its two bodies. links/links.h adds and steps them, contacts/kernel.h
-   evaluates them, particles/detach.h cuts them. */
+/* Links, in the order in which they were made; each is in the lists of its two bodies. links/links.h adds and steps
+   them, contacts/kernel.h evaluates them, particles/detach.h cuts them. */
 typedef struct dem__links {
     const dem_law *law;
     dem_loop_fn loop;
@@ -2588,9 +2790,10 @@ typedef struct dem__links {
     int32_t *i, *j, *element, *next_i, *next_j;
     double *state[DEM_STATE_MAX], *wrench[9], *gap;
     uint8_t *ended;
-    int32_t *first_link, *is_loaded; /* of a particle: the first link of its list; whether its load contains forces of links */
-    dem__two_vec *evaluated_at;      /* of a particle: position [m] and spin [rad/s] at the last evaluation of links */
-    int64_t evaluated_step;          /* step of that evaluation */
+    int32_t *first_link,
+        *is_loaded; /* of a particle: the first link of its list; whether its load contains forces of links */
+    dem__two_vec *evaluated_at; /* of a particle: position [m] and spin [rad/s] at the last evaluation of links */
+    int64_t evaluated_step;     /* step of that evaluation */
 } dem__links;
 
 /* A force field, and the flights in it. gas/flights.h begins and ends flights, gas/field.h computes them. */
@@ -2648,9 +2851,9 @@ typedef struct dem__engine {
 } dem__engine;
 
 /* Loops over every contact: DEM__EACH_CONTACT(w, c) { .. slot c .. }; break leaves only a chunk. */
-#define DEM__EACH_CONTACT(w, c)                                                                                                            \
-    for (const dem__chunk *in_##c = (w)->engine->contacts.chunk; in_##c < (w)->engine->contacts.chunk + (w)->engine->contacts.chunk_count; \
-         in_##c++)                                                                                                                         \
+#define DEM__EACH_CONTACT(w, c)                                                                                        \
+    for (const dem__chunk *in_##c = (w)->engine->contacts.chunk;                                                       \
+         in_##c < (w)->engine->contacts.chunk + (w)->engine->contacts.chunk_count; in_##c++)                           \
         for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->count; c++)
 
 /* ----------------------------------------------------------------------------------------------- >>base/parallel.h */
@@ -2662,10 +2865,10 @@ static inline void dem__run_alone(int tasks, void (*task)(void *context, int ind
 }
 
 #ifdef _OPENMP
-/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer than the work
-   takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task that was interrupted counts as at
-   most three times the first, which the waiting thread ran itself. After a loss of 2 ms, loops run on one thread for 20 ms, and for twice
-   as long each time that threads lose again soon after. */
+/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer
+   than the work takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task
+   that was interrupted counts as at most three times the first, which the waiting thread ran itself. After a loss of 2
+   ms, loops run on one thread for 20 ms, and for twice as long each time that threads lose again soon after. */
 static inline void dem__judge_threads(dem__pace *pace, double start, double end, const double *spent, int tasks) {
     double alone = 0.0;
     for (int q = 0; q < tasks; q++) alone += spent[q] < 3.0 * spent[0] ? spent[q] : 3.0 * spent[0];
@@ -2697,7 +2900,8 @@ static inline void dem__run_openmp(dem__pace *pace, int tasks, void (*task)(void
 }
 #endif
 
-/* Runs task(context, index) for every index below `tasks`: on the host's threads, on OpenMP's, or one after the other. */
+/* Runs task(context, index) for every index below `tasks`: on the host's threads, on OpenMP's, or one after the other.
+ */
 static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *context, int index), void *context) {
     if (tasks == 1) task(context, 0); /* a parallel region would cost more than the work of a dilute step */
     else if (w->def.parallel) w->def.parallel(w->def.parallel_user, tasks, task, context);
@@ -2710,7 +2914,8 @@ static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *con
     }
 }
 
-/* Returns the number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for waking a thread. */
+/* Returns the number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for
+   waking a thread. */
 DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
     const int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
 #ifndef _OPENMP
@@ -2726,9 +2931,12 @@ DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
 }
 
 /* Returns the first of n items that belongs to a part. */
-DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / parts * part + (n % parts < part ? n % parts : part); }
+DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) {
+    return n / parts * part + (n % parts < part ? n % parts : part);
+}
 
-/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no long lead. */
+/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no
+   long lead. */
 DEM_INLINE ptrdiff_t dem__prefetch_from(ptrdiff_t n, ptrdiff_t ahead) { return n < ahead ? -n : -ahead; }
 
 /* Runs a loop over the items first .. end - 1 of part `part`. context: what the loop needs. */
@@ -2793,7 +3001,9 @@ static inline int dem__field_arrays(dem_world *w, dem__array *list) {
 }
 
 /* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
-DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) { return w->engine->bodies.has_fixed && w->engine->bodies.fixed[i].on != 0; }
+DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) {
+    return w->engine->bodies.has_fixed && w->engine->bodies.fixed[i].on != 0;
+}
 
 /* Returns the shape of particle i, or NULL if it is a sphere. */
 DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
@@ -2863,12 +3073,15 @@ static inline int dem__may_postpone(const dem_world *w) { return w->engine->cont
 static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
-    int32_t **integers[] = {&contacts->i, &contacts->j, &contacts->element, &contacts->near, &contacts->wall_next, &contacts->type};
+    int32_t **integers[] = {&contacts->i,    &contacts->j,         &contacts->element,
+                            &contacts->near, &contacts->wall_next, &contacts->type};
     double **own[DEM__OWN_ARRAYS] = {&contacts->predict, &contacts->mass, &contacts->sum, &contacts->part};
-    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
+    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++)
+        list[n].address = integers[k], list[n].size = sizeof(int32_t);
     list[n].address = &contacts->gap, list[n++].size = sizeof(double);
     list[n].address = &contacts->force, list[n++].size = sizeof(double);
-    for (int k = 0; k < contacts->states; k++, n++) list[n].address = &contacts->state[k], list[n].size = sizeof(double);
+    for (int k = 0; k < contacts->states; k++, n++)
+        list[n].address = &contacts->state[k], list[n].size = sizeof(double);
     for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) {
         list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
     }
@@ -2880,9 +3093,11 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     list[n].address = &contacts->ended, list[n++].size = 1;
     /* ... with constants of their own, ... */
     for (int k = 0; k < DEM__OWN_ARRAYS; k++, n++) list[n].address = own[k], list[n].size = sizeof(double);
-    for (int k = 0; k < contacts->constants; k++, n++) list[n].address = &contacts->constant[k], list[n].size = sizeof(double);
+    for (int k = 0; k < contacts->constants; k++, n++)
+        list[n].address = &contacts->constant[k], list[n].size = sizeof(double);
     /* ... after the last step of a run, ... */
-    for (int k = 0; k < DEM__OUT_ARRAYS; k++, n++) list[n].address = &contacts->wrench[k], list[n].size = sizeof(double);
+    for (int k = 0; k < DEM__OUT_ARRAYS; k++, n++)
+        list[n].address = &contacts->wrench[k], list[n].size = sizeof(double);
     /* ... within a step */
     list[n].address = &contacts->correction, list[n++].size = sizeof(dem__correction);
     list[n].address = &contacts->edge, list[n++].size = 1;
@@ -2891,19 +3106,23 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* Lists the arrays of contacts, and returns the number of the first ones: those that move with a contact to another slot. */
+/* Lists the arrays of contacts, and returns the number of the first ones: those that move with a contact to another
+   slot. */
 static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
-    const int with_out = dem__contact_arrays(w, list) - dem__may_postpone(w) - DEM__STEP_ARRAYS, with_own = with_out - DEM__OUT_ARRAYS;
-    return w->engine->run.keeps_wrenches                     ? with_out
-           : w->engine->contacts.type_count > DEM__TYPES_MAX ? with_own
-                                                             : with_own - DEM__OWN_ARRAYS - w->engine->contacts.constants;
+    const int with_out = dem__contact_arrays(w, list) - dem__may_postpone(w) - DEM__STEP_ARRAYS,
+              with_own = with_out - DEM__OUT_ARRAYS;
+    return w->engine->run.keeps_wrenches ? with_out
+           : w->engine->contacts.type_count > DEM__TYPES_MAX
+               ? with_own
+               : with_own - DEM__OWN_ARRAYS - w->engine->contacts.constants;
 }
 
-/* Grows a group of arrays. All lie in one block, so that growing works for all or changes nothing; each begins with a cache line. Returns 0
-   when out of memory. */
-static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes, ptrdiff_t *capacity,
-                                  ptrdiff_t wanted) {
-    ptrdiff_t larger = wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* more arrays alone need no more entries */
+/* Grows a group of arrays. All lie in one block, so that growing works for all or changes nothing; each begins with a
+   cache line. Returns 0 when out of memory. */
+static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes,
+                                  ptrdiff_t *capacity, ptrdiff_t wanted) {
+    ptrdiff_t larger =
+        wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* more arrays alone need no more entries */
     size_t total = 64;
     if (larger < wanted) larger = wanted;
     for (int k = 0; k < n; k++) {
@@ -2933,7 +3152,8 @@ static inline int dem__link_arrays(dem_world *w, dem__array *list) {
     dem__links *links = &w->engine->links;
     int n = 0;
     int32_t **integers[] = {&links->i, &links->j, &links->element, &links->next_i, &links->next_j};
-    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
+    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++)
+        list[n].address = integers[k], list[n].size = sizeof(int32_t);
     for (int k = 0; k < links->states; k++, n++) list[n].address = &links->state[k], list[n].size = sizeof(double);
     for (int k = 0; k < 9; k++, n++) list[n].address = &links->wrench[k], list[n].size = sizeof(double);
     list[n].address = &links->gap, list[n++].size = sizeof(double);
@@ -2991,7 +3211,7 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
 
 DEM_API const char *dem_status_text(dem_status status) {
     switch (status) {
-#define DEM__CASE(name, text)                                                                                                              \
+#define DEM__CASE(name, text)                                                                                          \
     case name: return text;
         DEM_STATUSES(DEM__CASE)
 #undef DEM__CASE
@@ -3050,10 +3270,12 @@ static inline int dem__finite_vec(dem_vec v) { return dem__finite(v.x) && dem__f
 static inline int dem__positive(double v) { return v > 0.0 && v <= DBL_MAX; }
 static inline int dem__not_negative(double v) { return v >= 0.0 && v <= DBL_MAX; }
 
-/* Returns whether an acceleration, a velocity or a spin is small enough that products of three, as in energies, stay finite. False for
-   NaN. */
+/* Returns whether an acceleration, a velocity or a spin is small enough that products of three, as in energies, stay
+   finite. False for NaN. */
 static inline int dem__moderate(double v) { return fabs(v) <= 1e80; }
-static inline int dem__moderate_vec(dem_vec v) { return dem__moderate(v.x) && dem__moderate(v.y) && dem__moderate(v.z); }
+static inline int dem__moderate_vec(dem_vec v) {
+    return dem__moderate(v.x) && dem__moderate(v.y) && dem__moderate(v.z);
+}
 /* Returns whether squares of distances to a place stay finite. */
 static inline int dem__is_place(dem_vec v) { return fabs(v.x) <= 1e150 && fabs(v.y) <= 1e150 && fabs(v.z) <= 1e150; }
 
@@ -3062,8 +3284,9 @@ static inline int dem__is_time_step(double dt) { return dt >= 1e-60 && dt < 1e6;
 
 /* Returns whether a world has room for the numbers of a law. */
 static inline int dem__is_law(const dem_law *law) {
-    return law && law->force && law->states >= 0 && law->states <= DEM_STATE_MAX && law->vectors >= 0 && law->history <= law->states &&
-           law->vectors <= law->history / 3 && law->constants >= 0 && law->constants <= DEM_CONSTANTS_MAX;
+    return law && law->force && law->states >= 0 && law->states <= DEM_STATE_MAX && law->vectors >= 0 &&
+           law->history <= law->states && law->vectors <= law->history / 3 && law->constants >= 0 &&
+           law->constants <= DEM_CONSTANTS_MAX;
 }
 
 DEM_INLINE int dem__is_thread_count(int threads) { return threads >= 1 && threads <= 4096; }
@@ -3099,7 +3322,8 @@ static const char *dem__bad_field(const dem_def *def) {
     for (int a = 0; a < def->materials; a++) {
         if (!dem__positive(def->material[a].density)) return "material.density";
         if (!dem__positive(def->material[a].young_modulus)) return "material.young_modulus";
-        if (!(def->material[a].poisson_ratio >= 0.0 && def->material[a].poisson_ratio <= 0.5)) return "material.poisson_ratio";
+        if (!(def->material[a].poisson_ratio >= 0.0 && def->material[a].poisson_ratio <= 0.5))
+            return "material.poisson_ratio";
         for (int b = a; b < def->materials; b++) {
             const char *bad = dem__bad_pair(&def->pair[a][b]);
             if (bad) return bad;
@@ -3141,8 +3365,8 @@ static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
     return 1;
 }
 
-/* Makes the private state of an empty world, with room for the first walls, so that the array moves in few scenes. Returns 0 when out of
-   memory. */
+/* Makes the private state of an empty world, with room for the first walls, so that the array moves in few scenes.
+   Returns 0 when out of memory. */
 static inline int dem__make_engine(dem_world *w) {
     dem__engine *e = (dem__engine *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, sizeof *e);
     if (!e) return 0;
@@ -3209,8 +3433,8 @@ DEM_API void dem_free(dem_world *world) {
 }
 
 /* ----------------------------------------------------------------------------------------------- >>energy/ledger.h */
-/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums, but step/step.h
-   sets where they start. */
+/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its
+   sums, but step/step.h sets where they start. */
 
 /* Returns whether a wall is enabled and acts on particle i. */
 DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
@@ -3240,7 +3464,8 @@ DEM_INLINE void dem__book_motion(dem_world *w, double change) {
 
 /* Books the energy of a particle that is removed, and its potential part [J]. */
 DEM_INLINE void dem__book_removed(dem_world *w, double energy, double potential) {
-    if (w->engine->ledger.on) w->engine->ledger.sums.removed += energy, w->engine->ledger.sums.removed_potential += potential;
+    if (w->engine->ledger.on)
+        w->engine->ledger.sums.removed += energy, w->engine->ledger.sums.removed_potential += potential;
 }
 
 /* Books work of links [J]. */
@@ -3262,13 +3487,14 @@ static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t 
 /* Books the work of moving fixed particles on others [J]. */
 DEM_INLINE void dem__book_work_of_fixed(dem_world *w, double work) { w->engine->ledger.sums.external_work += work; }
 
-/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it; otherwise as sliding loss,
-   because its tangential spring is released. */
+/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it;
+   otherwise as sliding loss, because its tangential spring is released. */
 static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     dem_energy_ledger *sums = &w->engine->ledger.sums;
     if (!w->engine->ledger.counts) return;
-    if (w->alive[i] <= 0 || (j >= 0 && w->alive[j] <= 0) || dem__is_taken_away(w, i, j)) sums->removed += w->engine->contacts.elastic[c];
+    if (w->alive[i] <= 0 || (j >= 0 && w->alive[j] <= 0) || dem__is_taken_away(w, i, j))
+        sums->removed += w->engine->contacts.elastic[c];
     else sums->sliding_loss += w->engine->contacts.elastic[c];
 }
 
@@ -3280,8 +3506,8 @@ static inline double dem__stored_energy(const dem_world *w) {
     return sum;
 }
 
-/* Books the change of stored energy by the caller between runs: new contacts, changed constants. before: that energy at the end of the last
-   run [J]. */
+/* Books the change of stored energy by the caller between runs: new contacts, changed constants. before: that energy at
+   the end of the last run [J]. */
 static inline void dem__book_callers_contacts(dem_world *w, double before) {
     if (w->engine->ledger.started) w->engine->ledger.sums.added += dem__stored_energy(w) - before;
 }
@@ -3291,7 +3517,8 @@ static inline void dem__book_fixed(dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;
     for (int a = 0; a < 3; a++) {
-        const double of_links = bodies->load[i][a] - bodies->external[i][a], turning = bodies->load[i][3 + a] - bodies->external[i][3 + a];
+        const double of_links = bodies->load[i][a] - bodies->external[i][a],
+                     turning = bodies->load[i][3 + a] - bodies->external[i][3 + a];
         dem__book_work_of_fixed(w, -half * (before[a] + now[a] + of_links) * dem_axis(w->particle[i].v, a));
         dem__book_work_of_fixed(w, -half * (before[3 + a] + now[3 + a] + turning) * dem_axis(w->particle[i].spin, a));
     }
@@ -3320,8 +3547,8 @@ static inline void dem__book_losses(dem_world *w) {
 }
 
 /* ----------------------------------------------------------------------------------------------- >>base/rotation.h */
-/* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns the body's frame into the lab's; its scalar part
-   comes first. */
+/* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns the body's frame into the
+   lab's; its scalar part comes first. */
 
 DEM_INLINE dem_quaternion dem__quaternion(double w, dem_vec v) {
     dem_quaternion q;
@@ -3329,12 +3556,15 @@ DEM_INLINE dem_quaternion dem__quaternion(double w, dem_vec v) {
     return q;
 }
 DEM_INLINE dem_vec dem__vector_part(dem_quaternion q) { return dem_vec3(q.x, q.y, q.z); }
-DEM_INLINE dem_quaternion dem__opposite_turn(dem_quaternion q) { return dem__quaternion(q.w, dem_vec3(-q.x, -q.y, -q.z)); }
+DEM_INLINE dem_quaternion dem__opposite_turn(dem_quaternion q) {
+    return dem__quaternion(q.w, dem_vec3(-q.x, -q.y, -q.z));
+}
 
 /* Returns the turn b followed by the turn a. */
 DEM_INLINE dem_quaternion dem__turns(dem_quaternion a, dem_quaternion b) {
     const dem_vec u = dem__vector_part(a), v = dem__vector_part(b);
-    return dem__quaternion(a.w * b.w - dem__dot(u, v), dem__add(dem__plus(dem__scale(a.w, v), b.w, u), dem__cross(u, v)));
+    return dem__quaternion(a.w * b.w - dem__dot(u, v),
+                           dem__add(dem__plus(dem__scale(a.w, v), b.w, u), dem__cross(u, v)));
 }
 
 /* Returns a vector of the body's frame in the lab's. */
@@ -3353,15 +3583,17 @@ DEM_INLINE dem_quaternion dem__kept_unit(dem_quaternion q) {
 
 /* Scales a quaternion of any length to 1. Returns 0 if it has no direction. */
 static inline int dem__unit_turn(dem_quaternion q, dem_quaternion *unit) {
-    const double a = fabs(q.w) > fabs(q.x) ? fabs(q.w) : fabs(q.x), b = fabs(q.y) > fabs(q.z) ? fabs(q.y) : fabs(q.z), most = a > b ? a : b;
+    const double a = fabs(q.w) > fabs(q.x) ? fabs(q.w) : fabs(q.x), b = fabs(q.y) > fabs(q.z) ? fabs(q.y) : fabs(q.z),
+                 most = a > b ? a : b;
     if (!(most > 0.0 && most <= DBL_MAX) || !(fabs(q.w) + fabs(q.x) + fabs(q.y) + fabs(q.z) >= 0.0)) return 0;
-    const double w = q.w / most, x = q.x / most, y = q.y / most, z = q.z / most, f = 1.0 / sqrt(w * w + x * x + y * y + z * z);
+    const double w = q.w / most, x = q.x / most, y = q.y / most, z = q.z / most,
+                 f = 1.0 / sqrt(w * w + x * x + y * y + z * z);
     *unit = dem__quaternion(f * w, dem_vec3(f * x, f * y, f * z));
     return 1;
 }
 
-/* Directions of a body's own axes in the lab's frame: the matrix of its orientation. It costs fewer operations than a quaternion where
-   several vectors are turned. */
+/* Directions of a body's own axes in the lab's frame: the matrix of its orientation. It costs fewer operations than a
+   quaternion where several vectors are turned. */
 typedef struct dem__axes {
     dem_vec x, y, z;
 } dem__axes;
@@ -3379,14 +3611,18 @@ DEM_INLINE dem__axes dem__axes_of(dem_quaternion q) {
     a.x = dem__first_axis(q), a.y = dem__second_axis(q), a.z = dem__third_axis(q);
     return a;
 }
-DEM_INLINE dem_vec dem__out_of(const dem__axes *a, dem_vec v) { return dem__plus(dem__plus(dem__scale(v.x, a->x), v.y, a->y), v.z, a->z); }
+DEM_INLINE dem_vec dem__out_of(const dem__axes *a, dem_vec v) {
+    return dem__plus(dem__plus(dem__scale(v.x, a->x), v.y, a->y), v.z, a->z);
+}
 
 /* Returns the angular momentum of a spin, both in the lab's frame. */
 DEM_INLINE dem_vec dem__momentum_of(dem_quaternion q, dem_vec moments, dem_vec spin) {
     const dem__axes a = dem__axes_of(q);
-    return dem__out_of(&a, dem_vec3(moments.x * dem__dot(a.x, spin), moments.y * dem__dot(a.y, spin), moments.z * dem__dot(a.z, spin)));
+    return dem__out_of(&a, dem_vec3(moments.x * dem__dot(a.x, spin), moments.y * dem__dot(a.y, spin),
+                                    moments.z * dem__dot(a.z, spin)));
 }
-/* Returns the spin of an angular momentum, both in the lab's frame: with one moment for all axes, and what the other two change. */
+/* Returns the spin of an angular momentum, both in the lab's frame: with one moment for all axes, and what the other
+   two change. */
 DEM_INLINE dem_vec dem__spin_of(dem_quaternion q, dem_vec moments, dem_vec momentum) {
     const dem_vec z = dem__third_axis(q);
     const double first = 1.0 / moments.x;
@@ -3396,15 +3632,16 @@ DEM_INLINE dem_vec dem__spin_of(dem_quaternion q, dem_vec moments, dem_vec momen
     return dem__plus(spin, (1.0 / moments.y - first) * dem__dot(y, momentum), y);
 }
 
-/* Sets the cosine, and the sine over the angle, of an angle whose square is given [rad2]. Below 0.1 rad the series is as accurate, and
-   cheaper. Of a large angle, whole turns are taken off: it is rounded by as much anyway. */
+/* Sets the cosine, and the sine over the angle, of an angle whose square is given [rad2]. Below 0.1 rad the series is
+   as accurate, and cheaper. Of a large angle, whole turns are taken off: it is rounded by as much anyway. */
 DEM_INLINE void dem__cosine_and_sine(double square, double *c, double *s) {
     if (square < 0.01) {
         *s = 1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0 - square * (1.0 / 362880.0))));
         *c = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0 - square * (1.0 / 40320.0))));
         return;
     }
-    const double angle = sqrt(square), turn = 2.0 * RIDDLE_PI, rest = angle > 1e6 ? angle - turn * floor(angle / turn) : angle;
+    const double angle = sqrt(square), turn = 2.0 * RIDDLE_PI,
+                 rest = angle > 1e6 ? angle - turn * floor(angle / turn) : angle;
     *c = riddle_cos(rest), *s = riddle_sin(rest) / angle;
 }
 /* Returns a turn about an axis. half: the unit axis times half the angle [rad]. */
@@ -3427,15 +3664,17 @@ DEM_INLINE dem_quaternion dem__turned_about_third(dem_quaternion q, double half)
     return dem__quaternion(c * q.w - s * q.z, dem_vec3(c * q.x + s * q.y, c * q.y - s * q.x, c * q.z + s * q.w));
 }
 
-/* Rotates a free body with moments i, i, k for a time t, exactly: about the angular momentum, and about its own third axis. */
+/* Rotates a free body with moments i, i, k for a time t, exactly: about the angular momentum, and about its own third
+   axis. */
 DEM_INLINE dem_quaternion dem__turn_top(dem_quaternion q, dem_vec momentum, double i, double k, double t) {
     const dem_quaternion turned = dem__turns(dem__turn_by(dem__scale(0.5 * t / i, momentum)), q);
     if (i == k) return turned;
     return dem__turned_about_third(turned, 0.5 * t * (1.0 / k - 1.0 / i) * dem__dot(dem__third_axis(q), momentum));
 }
 
-/* Rotates a free body with three moments for a time t, to second order: as a symmetric top, and before and after for half of what the first
-   moment differs from the second (symmetric splitting of the kinetic energy; Touma & Wisdom 1994). Conserves angular momentum. */
+/* Rotates a free body with three moments for a time t, to second order: as a symmetric top, and before and after for
+   half of what the first moment differs from the second (symmetric splitting of the kinetic energy; Touma & Wisdom
+   1994). Conserves angular momentum. */
 static inline dem_quaternion dem__turn_split(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     const double rest = 0.25 * t * (1.0 / moments.x - 1.0 / moments.y);
     q = dem__turned_about_first(q, rest * dem__dot(dem__first_axis(q), momentum));
@@ -3445,15 +3684,16 @@ static inline dem_quaternion dem__turn_split(dem_quaternion q, dem_vec momentum,
 
 /* Does the same to sixth order, by nine of these (Kahan & Li 1997, s9odr6a). */
 static inline dem_quaternion dem__turn_nine(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
-    static const double part[5] = {0.39216144400731413928, 0.33259913678935943860, -0.70624617255763935981, 0.08221359629355080023,
-                                   0.79854399093482996340};
+    static const double part[5] = {0.39216144400731413928, 0.33259913678935943860, -0.70624617255763935981,
+                                   0.08221359629355080023, 0.79854399093482996340};
     for (int k = 0; k < 9; k++) q = dem__turn_split(q, momentum, moments, t * part[k < 5 ? k : 8 - k]);
     return dem__kept_unit(q);
 }
 
 /* Returns a time in which a body turns by at most a quarter radian [s]; HUGE_VAL at rest. */
 DEM_INLINE double dem__turn_stride(dem_vec momentum, dem_vec moments) {
-    const double least = moments.x < moments.y ? moments.x : moments.y, smallest = least < moments.z ? least : moments.z;
+    const double least = moments.x < moments.y ? moments.x : moments.y,
+                 smallest = least < moments.z ? least : moments.z;
     const double size = dem__length(momentum);
     return size > 0.0 ? 0.25 * smallest / size : HUGE_VAL;
 }
@@ -3465,26 +3705,30 @@ static inline dem_quaternion dem__turn_far(dem_quaternion q, dem_vec momentum, d
     return q;
 }
 
-/* Rotates a free body for a time t: in closed form if the first two moments are equal, otherwise by splitting. single: a step of a body
-   under torques, to second order, as everything in such a step is. */
+/* Rotates a free body for a time t: in closed form if the first two moments are equal, otherwise by splitting. single:
+   a step of a body under torques, to second order, as everything in such a step is. */
 DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem_vec moments, double t, int single) {
     if (moments.x == moments.y) return dem__turn_top(q, momentum, moments.x, moments.z, t);
     return single ? dem__turn_split(q, momentum, moments, t) : dem__turn_far(q, momentum, moments, t);
 }
 
 /* --------------------------------------------------------------------------------------- >>particles/free_flight.h */
-/* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned about one. Reads
-   bodies. Promises: the same bits whenever a state is evaluated.
+/* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned
+   about one. Reads bodies. Promises: the same bits whenever a state is evaluated.
 
-   A rigid body (dem__rigid) has the orientation, mass and moments. The particles that touch for it (dem_particle) are consecutive in the
-   world's arrays. Their mass is the body's, and their contacts count for all of them; x, v, a and spin are those of their centres as parts
-   of the body, valid at the origin step and while forces are computed. In flight use dem__at and its like, never the parabola. */
+   A rigid body (dem__rigid) has the orientation, mass and moments. The particles that touch for it (dem_particle) are
+   consecutive in the world's arrays. Their mass is the body's, and their contacts count for all of them; x, v, a and
+   spin are those of their centres as parts of the body, valid at the origin step and while forces are computed. In
+   flight use dem__at and its like, never the parabola. */
 
-/* Returns the acceleration of a particle in flight without loads [m/s2]. Bounds and the list rely on its being the same for all. */
+/* Returns the acceleration of a particle in flight without loads [m/s2]. Bounds and the list rely on its being the same
+   for all. */
 DEM_INLINE dem_vec dem__free_fall(const dem_world *w) { return w->def.gravity; }
 
 /* Returns the time since the origin step of particle i [s]. */
-DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->particle[i].origin) * w->engine->run.dt; }
+DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) {
+    return (double)(w->step - w->particle[i].origin) * w->engine->run.dt;
+}
 
 DEM_INLINE double dem__wrapped(double v, double low, double high) {
     if (v >= low && v < high) return v;
@@ -3518,7 +3762,9 @@ DEM_INLINE dem__pieces dem__pieces_of(const dem_world *w, ptrdiff_t i) {
 }
 
 /* Returns the acceleration of particle i, or of its rigid body, per force on it [1/kg]; 0 if it is fixed. */
-DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) { return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass; }
+DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) {
+    return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;
+}
 
 DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
     return w->engine->bodies.calls->posture(w, r, tau);
@@ -3569,8 +3815,8 @@ DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? r->a : w->particle[i].a;
 }
-/* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at both ends, but not
-   the right velocities; the error at its end shows how the acceleration changes. */
+/* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at
+   both ends, but not the right velocities; the error at its end shows how the acceleration changes. */
 static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__field *field = &w->engine->field;
     const dem__rigid *r = dem__rigid_of(w, i);
@@ -3606,12 +3852,13 @@ static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     w->particle[i].origin = w->step;
 }
 
-/* Puts a stored position back into the periodic box. Where gravity has a component along the box, the particle gains potential energy,
-   which is booked. */
+/* Puts a stored position back into the periodic box. Where gravity has a component along the box, the particle gains
+   potential energy, which is booked. */
 DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
     dem_particle *p = &w->particle[i];
     const dem_vec x = dem__in_box(w, p->x);
-    if (w->engine->ledger.on && !dem__is_fixed(w, i)) dem__book_wrap(w, -p->mass * dem__dot(dem__free_fall(w), dem__sub(x, p->x)));
+    if (w->engine->ledger.on && !dem__is_fixed(w, i))
+        dem__book_wrap(w, -p->mass * dem__dot(dem__free_fall(w), dem__sub(x, p->x)));
     p->x = x;
 }
 
@@ -3627,8 +3874,8 @@ DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) {
     return 0.4 * w->particle[i].mass * w->particle[i].radius * w->particle[i].radius;
 }
 
-/* Returns the kinetic energy of particle i [J]. The energies of a rigid body are those of its first particle, so that sums over particles
-   count it once. A fixed particle, like a wall, has none. */
+/* Returns the kinetic energy of particle i [J]. The energies of a rigid body are those of its first particle, so that
+   sums over particles count it once. A fixed particle, like a wall, has none. */
 DEM_INLINE double dem__kinetic(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (dem__is_fixed(w, i)) return 0.0;
@@ -3649,7 +3896,9 @@ DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
     const dem_vec s = dem__spin_at(w, i, dem__now(w, i));
     return 0.5 * dem__inertia(w, i) * dem__dot(s, s);
 }
-DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) { return dem__kinetic(w, i) + dem__rotational(w, i); }
+DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) {
+    return dem__kinetic(w, i) + dem__rotational(w, i);
+}
 DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (dem__is_fixed(w, i)) return 0.0;
@@ -3661,8 +3910,8 @@ DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
     return -w->particle[i].mass * dem__dot(dem__free_fall(w), dem__at(w, i, dem__now(w, i)));
 }
 
-/* Makes the present step the origin where a caller changes particle i between runs. In a force field it takes the most accurate velocity
-   that is known. */
+/* Makes the present step the origin where a caller changes particle i between runs. In a force field it takes the most
+   accurate velocity that is known. */
 static inline void dem__restart(dem_world *w, ptrdiff_t i) {
     const dem_vec error = dem__velocity_error(w, i, dem__now(w, i));
     dem__rigid *r = dem__rigid_of(w, i);
@@ -3676,7 +3925,9 @@ static inline void dem__restart(dem_world *w, ptrdiff_t i) {
     dem__book_field_work(w, dem__motion_energy(w, i));
 }
 
-DEM_INLINE double dem__nearest(double d, double length) { return fabs(d) < 0.499999 * length ? d : d - length * floor(d / length + 0.5); }
+DEM_INLINE double dem__nearest(double d, double length) {
+    return fabs(d) < 0.499999 * length ? d : d - length * floor(d / length + 0.5);
+}
 
 DEM_INLINE dem_vec dem__nearest_image(const dem_world *w, dem_vec d) {
     if (w->engine->run.has_periodic) {
@@ -3714,8 +3965,8 @@ static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     return dem__link_work_until(w, i, dem__at(w, i, tau), dem__spin_at(w, i, tau));
 }
 
-/* Stop and resume counting the work of links on some particles, while a caller changes how they move. The spin from which counting resumes
-   is the one that a particle would have had at the last evaluation. */
+/* Stop and resume counting the work of links on some particles, while a caller changes how they move. The spin from
+   which counting resumes is the one that a particle would have had at the last evaluation. */
 static inline void dem__stop_link_work(dem_world *w, dem__pieces of) {
     for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) dem__book_link_work(w, dem__link_work(w, k));
 }
@@ -3724,7 +3975,8 @@ static inline void dem__resume_link_work(dem_world *w, dem__pieces of) {
         double *from = w->engine->links.evaluated_at[k];
         const double tau = dem__now(w, k);
         if (!w->engine->links.is_loaded[k]) continue;
-        const dem_vec x = dem__at(w, k, tau), spin = dem__plus(dem__spin_at(w, k, tau), -dem__since_evaluated(w), w->spin_rate[k]);
+        const dem_vec x = dem__at(w, k, tau),
+                      spin = dem__plus(dem__spin_at(w, k, tau), -dem__since_evaluated(w), w->spin_rate[k]);
         for (int a = 0; a < 3; a++) from[a] = dem_axis(x, a), from[3 + a] = dem_axis(spin, a);
         dem__book_link_work(w, -dem__link_work(w, k));
     }
@@ -3779,11 +4031,13 @@ static inline int dem__reserve_particles(dem_world *w, ptrdiff_t n) {
     dem__array list[DEM__ARRAYS_MAX];
     dem__bodies *bodies = &w->engine->bodies;
     return w->count + n + 1 <= bodies->capacity ||
-           dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + n + 1);
+           dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
+                           w->count + n + 1);
 }
 
 /* Adds a particle at rest, for which there is room. Returns its number. */
-static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius, double mass, int material, int group) {
+static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius, double mass, int material,
+                                          int group) {
     const ptrdiff_t i = w->count++;
     dem__bodies *bodies = &w->engine->bodies;
     dem_particle *p = &w->particle[i];
@@ -3807,25 +4061,31 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     memset(&bodies->bound[i], 0, sizeof bodies->bound[i]);
     bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
     if (bodies->rigid) bodies->rigid_of[i] = 0;
-    if (w->engine->convex.shapes > 0) w->engine->convex.shape_of[i] = 0; /* a polyhedron that has gone may have had this entry */
-    if (w->engine->field.on) w->engine->field.until[i] = DEM__NO_FLIGHT, w->engine->field.force[i] = dem_vec3(0.0, 0.0, 0.0);
+    if (w->engine->convex.shapes > 0)
+        w->engine->convex.shape_of[i] = 0; /* a polyhedron that has gone may have had this entry */
+    if (w->engine->field.on)
+        w->engine->field.until[i] = DEM__NO_FLIGHT, w->engine->field.force[i] = dem_vec3(0.0, 0.0, 0.0);
     return i;
 }
 
-DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group) {
+DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters,
+                                   int material, int group) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && (!centres || !diameters)) || material < 0 || material >= w->def.materials)
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && (!centres || !diameters)) || material < 0 ||
+        material >= w->def.materials)
         return DEM_BAD_ARGUMENT;
     if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     for (ptrdiff_t k = 0; k < n; k++) {
         const dem_vec at = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
-        if (!dem__is_size(w, material, diameters[k]) || !dem__finite_vec(at) || !dem__is_place(dem__in_box(w, at))) return DEM_BAD_ARGUMENT;
+        if (!dem__is_size(w, material, diameters[k]) || !dem__finite_vec(at) || !dem__is_place(dem__in_box(w, at)))
+            return DEM_BAD_ARGUMENT;
     }
     if (!dem__reserve_particles(w, n)) return DEM_OUT_OF_MEMORY;
     for (ptrdiff_t k = 0; k < n; k++) {
         const dem_vec x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
-        const ptrdiff_t i = dem__put_particle(w, x, 0.5 * diameters[k], dem__sphere_mass(w, material, 0.5 * diameters[k]), material, group);
+        const ptrdiff_t i = dem__put_particle(w, x, 0.5 * diameters[k],
+                                              dem__sphere_mass(w, material, 0.5 * diameters[k]), material, group);
         dem__free_acceleration(w, i);
         dem__book_added(w, dem__potential(w, i));
     }
@@ -3833,7 +4093,8 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     return DEM_OK;
 }
 
-/* Sets the number of steps between two evaluations of the links, and the step of the last one as it would have been with it. */
+/* Sets the number of steps between two evaluations of the links, and the step of the last one as it would have been
+   with it. */
 static inline void dem__set_link_steps(dem_world *w) {
     dem__links *links = &w->engine->links;
     if (!links->on) return;
@@ -3874,8 +4135,9 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
         for (ptrdiff_t i = 0; i < w->count; i++) {
             const dem__rigid *r = dem__rigid_of(w, i);
             const dem_vec x = r ? r->x : w->particle[i].x;
-            const double raised =
-                w->alive[i] && (!r || r->first == i) && !dem__is_fixed(w, i) ? -w->particle[i].mass * dem__dot(change, x) : 0.0;
+            const double raised = w->alive[i] && (!r || r->first == i) && !dem__is_fixed(w, i)
+                                      ? -w->particle[i].mass * dem__dot(change, x)
+                                      : 0.0;
             dem__book_gravity(w, raised);
         }
     }
@@ -3890,7 +4152,8 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
 DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair) {
     dem_world *w = world;
     if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn || !pair || a < 0 || b < 0 || a >= w->def.materials || b >= w->def.materials || dem__bad_pair(pair))
+    if (!w || !w->def.allocator.fn || !pair || a < 0 || b < 0 || a >= w->def.materials || b >= w->def.materials ||
+        dem__bad_pair(pair))
         return DEM_BAD_ARGUMENT;
     dem_pair_def *own = dem_pair(&w->def, a, b);
     *own = *pair, own->given = 1;
@@ -3924,7 +4187,9 @@ DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
     for (ptrdiff_t k = own.first; k < own.end; k++) dem__wake_one(w, k);
 }
 
-static inline int dem__is_present(const dem_world *w, ptrdiff_t i) { return w && i >= 0 && i < w->count && w->alive[i]; }
+static inline int dem__is_present(const dem_world *w, ptrdiff_t i) {
+    return w && i >= 0 && i < w->count && w->alive[i];
+}
 
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin) {
     if (dem__is_running(world)) return DEM_BUSY;
@@ -3960,7 +4225,8 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     if (r && !dem__is_fixed(w, i)) {
         const dem_vec more = dem__sub(force, dem__first(external));
         r->a = dem__plus(r->a, 1.0 / r->mass, more);
-        r->torque = dem__add(dem__add(r->torque, dem__sub(torque, dem__second(external))), dem__cross(w->engine->bodies.arm[i], more));
+        r->torque = dem__add(dem__add(r->torque, dem__sub(torque, dem__second(external))),
+                             dem__cross(w->engine->bodies.arm[i], more));
     }
     const int fixed = dem__is_fixed(w, i);
     for (int a = 0; a < 6; a++) {
@@ -3981,15 +4247,17 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
 /* Timers of near pairs and of particles with walls, and batches of them.
    Relies on particles/free_flight.h for where particles are; reads the bounds that search/bounds.h sets. */
 
-/* A timer holds the step of the next test of a near pair, or of a particle and a wall. A test finds a contact, or the next step in which
-   one is possible. */
+/* A timer holds the step of the next test of a near pair, or of a particle and a wall. A test finds a contact, or the
+   next step in which one is possible. */
 
 DEM_INLINE void dem__set_due(dem__timers *t, int32_t e, int32_t due) {
     int32_t *earliest = &t->earliest[(uint32_t)e / DEM__LINE];
     t->due[e] = due;
     *earliest = due < *earliest ? due : *earliest;
 }
-DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) { dem__set_due(t, e, (int32_t)(step - t->from)); }
+DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) {
+    dem__set_due(t, e, (int32_t)(step - t->from));
+}
 DEM_INLINE void dem__stop_timer(dem__timers *t, int32_t e) { t->due[e] = DEM__STOPPED; }
 
 DEM_INLINE int32_t dem__earliest(const int32_t *due) {
@@ -4000,7 +4268,8 @@ DEM_INLINE int32_t dem__earliest(const int32_t *due) {
 }
 
 /* Appends the timers of line b that are due to a list of length n and sets them to `then`. Returns the new length. */
-DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t now, int32_t then, int32_t *list, ptrdiff_t n) {
+DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t now, int32_t then, int32_t *list,
+                                           ptrdiff_t n) {
     int32_t *due = t->due + b * DEM__LINE;
     t->earliest[b] = dem__earliest(due);
     if (t->earliest[b] > now) return n; /* the earliest timer has been set to a later step since */
@@ -4014,8 +4283,8 @@ DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t 
     return n;
 }
 
-/* Lists the timers in pages first .. end-1 that are due at a step, from list[first * DEM__PAGE] on, and sets them to `then`. Returns their
-   number. */
+/* Lists the timers in pages first .. end-1 that are due at a step, from list[first * DEM__PAGE] on, and sets them to
+   `then`. Returns their number. */
 DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then) {
     const int32_t now = (int32_t)(step - t->from);
     int32_t *list = t->list + first * DEM__PAGE;
@@ -4039,12 +4308,16 @@ DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t en
     }
     return n;
 }
-DEM__AVX2_CLONE(dem__list_due, (dem__timers * t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then, ptrdiff_t *n),
+DEM__AVX2_CLONE(dem__list_due,
+                (dem__timers * t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then, ptrdiff_t *n),
                 (t, first, end, step, then, n), *n = dem__find_due(t, first, end, step, then))
 
 /* Returns the number of steps from `step` until the timer is due. */
-DEM_INLINE int dem__steps_due(const dem__timers *t, int32_t e, int64_t step) { return (int)(t->due[e] - (step - t->from)); }
-/* Returns the number of steps from `step` in which no contact with the wall can begin; it may be more than dem__steps_due. */
+DEM_INLINE int dem__steps_due(const dem__timers *t, int32_t e, int64_t step) {
+    return (int)(t->due[e] - (step - t->from));
+}
+/* Returns the number of steps from `step` in which no contact with the wall can begin; it may be more than
+   dem__steps_due. */
 DEM_INLINE int dem__steps_sure(const dem_world *w, int32_t e, int64_t step) {
     return (int)(int32_t)(w->engine->walls.sure[e] - (uint32_t)(uint64_t)step);
 }
@@ -4056,22 +4329,25 @@ DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
     return n > 0.0 ? 1 + (int)n : 1; /* NaN: 1 */
 }
 
-/* Returns the time [s] to cover a distance [m] at a speed that starts with s [m/s] and grows by g [m/s2]; 0 without a distance. */
+/* Returns the time [s] to cover a distance [m] at a speed that starts with s [m/s] and grows by g [m/s2]; 0 without a
+   distance. */
 DEM_INLINE double dem__time_to_cover(double distance, double s, double g) {
     return distance > 0.0 ? 2.0 * distance / (s + sqrt(s * s + 2.0 * g * distance)) : 0.0;
 }
 
-/* Returns the least time [s] to close a distance [m] at an approach speed u [m/s] (< 0: receding) and an acceleration of at most a [m/s2];
-   infinity if it never closes. */
+/* Returns the least time [s] to close a distance [m] at an approach speed u [m/s] (< 0: receding) and an acceleration
+   of at most a [m/s2]; infinity if it never closes. */
 DEM_INLINE double dem__time_to_close(double distance, double u, double a) {
     const double root = u + sqrt(u * u + 2.0 * a * distance);
     return distance > 0.0 ? (root > 0.0 ? 2.0 * distance / root : HUGE_VAL) : 0.0;
 }
 
-/* Returns the vector from the centre of j to that of i at a step [m], of the nearest image; neither belongs to a rigid body. */
+/* Returns the vector from the centre of j to that of i at a step [m], of the nearest image; neither belongs to a rigid
+   body. */
 DEM_INLINE dem_vec dem__sphere_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
-    return dem__nearest_image(w, dem__sub(dem__sphere_at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
-                                          dem__sphere_at(w, j, (double)(step - w->particle[j].origin) * w->engine->run.dt)));
+    return dem__nearest_image(
+        w, dem__sub(dem__sphere_at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
+                    dem__sphere_at(w, j, (double)(step - w->particle[j].origin) * w->engine->run.dt)));
 }
 /* Returns the same vector for any two particles. */
 DEM_INLINE dem_vec dem__pair_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
@@ -4093,8 +4369,8 @@ typedef struct dem__timer_batch {
 
 DEM_INLINE void dem__clear_batch(dem__timer_batch *q) { q->n = 0, q->found = NULL, q->touch = 0, q->looks = 0; }
 
-/* Computes the steps until each pair can touch if both particles keep to their bounds: 0 for never, else 1 to DEM__STEPS_MAX - 1. pace:
-   steps a second. */
+/* Computes the steps until each pair can touch if both particles keep to their bounds: 0 for never, else 1 to
+   DEM__STEPS_MAX - 1. pace: steps a second. */
 DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
     for (int k = 0; k < q->n; k++) {
         const dem__bound *r = &q->apart[k];
@@ -4102,9 +4378,10 @@ DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
         const double b = r->x * r->ux + r->y * r->uy + r->z * r->uz - r->reach * r->tolerance;
         const double c = r->x * r->x + r->y * r->y + r->z * r->z - r->reach * r->reach;
         const double root = b * b - a * c, below = sqrt(root > 0.0 ? root : 0.0) - b;
-        const double n = c / (below > 0.0 ? below : 1.0) * pace, later = n >= (double)(DEM__STEPS_MAX - 2) ? (double)(DEM__STEPS_MAX - 2)
-                                                                         : n > 0.0                         ? n
-                                                                                                           : 0.0;
+        const double n = c / (below > 0.0 ? below : 1.0) * pace, later = n >= (double)(DEM__STEPS_MAX - 2)
+                                                                             ? (double)(DEM__STEPS_MAX - 2)
+                                                                         : n > 0.0 ? n
+                                                                                   : 0.0;
         const double otherwise = ((root <= 0.0) | (below <= 0.0)) ? 0.0 : 1.0; /* NaN, after an overflow: 1 step */
         const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + later : otherwise;
         q->steps[k] = (int32_t)(c > 0.0 ? steps : 1.0);
@@ -4117,7 +4394,8 @@ static inline void dem__flush_batch(dem_world *w, dem__timer_batch *q, int64_t s
     dem__pairs *pairs = &w->engine->pairs;
     const int32_t now = (int32_t)(step - pairs->timers.from);
     dem__compute_due(q, pairs->steps_per_second);
-    for (int k = 0; k < q->n; k++) dem__set_due(&pairs->timers, q->pair[k], q->steps[k] > 0 ? now + q->steps[k] : DEM__NEVER);
+    for (int k = 0; k < q->n; k++)
+        dem__set_due(&pairs->timers, q->pair[k], q->steps[k] > 0 ? now + q->steps[k] : DEM__NEVER);
     q->n = 0;
 }
 
@@ -4145,7 +4423,8 @@ DEM_INLINE dem__bound *dem__batch_pair(dem_world *w, dem__timer_batch *q, int32_
 }
 
 /* Appends pair p. a, b: the bounds of its particles as they are at the step; their nearest images are taken. */
-DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a, const dem__bound *b) {
+DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a,
+                                  const dem__bound *b) {
     dem__bound *r = dem__batch_pair(w, q, p, step, a, b);
     if (!w->engine->run.has_periodic) return;
     const dem_vec d = dem__nearest_image(w, dem_vec3(r->x, r->y, r->z));
@@ -4155,20 +4434,22 @@ DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, 
 /* Appends pair p, whose centres are known to be d apart [m] at a step. */
 DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, dem_vec d) {
     const dem__near *pair = &w->engine->pairs.near[p];
-    dem__bound *r = dem__batch_pair(w, q, p, step, &w->engine->bodies.bound[pair->i], &w->engine->bodies.bound[pair->j]);
+    dem__bound *r =
+        dem__batch_pair(w, q, p, step, &w->engine->bodies.bound[pair->i], &w->engine->bodies.bound[pair->j]);
     r->x = d.x, r->y = d.y, r->z = d.z, r->reach = pair->distance + 2.0 * w->engine->pairs.position_tolerance;
 }
 
 /* ------------------------------------------------------------------------------------------------- >>walls/exits.h */
-/* The records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises: the order of
-   records does not depend on the order of tests. */
+/* The records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises:
+   the order of records does not depend on the order of tests. */
 
 /* Returns the diameter of a sphere with a body's mass and the material of its first particle [m]. */
 static inline double dem__equal_diameter(const dem_world *w, const dem__rigid *r) {
     return riddle_cbrt(6.0 / RIDDLE_PI * r->mass / w->def.material[w->material[r->first]].density);
 }
 
-/* Records a particle, or its rigid body, that passes an exit in this step, and marks it to leave at the end of the step. */
+/* Records a particle, or its rigid body, that passes an exit in this step, and marks it to leave at the end of the
+   step. */
 static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -4179,7 +4460,8 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
         const dem__posture p = dem__posture_at(w, r, tau);
         i = r->first, x = p.x, v = p.v;
     }
-    if (w->alive[i] < 0) { /* it passed another exit in this step: the one with the smaller index counts, whatever the order of tests */
+    if (w->alive[i] < 0) { /* it passed another exit in this step: the one with the smaller index counts, whatever the
+                              order of tests */
         ptrdiff_t k = w->passed_count - 1;
         while (w->passed[k].id != w->id[i]) k--;
         if (wall < w->passed[k].exit) w->passed[k].exit = wall;
@@ -4187,8 +4469,9 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     }
     if (w->passed_count >= bodies->passed_capacity) {
         ptrdiff_t larger = bodies->passed_capacity * 2 + 256;
-        dem_passed *fresh = (dem_passed *)w->def.allocator.fn(
-            w->def.allocator.user, w->passed, (size_t)bodies->passed_capacity * sizeof *fresh, (size_t)larger * sizeof *fresh);
+        dem_passed *fresh = (dem_passed *)w->def.allocator.fn(w->def.allocator.user, w->passed,
+                                                              (size_t)bodies->passed_capacity * sizeof *fresh,
+                                                              (size_t)larger * sizeof *fresh);
         if (!fresh) {
             w->status = DEM_OUT_OF_MEMORY;
             return;
@@ -4200,7 +4483,8 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     double time = run->start_time + (double)(w->step + 1 - run->start_step) * run->dt;
     ptrdiff_t at = w->passed_count++;
     w->passed_total++;
-    for (; at > 0 && w->passed[at - 1].time == time && w->passed[at - 1].id > w->id[i]; at--) w->passed[at] = w->passed[at - 1];
+    for (; at > 0 && w->passed[at - 1].time == time && w->passed[at - 1].id > w->id[i]; at--)
+        w->passed[at] = w->passed[at - 1];
     dem_passed *p = &w->passed[at];
     p->time = time;
     p->diameter = r ? dem__equal_diameter(w, r) : 2.0 * w->particle[i].radius;
@@ -4215,8 +4499,8 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
 }
 
 /* ------------------------------------------------------------------------------------------------ >>search/tests.h */
-/* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the last chunk. Relies on
-   search/timers.h and walls/kinds.h. */
+/* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the
+   last chunk. Relies on search/timers.h and walls/kinds.h. */
 
 /* Returns the slot of contact k. In public functions contacts are numbered from 0 in the order of slots. */
 DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
@@ -4242,8 +4526,8 @@ static inline int dem__grow_contacts(dem_world *w, ptrdiff_t slots) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__array list[DEM__ARRAYS_MAX];
     return slots <= contacts->capacity ||
-           (slots <= INT32_MAX / 2 &&
-            dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity, slots));
+           (slots <= INT32_MAX / 2 && dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block,
+                                                      &contacts->bytes, &contacts->capacity, slots));
 }
 
 /* Appends a contact, which dem__commit_begun completes. Returns 0 when out of memory. */
@@ -4278,7 +4562,8 @@ static inline void dem__new_pair_contacts(dem_world *w, const dem__timer_batch *
     dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t slots = dem__next_slot(w) + waits->touch;
     w->looks += waits->looks;
-    if (!dem__grow_contacts(w, slots > w->engine->contacts.capacity ? slots + slots / 2 : slots)) w->status = DEM_OUT_OF_MEMORY;
+    if (!dem__grow_contacts(w, slots > w->engine->contacts.capacity ? slots + slots / 2 : slots))
+        w->status = DEM_OUT_OF_MEMORY;
     for (const int32_t *p = waits->found; p < waits->found + waits->touch && w->status == DEM_OK; p++) {
         if (dem__new_contact(w, pairs->near[*p].i, pairs->near[*p].j, 0, *p)) dem__stop_timer(&pairs->timers, *p);
     }
@@ -4312,15 +4597,18 @@ static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
 
 /* Returns an arm [m]: no point of a wall at x is faster than speed_bound + arm * spin_bound. */
 DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
-    const double arm = dem__length(dem__sub(x, wall->position)); /* a kinematic wall's speed_bound leaves out that its origin turns */
-    return wall->asked.drive == DEM_KINEMATIC ? arm + dem__length(dem__sub(wall->asked.origin, wall->asked.spin_centre)) : arm;
+    const double arm =
+        dem__length(dem__sub(x, wall->position)); /* a kinematic wall's speed_bound leaves out that its origin turns */
+    return wall->asked.drive == DEM_KINEMATIC ? arm + dem__length(dem__sub(wall->asked.origin, wall->asked.spin_centre))
+                                              : arm;
 }
 
-/* Returns whether particle i must be tested with a wall. A screen may be touched at several bars. Any other wall that it touches needs no
-   test: it has one place, and dem__follow_meshes finds the other places of a mesh. */
+/* Returns whether particle i must be tested with a wall. A screen may be touched at several bars. Any other wall that
+   it touches needs no test: it has one place, and dem__follow_meshes finds the other places of a mesh. */
 DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     if (dem__is_fixed(w, i)) return 0;
-    if (dem__shape_of(w, i)) return w->wall[wall].kind == DEM_EXIT; /* others: by corners and edges, in polyhedra/pairs.h */
+    if (dem__shape_of(w, i))
+        return w->wall[wall].kind == DEM_EXIT; /* others: by corners and edges, in polyhedra/pairs.h */
     if (w->wall[wall].kind == DEM_SCREEN) return 1;
     for (int32_t c = w->engine->walls.first_contact[i]; c >= 0; c = w->engine->contacts.wall_next[c]) {
         if (w->engine->contacts.j[c] == -1 - wall) return 0;
@@ -4328,8 +4616,8 @@ DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     return 1;
 }
 
-/* Returns whether the contact in slot c is one of a polyhedron. The functions after it read and write what a contact keeps of the place
-   where it touches: see DEM__PLACE_NORMAL in base/engine.h. first: the first of three numbers. */
+/* Returns whether the contact in slot c is one of a polyhedron. The functions after it read and write what a contact
+   keeps of the place where it touches: see DEM__PLACE_NORMAL in base/engine.h. first: the first of three numbers. */
 DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
 DEM_INLINE dem_vec dem__place_vec(const dem_world *w, int first, ptrdiff_t c) {
     double *const *place = &w->engine->contacts.touch[first];
@@ -4339,8 +4627,12 @@ DEM_INLINE void dem__set_place_vec(dem_world *w, int first, ptrdiff_t c, dem_vec
     double *const *place = &w->engine->contacts.touch[first];
     place[0][c] = v.x, place[1][c] = v.y, place[2][c] = v.z;
 }
-DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_NORMAL, c); }
-DEM_INLINE dem_vec dem__place_before(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_BEFORE, c); }
+DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) {
+    return dem__place_vec(w, DEM__PLACE_NORMAL, c);
+}
+DEM_INLINE dem_vec dem__place_before(const dem_world *w, ptrdiff_t c) {
+    return dem__place_vec(w, DEM__PLACE_BEFORE, c);
+}
 DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_ARM, c); }
 DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
     double *const *place = w->engine->contacts.touch;
@@ -4360,8 +4652,8 @@ DEM_INLINE void dem__set_touch(dem_world *w, ptrdiff_t c, const dem__touch *touc
     w->engine->contacts.touch[DEM__PLACE_GAP][c] = touch->gap;
 }
 
-/* Begins a contact with a wall. A cone is touched from both sides and at its rims: a contact keeps the curvature with which it began.
-   Returns 0 when out of memory. */
+/* Begins a contact with a wall. A cone is touched from both sides and at its rims: a contact keeps the curvature with
+   which it began. Returns 0 when out of memory. */
 static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!dem__new_contact(w, i, -1 - wall, element, -1)) return 0;
@@ -4393,14 +4685,17 @@ typedef struct dem__mesh_places {
     int n, taken, used; /* number of places; bits: places that have a contact, elements of the contacts */
 } dem__mesh_places;
 
-/* Moves the contacts of particle i with mesh k, in the listed slots, to a step to which the wall has been moved. Each continues at the
-   deepest place whose normal is near its own, or ends. Returns the places; none if the only contact rests on its footing. */
-static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step, dem__mesh_places *at) {
+/* Moves the contacts of particle i with mesh k, in the listed slots, to a step to which the wall has been moved. Each
+   continues at the deepest place whose normal is near its own, or ends. Returns the places; none if the only contact
+   rests on its footing. */
+static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step,
+                                     dem__mesh_places *at) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem_wall *wall = &w->wall[k];
     const double tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
     const dem_vec x = dem__at(w, i, tau), d = dem__sub(x, wall->position);
-    const double speed = dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
+    const double speed =
+        dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
     const double radius = w->particle[i].radius, near = w->engine->links.near,
                  leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact opens in a step */
         deep = leaves > near ? leaves : near;
@@ -4416,7 +4711,9 @@ static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int
         const int32_t c = slot[m];
         int q = 0;
         at->used |= 1 << contacts->element[c];
-        while (q < at->n && ((at->taken >> q & 1) || !(dem__dot(at->touch[q].normal, dem__place_normal(w, c)) > DEM__SMOOTH))) q++;
+        while (q < at->n &&
+               ((at->taken >> q & 1) || !(dem__dot(at->touch[q].normal, dem__place_normal(w, c)) > DEM__SMOOTH)))
+            q++;
         if (q == at->n) { /* merged with another: it ends without a force, whatever its depth */
             contacts->touch[DEM__PLACE_GAP][c] = w->particle[i].radius;
             contacts->force[c] = 0.0;
@@ -4431,7 +4728,9 @@ static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int
 }
 
 /* Returns whether place q touches and has no contact. */
-DEM_INLINE int dem__is_place_left(const dem__mesh_places *at, int q) { return !(at->taken >> q & 1) && at->touch[q].gap < 0.0; }
+DEM_INLINE int dem__is_place_left(const dem__mesh_places *at, int q) {
+    return !(at->taken >> q & 1) && at->touch[q].gap < 0.0;
+}
 static inline int dem__are_places_left(const dem__mesh_places *at) {
     for (int q = 0; q < at->n; q++) {
         if (dem__is_place_left(at, q)) return 1;
@@ -4454,13 +4753,14 @@ static inline void dem__begin_at_places(dem_world *w, ptrdiff_t i, int k, dem__m
 /* Lists the contacts of a particle with a mesh if slot c holds the first of them. Returns their number, otherwise 0. */
 static inline int dem__contacts_at_mesh(const dem_world *w, ptrdiff_t c, int32_t *slot) {
     const int k = -1 - (int)w->engine->contacts.j[c];
-    if (k < 0 || w->wall[k].kind != DEM_MESH || dem__is_convex_contact(w, c)) return 0; /* those of a polyhedron follow its points */
+    if (k < 0 || w->wall[k].kind != DEM_MESH || dem__is_convex_contact(w, c))
+        return 0; /* those of a polyhedron follow its points */
     const int slots = dem__contacts_at(w, w->engine->contacts.i[c], k, slot);
     return slots > 0 && slot[0] == c ? slots : 0;
 }
 
-/* Moves the contacts of chunks first .. end-1. Notes in contacts.edge, which is free before the kernel, where places are left: contacts
-   begin on one thread. */
+/* Moves the contacts of chunks first .. end-1. Notes in contacts.edge, which is free before the kernel, where places
+   are left: contacts begin on one thread. */
 static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
     dem__contacts *contacts = &w->engine->contacts;
     (void)part;
@@ -4471,19 +4771,21 @@ static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t 
             const int slots = dem__contacts_at_mesh(w, c, slot);
             contacts->edge[c] = 0;
             if (slots == 0) continue;
-            for (int m = 0; m < slots; m++) dem__set_place_vec(w, DEM__PLACE_BEFORE, slot[m], dem__place_normal(w, slot[m]));
+            for (int m = 0; m < slots; m++)
+                dem__set_place_vec(w, DEM__PLACE_BEFORE, slot[m], dem__place_normal(w, slot[m]));
             dem__match_places(w, contacts->i[c], -1 - (int)contacts->j[c], slot, slots, *(const int64_t *)step, &at);
             contacts->edge[c] = (uint8_t)dem__are_places_left(&at);
         }
     }
 }
 
-/* Moves contacts with meshes to a step to which the walls have been moved, and begins those at other places of meshes that particles touch
-   already. */
+/* Moves contacts with meshes to a step to which the walls have been moved, and begins those at other places of meshes
+   that particles touch already. */
 static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t end = dem__next_slot(w);
-    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count, dem__find_followers, &step);
+    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count,
+                  dem__find_followers, &step);
     DEM__EACH_CONTACT(w, c) {
         int32_t slot[DEM__NUMBERS];
         dem__mesh_places at;
@@ -4495,25 +4797,30 @@ static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     }
 }
 
-/* Returns whether a point is beyond an exit. A rigid body leaves when its centre of mass is, and the centre of one of its particles. */
-static inline int dem__has_passed(const dem_wall *wall, dem_vec x) { return dem__dot(dem__sub(x, wall->position), wall->axis[2]) < 0.0; }
+/* Returns whether a point is beyond an exit. A rigid body leaves when its centre of mass is, and the centre of one of
+   its particles. */
+static inline int dem__has_passed(const dem_wall *wall, dem_vec x) {
+    return dem__dot(dem__sub(x, wall->position), wall->axis[2]) < 0.0;
+}
 
-/* Returns an acceleration [m/s2]: on a straight path at u, from_axis [m] off a wall's axis, the distance from the axis grows by no more
-   than the outward velocity and this acceleration give: u_side^2 / from_axis. */
+/* Returns an acceleration [m/s2]: on a straight path at u, from_axis [m] off a wall's axis, the distance from the axis
+   grows by no more than the outward velocity and this acceleration give: u_side^2 / from_axis. */
 DEM_INLINE double dem__bend(const dem_wall *wall, dem_vec u, double from_axis) {
     const double along = dem__dot(u, wall->axis[2]);
     return from_axis > 0.0 ? (dem__dot(u, u) - along * along) / from_axis : HUGE_VAL;
 }
 
 /* Returns a lower limit of the gap of bars that are not among those found [m]. */
-static inline double dem__other_bars(const dem_world *w, const dem_wall *wall, double radius, const dem__touch *touch, int found) {
+static inline double dem__other_bars(const dem_world *w, const dem_wall *wall, double radius, const dem__touch *touch,
+                                     int found) {
     double lowest = 0.0;
     for (int q = 0; q < found; q++) lowest = touch[q].gap < lowest ? touch[q].gap : lowest;
     const double third = dem__third_bar(wall, radius, lowest);
     return third < w->engine->pairs.wall_reach ? third : w->engine->pairs.wall_reach;
 }
 
-/* Returns how far x is from a face of the periodic box beyond which the wall does not continue [m]: walls are not repeated. */
+/* Returns how far x is from a face of the periodic box beyond which the wall does not continue [m]: walls are not
+   repeated. */
 static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wall, dem_vec x) {
     double least = HUGE_VAL;
     for (int a = 0; a < 3; a++) {
@@ -4540,16 +4847,18 @@ typedef struct dem__wall_test {
     dem__touch touch[DEM__TOUCHES];
 } dem__wall_test;
 
-/* Returns a time [s] before which the particle cannot touch the wall, from its velocity and the tolerance of its bound; 0 if none is known.
-   Near a wall it is longer than the time from speeds alone, but it holds for this bound only. A plane, a bar and a cylinder from outside
-   are convex, so that a gap cannot shrink faster than along its normal. */
+/* Returns a time [s] before which the particle cannot touch the wall, from its velocity and the tolerance of its bound;
+   0 if none is known. Near a wall it is longer than the time from speeds alone, but it holds for this bound only. A
+   plane, a bar and a cylinder from outside are convex, so that a gap cannot shrink faster than along its normal. */
 static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test *t) {
     const dem_wall *wall = t->wall;
-    const double stray = 2.0 * w->engine->bodies.bound[t->i].tolerance, near = w->engine->links.near + w->engine->pairs.position_tolerance,
-                 radius = w->particle[t->i].radius;
+    const double stray = 2.0 * w->engine->bodies.bound[t->i].tolerance,
+                 near = w->engine->links.near + w->engine->pairs.position_tolerance, radius = w->particle[t->i].radius;
     const dem_vec u = dem__sub(t->v, wall->velocity), g = dem__free_fall(w);
     double a = w->engine->pairs.gravity_size + wall->acceleration_bound, least = HUGE_VAL;
-    if (t->found == 0 || wall->asked.drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
+    if (t->found == 0 || wall->asked.drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 ||
+        !(a < HUGE_VAL))
+        return 0.0;
     if (wall->kind == DEM_SCREEN) least = dem__time_to_close(t->others - near, dem__length(u) + stray, a);
     if (wall->kind == DEM_CYLINDER) {
         const double along = dem__dot(g, wall->axis[2]), from_axis = wall->radius - radius - t->touch->gap;
@@ -4572,12 +4881,13 @@ static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t
     else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
 }
 
-/* Begins contacts at the places found, and sets what is clear of them. Returns 0 if the wall needs no other test: it is touched at its only
-   place, or memory ran out. */
+/* Begins contacts at the places found, and sets what is clear of them. Returns 0 if the wall needs no other test: it is
+   touched at its only place, or memory ran out. */
 static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
     const double near = w->engine->links.near;
     int touches = 0;
-    if (t->wall->kind == DEM_SCREEN) t->others = dem__other_bars(w, t->wall, w->particle[t->i].radius, t->touch, t->found);
+    if (t->wall->kind == DEM_SCREEN)
+        t->others = dem__other_bars(w, t->wall, w->particle[t->i].radius, t->touch, t->found);
     t->clear = t->others;
     for (int q = 0; q < t->found; q++) {
         const dem__touch *place = &t->touch[q];
@@ -4591,16 +4901,18 @@ static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
     return !touches || t->wall->kind == DEM_SCREEN;
 }
 
-/* Returns a limit of the speed at which particle and wall approach each other now [m/s]. most: number of steps for which it holds if
-   gravity is added. */
+/* Returns a limit of the speed at which particle and wall approach each other now [m/s]. most: number of steps for
+   which it holds if gravity is added. */
 static inline double dem__speed_to_wall(dem_world *w, const dem__wall_test *t, int *most) {
-    double *relied = &w->engine->bodies.wall_speed[t->i], speed = dem__length(t->v) + 2.0 * w->engine->bodies.bound[t->i].tolerance;
+    double *relied = &w->engine->bodies.wall_speed[t->i],
+           speed = dem__length(t->v) + 2.0 * w->engine->bodies.bound[t->i].tolerance;
     if (speed < 0.5 * *relied) *relied = 1.25 * speed;
     speed = (speed > *relied ? speed : *relied) + t->wall->speed_bound;
     *most = DEM__STEPS_MAX;
     if (!(t->wall->spin_bound > 0.0)) return speed;
     /* the surface is faster further out, where the particle may be at the next test */
-    const double turn = DEM__RETEST_STEPS * w->engine->run.dt, out = turn * (speed + turn * w->engine->pairs.gravity_size);
+    const double turn = DEM__RETEST_STEPS * w->engine->run.dt,
+                 out = turn * (speed + turn * w->engine->pairs.gravity_size);
     *most = DEM__RETEST_STEPS;
     return speed + t->wall->spin_bound * (dem__arm(t->wall, t->x) + out);
 }
@@ -4612,14 +4924,16 @@ static inline void dem__wait_for_wall(dem_world *w, const dem__wall_test *t, int
                  way = crossing < t->clear ? crossing : t->clear;
     int most, better = 0;
     const double speed = dem__speed_to_wall(w, t, &most);
-    const int sure = dem__steps_until(w, dem__time_to_cover(way - pairs->position_tolerance, speed, pairs->gravity_size)),
+    const int sure =
+                  dem__steps_until(w, dem__time_to_cover(way - pairs->position_tolerance, speed, pairs->gravity_size)),
               steps = sure < most ? sure : most;
     if (steps < DEM__RETEST_STEPS / 4 && crossing == HUGE_VAL) better = dem__steps_until(w, dem__time_to_wall(w, t));
     w->engine->walls.sure[e] = (uint32_t)(uint64_t)(step + steps);
     dem__set_timer(&w->engine->walls.timers, e, step + (better > steps ? better : steps));
 }
 
-/* Tests the particle and the wall of timer e, at a step to which the wall has been moved: begins contacts, or sets the timer. */
+/* Tests the particle and the wall of timer e, at a step to which the wall has been moved: begins contacts, or sets the
+   timer. */
 static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     const int skips = w->def.skip & DEM_SKIP_SPACE;
     dem__wall_test t;
@@ -4628,7 +4942,8 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     if (!w->alive[t.i] || !dem__is_at_wall(w, t.i, t.k)) return;
     const double tau = (double)(step - w->particle[t.i].origin) * w->engine->run.dt, radius = w->particle[t.i].radius;
     t.x = dem__at(w, t.i, tau), t.v = dem__velocity_at(w, t.i, tau);
-    if (w->engine->run.has_periodic) t.x = dem__in_box(w, t.x); /* where the step will put it: bars are told apart by their place */
+    if (w->engine->run.has_periodic)
+        t.x = dem__in_box(w, t.x); /* where the step will put it: bars are told apart by their place */
     t.others = w->engine->pairs.wall_reach;
     t.found = dem__touch_wall(t.wall, t.x, radius, skips ? t.others : w->engine->links.near, t.touch, &t.clear);
     if (t.wall->kind == DEM_EXIT && t.clear < 0.0) {
@@ -4689,8 +5004,8 @@ static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
     return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);
 }
 
-/* Renumbers rigid bodies and their first particles after dropped particles have been removed. Bodies are in the order of their
-   particles. */
+/* Renumbers rigid bodies and their first particles after dropped particles have been removed. Bodies are in the order
+   of their particles. */
 static inline void dem__compact_bodies(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     ptrdiff_t n = 0;
@@ -4730,7 +5045,8 @@ static inline void dem__compact(dem_world *w) {
         contacts->i[c] = remap[contacts->i[c]];
         if (contacts->j[c] >= 0) contacts->j[c] = remap[contacts->j[c]];
     }
-    for (int q = 0; q < contacts->chunk_count; q++) contacts->chunk[q].first_particle = dem__remapped(w, contacts->chunk[q].first_particle);
+    for (int q = 0; q < contacts->chunk_count; q++)
+        contacts->chunk[q].first_particle = dem__remapped(w, contacts->chunk[q].first_particle);
     for (ptrdiff_t k = 0; k < links->count; k++) {
         links->i[k] = remap[links->i[k]];
         if (links->j[k] >= 0) links->j[k] = remap[links->j[k]];
@@ -4757,13 +5073,14 @@ enum { DEM__LEVELS_MAX = 16 }; /* beyond 1 : 2.5^15 the last takes all */
 /* Returns the number of a sphere's size class. */
 DEM_INLINE int dem__level(double radius, double smallest) {
     int level = 0;
-    for (double bound = DEM__CLASS * smallest; radius >= bound && level < DEM__LEVELS_MAX - 1; level++) bound *= DEM__CLASS;
+    for (double bound = DEM__CLASS * smallest; radius >= bound && level < DEM__LEVELS_MAX - 1; level++)
+        bound *= DEM__CLASS;
     return level;
 }
 
-/* Finds the range along an axis in which most points lie: four standard deviations each way from the mean, again among the points in that
-   range as long as this halves its length. The few outside go into the cells at the border; otherwise one particle far away would make all
-   cells large. */
+/* Finds the range along an axis in which most points lie: four standard deviations each way from the mean, again among
+   the points in that range as long as this halves its length. The few outside go into the cells at the border;
+   otherwise one particle far away would make all cells large. */
 static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double *low, double *high) {
     double from = HUGE_VAL, to = -HUGE_VAL, span;
     for (ptrdiff_t i = 0; i < n; i++) {
@@ -4779,7 +5096,8 @@ static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double
             if (!(v >= from && v <= to)) continue;
             sum += d, square += d * d, inside += 1.0;
         }
-        const double mean = sum / inside, variance = square / inside - mean * mean, reach = variance > 0.0 ? 4.0 * sqrt(variance) : 0.0;
+        const double mean = sum / inside, variance = square / inside - mean * mean,
+                     reach = variance > 0.0 ? 4.0 * sqrt(variance) : 0.0;
         to = mean + reach < span ? from + (mean + reach) : to;
         from = mean - reach > 0.0 ? from + (mean - reach) : from;
     } while (to > from && to - from < 0.5 * span);
@@ -4807,10 +5125,11 @@ static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size,
     }
 }
 
-/* Finds the cells of an axis that [v - reach, v + reach] meets, each at most once. Returns their number; first: the first one, from which
-   the caller counts on and wraps. */
+/* Finds the cells of an axis that [v - reach, v + reach] meets, each at most once. Returns their number; first: the
+   first one, from which the caller counts on and wraps. */
 DEM_INLINE int32_t dem__cells(const dem__grid *g, int a, double v, double reach, int32_t *first) {
-    const double from = (v - reach - g->low[a]) * g->inverse[a], to = (v + reach - g->low[a]) * g->inverse[a], last = (double)(g->n[a] - 1);
+    const double from = (v - reach - g->low[a]) * g->inverse[a], to = (v + reach - g->low[a]) * g->inverse[a],
+                 last = (double)(g->n[a] - 1);
     if (g->wraps[a]) {
         const double low = floor(from), high = floor(to);
         *first = 0;
@@ -4839,8 +5158,8 @@ static inline int dem__unit(dem_vec v, dem_vec *unit) {
     return 1;
 }
 
-/* Completes a frame whose third axis is given. The first axis is near `along`, or any if that is parallel to the third. Returns 0 if the
-   third has no direction. */
+/* Completes a frame whose third axis is given. The first axis is near `along`, or any if that is parallel to the third.
+   Returns 0 if the third has no direction. */
 static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
     dem_vec z, x;
     if (!dem__unit(normal, &z)) return 0;
@@ -4885,13 +5204,17 @@ static inline int dem__add_flat(dem_world *w, int kind, int material, dem_vec po
 DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal) {
     return dem__add_flat(world, DEM_PLANE, material, point, normal);
 }
-DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) { return dem__add_flat(world, DEM_EXIT, 0, point, normal); }
+DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) {
+    return dem__add_flat(world, DEM_EXIT, 0, point, normal);
+}
 
-static inline int dem__add_round(dem_world *w, int kind, int material, dem_vec point, dem_vec axis, double radius, int inside) {
+static inline int dem__add_round(dem_world *w, int kind, int material, dem_vec point, dem_vec axis, double radius,
+                                 int inside) {
     if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!w || material < 0 || material >= w->def.materials || !dem__is_place(point) || !dem__finite_vec(axis) || !dem__positive(radius))
+    if (!w || material < 0 || material >= w->def.materials || !dem__is_place(point) || !dem__finite_vec(axis) ||
+        !dem__positive(radius))
         return -(int)DEM_BAD_ARGUMENT;
     if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
     wall.kind = kind;
@@ -4914,7 +5237,8 @@ static inline int dem__make_touch_memory(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__array list[DEM__ARRAYS_MAX];
     if (w->engine->walls.touch_keepers++ > 0 || contacts->capacity == 0) return 1;
-    if (dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity, contacts->capacity))
+    if (dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
+                        contacts->capacity))
         return 1;
     w->engine->walls.touch_keepers--;
     return 0;
@@ -4933,8 +5257,8 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
     if (dem__is_running(world)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!world || !world->def.allocator.fn || !cone || material < 0 || material >= world->def.materials || !dem__is_place(cone->low) ||
-        !dem__is_place(cone->high))
+    if (!world || !world->def.allocator.fn || !cone || material < 0 || material >= world->def.materials ||
+        !dem__is_place(cone->low) || !dem__is_place(cone->high))
         return -(int)DEM_BAD_ARGUMENT;
     const dem_vec axis = dem__sub(cone->high, cone->low);
     if (!dem__not_negative(cone->low_radius) || !dem__not_negative(cone->high_radius) ||
@@ -4965,7 +5289,8 @@ DEM_API dem_screen dem_default_screen(void) {
 /* Returns whether a screen has lengths, and no more bars and apertures than integers count. */
 static inline int dem__is_deck(const dem_wall *w) {
     const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
-    return dem__positive(w->aperture) && dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 && x * y < 2.5e8;
+    return dem__positive(w->aperture) && dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 &&
+           x * y < 2.5e8;
 }
 
 DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen) {
@@ -5009,7 +5334,8 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     for (int k = 0; k < 3; k++) a->asked.rest_axis[k] = a->axis[k];
     a->asked.spin_centre = dem__add(a->asked.spin_centre, dem__scale(w->time - a->asked.motion_start, a->asked.drift));
     a->asked.motion_start = w->time;
-    if (a->asked.drive != DEM_KINEMATIC) a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
+    if (a->asked.drive != DEM_KINEMATIC)
+        a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
     a->asked.drive = DEM_KINEMATIC;
     w->engine->run.needs_lists = 1;
     return a;
@@ -5022,7 +5348,9 @@ static inline void dem__bound_speed(dem_wall *a) {
     const double x = fabs(a->asked.amplitude.x), y = fabs(a->asked.amplitude.y), z = fabs(a->asked.amplitude.z);
     a->speed_bound = rate * (x + y + z) + dem__length(a->asked.drift);
     a->acceleration_bound = rate * rate * (x + y + z);
-    a->side_bound = rate * rate * (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
+    a->side_bound =
+        rate * rate *
+        (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
     a->spin_bound = fabs(a->spin);
     a->slides = a->spin != 0.0 || a->asked.belt.x != 0.0 || a->asked.belt.y != 0.0 || a->asked.belt.z != 0.0;
 }
@@ -5054,8 +5382,8 @@ DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
 DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_vec unit;
-    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(centre) || !dem__finite_vec(axis) || !dem__moderate(spin) ||
-        !dem__unit(axis, &unit))
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(centre) || !dem__finite_vec(axis) ||
+        !dem__moderate(spin) || !dem__unit(axis, &unit))
         return DEM_BAD_ARGUMENT;
     dem_wall *a = dem__rebase_wall(world, wall);
     a->asked.spin_centre = centre;
@@ -5078,22 +5406,25 @@ static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
 }
 
 static inline int dem__wall_is_finite(const dem_wall *a) {
-    return dem__finite_vec(a->position) && dem__finite_vec(a->velocity) && dem__finite_vec(a->acceleration) && dem__finite(a->spin) &&
-           dem__finite_vec(a->axis[0]) && dem__finite_vec(a->axis[1]) && dem__finite_vec(a->axis[2]);
+    return dem__finite_vec(a->position) && dem__finite_vec(a->velocity) && dem__finite_vec(a->acceleration) &&
+           dem__finite(a->spin) && dem__finite_vec(a->axis[0]) && dem__finite_vec(a->axis[1]) &&
+           dem__finite_vec(a->axis[2]);
 }
 
 DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user) {
     if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls || !motion || !dem__is_place(centre)) return DEM_BAD_ARGUMENT;
     dem_wall *a = &world->wall[wall], before = *a, probe = *a;
-    if (a->asked.drive != DEM_PRESCRIBED) probe.asked.origin = a->position, memcpy(probe.asked.rest_axis, a->axis, sizeof a->axis);
+    if (a->asked.drive != DEM_PRESCRIBED)
+        probe.asked.origin = a->position, memcpy(probe.asked.rest_axis, a->axis, sizeof a->axis);
     probe.asked.drive = DEM_PRESCRIBED;
     probe.asked.spin_centre = centre;
     probe.asked.motion = motion, probe.asked.motion_user = user;
     probe.asked.interval = world->engine->run.dt;
     dem__place_wall(world, &probe);
     if (!dem__wall_is_finite(&probe)) return DEM_BAD_ARGUMENT;
-    if (before.asked.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->asked.interval = world->engine->run.dt;
+    if (before.asked.drive != DEM_PRESCRIBED)
+        a = dem__drive(world, wall, DEM_PRESCRIBED), a->asked.interval = world->engine->run.dt;
     a->asked.spin_centre = centre;
     a->asked.motion = motion, a->asked.motion_user = user;
     world->engine->run.needs_lists = 1; /* another function may place it elsewhere */
@@ -5101,12 +5432,13 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
 }
 
 /* Makes a force or a torque the only drive of a wall, which keeps its speed along the axis. */
-static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, dem_vec centre, dem_vec axis, double inertia, double load,
-                                      double damping) {
+static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, dem_vec centre, dem_vec axis,
+                                      double inertia, double load, double damping) {
     if (dem__is_running(w)) return DEM_BUSY;
     dem_vec unit;
-    if (!w || wall < 0 || wall >= w->walls || !dem__is_place(centre) || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
-        !dem__positive(inertia) || !dem__moderate(load / inertia) || !(damping >= 0.0 && dem__moderate(damping / inertia)))
+    if (!w || wall < 0 || wall >= w->walls || !dem__is_place(centre) || !dem__finite_vec(axis) ||
+        !dem__unit(axis, &unit) || !dem__positive(inertia) || !dem__moderate(load / inertia) ||
+        !(damping >= 0.0 && dem__moderate(damping / inertia)))
         return DEM_BAD_ARGUMENT;
     dem__place_wall(w, &w->wall[wall]);
     const dem_vec spin = dem__scale(w->wall[wall].spin, w->wall[wall].spin_axis);
@@ -5122,11 +5454,12 @@ static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, d
     return DEM_OK;
 }
 
-DEM_API dem_status dem_control_force(dem_world *world, int wall, dem_vec axis, double mass, double force, double damping) {
+DEM_API dem_status dem_control_force(dem_world *world, int wall, dem_vec axis, double mass, double force,
+                                     double damping) {
     return dem__control(world, wall, DEM_FORCE_CONTROLLED, dem_vec3(0, 0, 0), axis, mass, force, damping);
 }
-DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre, dem_vec axis, double inertia, double torque,
-                                      double damping) {
+DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre, dem_vec axis, double inertia,
+                                      double torque, double damping) {
     return dem__control(world, wall, DEM_TORQUE_CONTROLLED, centre, axis, inertia, torque, damping);
 }
 
@@ -5138,17 +5471,19 @@ DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
     return DEM_OK;
 }
 
-/* Computes the accelerations of controlled walls from the forces on them, and corrects their predicted rates. The damper is implicit. */
+/* Computes the accelerations of controlled walls from the forces on them, and corrects their predicted rates. The
+   damper is implicit. */
 static inline void dem__kick_walls(dem_world *w, double h) {
     const dem__run *run = &w->engine->run;
     for (int k = 0; k < w->walls && w->engine->walls.controls; k++) {
         dem_wall *a = &w->wall[k];
         if (a->asked.drive < DEM_FORCE_CONTROLLED) continue;
         const dem_vec torque = dem__add(a->torque, dem__cross(dem__sub(a->position, a->asked.spin_centre), a->force));
-        const double push = a->asked.load + dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? a->force : torque, a->spin_axis),
+        const double push = a->asked.load +
+                            dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? a->force : torque, a->spin_axis),
                      half = 0.5 * h;
-        const double rate =
-            (a->rate + half * (a->rate_change + push / a->asked.inertia)) / (1.0 + half * a->asked.damping / a->asked.inertia);
+        const double rate = (a->rate + half * (a->rate_change + push / a->asked.inertia)) /
+                            (1.0 + half * a->asked.damping / a->asked.inertia);
         a->coordinate += h * (a->rate + half * a->rate_change);
         a->rate = dem__flushed(rate);
         a->rate_change = (push - a->asked.damping * rate) / a->asked.inertia;
@@ -5167,7 +5502,8 @@ static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse,
 }
 
 DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i) {
-    return world && world->engine && wall >= 0 && wall < world->walls && i >= 0 && i < world->count && dem__is_at_wall(world, i, wall);
+    return world && world->engine && wall >= 0 && wall < world->walls && i >= 0 && i < world->count &&
+           dem__is_at_wall(world, i, wall);
 }
 
 DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups) {
@@ -5189,42 +5525,54 @@ DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
 /* ----------------------------------------------------------------------------------------------- >>search/bounds.h */
 /* Bounds on particles' motion, and the timers that depend on them. */
 
-/* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present forces. */
+/* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present
+   forces. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) return w->engine->bodies.calls->link_drift(w, r, i);
-    return (double)w->engine->links.every * w->engine->run.dt / w->particle[i].mass * dem__length(dem__first(w->engine->bodies.load[i]));
+    return (double)w->engine->links.every * w->engine->run.dt / w->particle[i].mass *
+           dem__length(dem__first(w->engine->bodies.load[i]));
 }
 
-/* Returns a limit of the change of velocity by an acceleration in one step [m/s]; the sum of components needs no root. */
-DEM_INLINE double dem__most_change(double dt, dem_vec pull) { return dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z)); }
+/* Returns a limit of the change of velocity by an acceleration in one step [m/s]; the sum of components needs no root.
+ */
+DEM_INLINE double dem__most_change(double dt, dem_vec pull) {
+    return dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z));
+}
 
-/* Sets how much of a particle's tolerance is left after the next step [m/s]. strayed: the deviation of its velocity now [m/s]. */
+/* Sets how much of a particle's tolerance is left after the next step [m/s]. strayed: the deviation of its velocity now
+   [m/s]. */
 DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double strayed) {
     w->particle[i].tolerance_left__ =
-        w->engine->bodies.bound[i].tolerance - strayed - dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
+        w->engine->bodies.bound[i].tolerance - strayed -
+        dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
 
-/* Sets a new bound for particle i, which is at x and has velocity v at a step. In an impact that has just begun, the velocity changes about
-   as much after its middle as before: the bound has the velocity of the middle, and its tolerance includes both ends, so that one bound
-   lasts for the whole impact. Otherwise the tolerance allows 16 steps of the present force and a little more. In flight it is very small:
-   only a contact changes the velocity, and small tolerances give late timers. */
+/* Sets a new bound for particle i, which is at x and has velocity v at a step. In an impact that has just begun, the
+   velocity changes about as much after its middle as before: the bound has the velocity of the middle, and its
+   tolerance includes both ends, so that one bound lasts for the whole impact. Otherwise the tolerance allows 16 steps
+   of the present force and a little more. In flight it is very small: only a contact changes the velocity, and small
+   tolerances give late timers. */
 DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec x, dem_vec v) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__pairs *pairs = &w->engine->pairs;
     const dem__links *links = &w->engine->links;
     const double t = dem__since_listed(w, step);
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
-    const dem__rigid *body = w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight it turns about the centre of mass */
+    const dem__rigid *body =
+        w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight it turns about the centre of mass */
     const double swing = body ? bodies->calls->swing(body, dem__length(bodies->offset[i])) : 0.0;
-    const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a) : dem__add(v, impact);
+    const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a)
+                           : dem__add(v, impact);
     const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),
                  held = 16.0 * w->engine->run.dt * dem__length(dem__sub(w->particle[i].a, g));
     dem__bound *c = &bodies->bound[i];
     c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
-    c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y), c->z = x.z - t * (u.z - 0.5 * t * g.z);
+    c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y),
+    c->z = x.z - t * (u.z - 0.5 * t * g.z);
     bodies->shifted[i] = 0.0;
-    if (turn > 0.0 && !body) c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
+    if (turn > 0.0 && !body)
+        c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
     c->tolerance += swing;
     if (links->on && (links->first_link[i] >= 0 || dem__rigid_of(w, i))) c->tolerance += 2.0 * dem__link_drift(w, i);
@@ -5242,7 +5590,8 @@ static inline double dem__position_rounding(const dem_world *w) {
     return 8.0 * DBL_EPSILON * farthest;
 }
 
-/* Result of new bounds, one a thread: the step in which the list must be checked, and a particle that is too fast (-1: none). */
+/* Result of new bounds, one a thread: the step in which the list must be checked, and a particle that is too fast (-1:
+   none). */
 typedef struct dem__outcome {
     int64_t check;
     ptrdiff_t fast;
@@ -5258,8 +5607,8 @@ static inline void dem__apply_outcome(dem_world *w, const dem__outcome *news) {
     w->failed_id = w->id[news->fast];
 }
 
-/* The frame in which the list measures how far particles have moved: its displacement since the list was built [m] and its velocity
-   [m/s]. */
+/* The frame in which the list measures how far particles have moved: its displacement since the list was built [m] and
+   its velocity [m/s]. */
 typedef struct dem__list_frame {
     dem_vec way, velocity;
 } dem__list_frame;
@@ -5272,19 +5621,21 @@ DEM_INLINE dem__list_frame dem__frame_at(const dem_world *w, int64_t step) {
     return f;
 }
 
-/* How far a particle may move in that frame before it could touch one that is not listed, and how fast it can move there. */
+/* How far a particle may move in that frame before it could touch one that is not listed, and how fast it can move
+   there. */
 typedef struct dem__leeway {
     double left, speed; /* [m], [m/s] */
 } dem__leeway;
 DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, const dem__list_frame *f, dem_vec x, dem_vec v) {
     dem__leeway q;
-    q.left =
-        0.49 * w->engine->pairs.margin - dem__length(dem__nearest_image(w, dem__sub(x, dem__add(w->engine->pairs.listed_at[i], f->way))));
+    q.left = 0.49 * w->engine->pairs.margin -
+             dem__length(dem__nearest_image(w, dem__sub(x, dem__add(w->engine->pairs.listed_at[i], f->way))));
     q.speed = dem__length(dem__sub(v, f->velocity)) + 2.0 * w->engine->bodies.bound[i].tolerance;
     return q;
 }
 
-/* Returns the number of whole steps for which the leeway lasts; the list is checked before the first step that it does not cover. */
+/* Returns the number of whole steps for which the leeway lasts; the list is checked before the first step that it does
+   not cover. */
 DEM_INLINE int dem__steps_left(const dem_world *w, const dem__leeway *q) {
     return dem__steps_until(w, dem__time_to_cover(q->left, q->speed, w->engine->pairs.frame_fall)) - 1;
 }
@@ -5294,11 +5645,11 @@ DEM_INLINE int dem__lasts(const dem_world *w, const dem__leeway *q, double time)
     return q->left > time * (q->speed + 0.5 * w->engine->pairs.frame_fall * time);
 }
 
-/* Applies the consequences of particle i's new bound: the next check of the list, the speed limit, its wall timers. shifted: how far
-   corrections moved it from the last bound [m]. Returns 1 if a wall must be tested sooner than its timer says; the caller then calls
-   dem__advance_wall_timers. */
-DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const dem__list_frame *f, dem_vec x, dem_vec v, double shifted,
-                                dem__outcome *news) {
+/* Applies the consequences of particle i's new bound: the next check of the list, the speed limit, its wall timers.
+   shifted: how far corrections moved it from the last bound [m]. Returns 1 if a wall must be tested sooner than its
+   timer says; the caller then calls dem__advance_wall_timers. */
+DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const dem__list_frame *f, dem_vec x, dem_vec v,
+                                double shifted, dem__outcome *news) {
     const dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
     dem__wall_state *walls = &w->engine->walls;
@@ -5308,7 +5659,8 @@ DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const d
     if (!(speed * run->dt <= 0.5 * w->particle[i].radius) && news->fast < 0) news->fast = i;
     speed += 2.0 * bodies->bound[i].tolerance;
     if (!dem__lasts(w, &leeway, (double)(news->check - step) * run->dt)) {
-        const int64_t due = leeway.left > 0.0 ? step + dem__steps_left(w, &leeway) : step; /* 0: a host moved it: at once */
+        const int64_t due =
+            leeway.left > 0.0 ? step + dem__steps_left(w, &leeway) : step; /* 0: a host moved it: at once */
         if (due < news->check) news->check = due;
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return 0;
@@ -5317,7 +5669,8 @@ DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const d
         slower = bodies->wall_speed[i] / (1.25 * speed);
         bodies->wall_speed[i] = 1.25 * speed;
     }
-    const double lost = shifted > 0.0 ? 1.0 + shifted / (bodies->wall_speed[i] * run->dt) : 0.0; /* the shift, in steps at that speed */
+    const double lost =
+        shifted > 0.0 ? 1.0 + shifted / (bodies->wall_speed[i] * run->dt) : 0.0; /* the shift, in steps at that speed */
     for (int k = 0; k < w->walls; k++) {
         const int32_t e = (int32_t)i * w->walls + k;
         if (walls->timers.due[e] == DEM__STOPPED) continue;
@@ -5334,14 +5687,16 @@ static inline void dem__advance_wall_timers(dem_world *w, ptrdiff_t i, int64_t s
     for (int k = 0; k < w->walls; k++) {
         const int32_t e = (int32_t)i * w->walls + k;
         const int sure = dem__steps_sure(w, e, step), due = walls->timers.due[e];
-        if (due != DEM__STOPPED && sure < dem__steps_due(&walls->timers, e, step)) dem__set_timer(&walls->timers, e, step + sure);
+        if (due != DEM__STOPPED && sure < dem__steps_due(&walls->timers, e, step))
+            dem__set_timer(&walls->timers, e, step + sure);
     }
 }
 
-/* Sets a new bound for particle i and applies its consequences, except for its pairs: see dem__reset_pair_timers. Not for several threads
-   at once. */
+/* Sets a new bound for particle i and applies its consequences, except for its pairs: see dem__reset_pair_timers. Not
+   for several threads at once. */
 static inline void dem__renew_bound(dem_world *w, ptrdiff_t i, int64_t step) {
-    const double shifted = w->engine->bodies.shifted[i], tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
+    const double shifted = w->engine->bodies.shifted[i],
+                 tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
     const dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     const dem__list_frame frame = dem__frame_at(w, step);
     dem__outcome news = dem__no_outcome(w);
@@ -5358,8 +5713,8 @@ static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
     }
 }
 
-/* Moves walls to a step. Timers rely on a limit of each wall's speed: a driven wall that exceeds its limit gets a larger one, and is tested
-   with all particles in this step. Returns 0 if a wall's position is not finite. */
+/* Moves walls to a step. Timers rely on a limit of each wall's speed: a driven wall that exceeds its limit gets a
+   larger one, and is tested with all particles in this step. Returns 0 if a wall's position is not finite. */
 static inline int dem__move_walls(dem_world *w, int64_t step) {
     const dem__run *run = &w->engine->run;
     const double time = run->start_time + (double)(step - run->start_step) * run->dt;
@@ -5419,7 +5774,8 @@ DEM_INLINE int dem__has_pairs(const dem_world *w, ptrdiff_t i, ptrdiff_t low, pt
 }
 
 /* Sets new timers for those pairs of n particles with new bounds that are in pages first .. end-1. */
-DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step) {
+DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end,
+                                     int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t low = first * DEM__PAGE, high = end * DEM__PAGE;
     const double t = dem__since_listed(w, step);
@@ -5433,7 +5789,8 @@ DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff
             DEM__PREFETCH(list);
             DEM__PREFETCH(list + 16);
         }
-        if (m >= -2 && m + 2 < n && dem__has_pairs(w, reset[m + 2], low, high)) dem__prefetch_neighbours(w, reset[m + 2]);
+        if (m >= -2 && m + 2 < n && dem__has_pairs(w, reset[m + 2], low, high))
+            dem__prefetch_neighbours(w, reset[m + 2]);
         if (m < 0 || !dem__has_pairs(w, reset[m], low, high)) continue;
         const int32_t i = reset[m], begin = pairs->adjacent_start[i], stop = pairs->adjacent_start[i + 1];
         const dem__bound own = dem__bound_at(&w->engine->bodies.bound[i], t);
@@ -5446,7 +5803,8 @@ DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff
     }
     dem__flush_batch(w, &waits, step);
 }
-DEM__AVX2_CLONE(dem__reset_timers_part, (dem_world * w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step),
+DEM__AVX2_CLONE(dem__reset_timers_part,
+                (dem_world * w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step),
                 (w, reset, n, first, end, step), dem__reset_timers_of(w, reset, n, first, end, step))
 
 /* Particles with new bounds. */
@@ -5466,11 +5824,13 @@ static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, pt
     dem__reset_list list;
     list.particle = reset, list.n = n, list.step = step;
     if (n == 0 || w->engine->pairs.count == 0) return; /* without pairs there is no list of neighbours */
-    if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, 4 * n), w->engine->pairs.timers.pages, dem__reset_timers_range, &list);
+    if (w->def.skip & DEM_SKIP_PAIRS)
+        dem__in_parts(w, dem__parts(w, 4 * n), w->engine->pairs.timers.pages, dem__reset_timers_range, &list);
 }
 
 /* ----------------------------------------------------------------------------------------------- >>search/margin.h */
-/* The frame and the margin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these fields of pairs. */
+/* The frame and the margin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these
+   fields of pairs. */
 
 /* Returns the length of the box along an axis; HUGE_VAL where it is not periodic. */
 DEM_INLINE double dem__period(const dem_world *w, int axis) {
@@ -5482,8 +5842,8 @@ static inline double dem__narrowest(const dem_world *w) {
     return narrowest;
 }
 
-/* Chooses the frame in which the list measures how far particles have moved, so that it lasts long: it moves at their mean velocity, and
-   falls with them if most fly. */
+/* Chooses the frame in which the list measures how far particles have moved, so that it lasts long: it moves at their
+   mean velocity, and falls with them if most fly. */
 static inline void dem__choose_frame(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int flies = 2 * w->engine->bodies.active_count < w->count;
@@ -5498,7 +5858,8 @@ static inline void dem__choose_frame(dem_world *w) {
     pairs->frame_fall = flies ? 0.0 : pairs->gravity_size;
 }
 
-/* Stores where every particle is, and finds the smallest and the largest radius [m]. Returns 0 if a position is not finite. */
+/* Stores where every particle is, and finds the smallest and the largest radius [m]. Returns 0 if a position is not
+   finite. */
 static inline int dem__list_positions(dem_world *w, double *smallest, double *largest) {
     *smallest = HUGE_VAL, *largest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -5519,7 +5880,8 @@ static inline int dem__list_positions(dem_world *w, double *smallest, double *la
 /* Returns how far two particles can approach each other in the next step [m], in the frame of the list. */
 static inline double dem__most_approach(const dem_world *w) {
     const double dt = w->engine->run.dt;
-    const dem_vec way = dem__scale(dt, dem__plus(w->engine->pairs.frame_velocity, 0.5 * dt, w->engine->pairs.frame_acceleration));
+    const dem_vec way =
+        dem__scale(dt, dem__plus(w->engine->pairs.frame_velocity, 0.5 * dt, w->engine->pairs.frame_acceleration));
     double farthest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
@@ -5539,18 +5901,20 @@ static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, 
     if (keeps) pairs->margin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
     pairs->margin_factor = dem__clamp(pairs->margin_factor, 1.0, 3.0);
     const double usual = 2.0 * smallest * w->def.skin * pairs->margin_factor, least = 1.05 * dem__most_approach(w),
-                 wanted = usual > least ? usual : least, room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
+                 wanted = usual > least ? usual : least,
+                 room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
     pairs->margin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
     pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * w->engine->run.dt);
     pairs->wall_reach = 4.0 * pairs->margin;
     const double rounding = dem__position_rounding(w), most = 0.25 * pairs->margin;
-    /* as much as slow contacts shift; faster ones are rare, and a larger tolerance would cost more tests of particles that are near */
+    /* as much as slow contacts shift; faster ones are rare, and a larger tolerance would cost more tests of particles
+       that are near */
     pairs->position_tolerance = 2e-6 * smallest + (rounding < most ? rounding : most);
 }
 
 /* --------------------------------------------------------------------------------------- >>search/neighbour_list.h */
-/* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two spheres that are not
-   listed cannot touch before the next check. */
+/* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two
+   spheres that are not listed cannot touch before the next check. */
 
 /* The near pairs that a thread finds; room: how many fit. */
 typedef struct dem__found_pairs {
@@ -5569,7 +5933,9 @@ static inline int dem__add_near(const dem_world *w, dem__found_pairs *finds, int
 }
 
 /* Spheres that may be near to those of a cell. */
-enum { DEM__CANDIDATES_MAX = 256 }; /* twice as many as a cell and its neighbours contain in a dense bed of equal spheres */
+enum {
+    DEM__CANDIDATES_MAX = 256
+}; /* twice as many as a cell and its neighbours contain in a dense bed of equal spheres */
 typedef struct dem__candidates {
     double x[DEM__CANDIDATES_MAX], y[DEM__CANDIDATES_MAX], z[DEM__CANDIDATES_MAX], extent[DEM__CANDIDATES_MAX];
     int32_t at[DEM__CANDIDATES_MAX]; /* in the sorted list */
@@ -5583,7 +5949,8 @@ DEM_INLINE double dem__image(double d, double length) {
 }
 
 /* Lists the candidates near a sphere by their numbers. Without a branch, which would be mispredicted. */
-DEM_INLINE void dem__choose_near(const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count) {
+DEM_INLINE void dem__choose_near(const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near,
+                                 int *count) {
     double room[DEM__CANDIDATES_MAX];
     int m = 0;
     for (int k = 0; k < c->n; k++) {
@@ -5598,13 +5965,14 @@ DEM_INLINE void dem__choose_near(const dem__candidates *c, const dem__bound *s, 
     }
     *count = m;
 }
-DEM__AVX2_CLONE(dem__choose, (const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count),
+DEM__AVX2_CLONE(dem__choose,
+                (const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count),
                 (c, s, length, near, count), dem__choose_near(c, s, length, near, count))
 
-/* Adds the near pairs of spheres first .. end-1 of the sorted list with candidates that come after each in the list. Returns 0 if there is
-   no room. */
-static inline int dem__pairs_with_candidates(const dem_world *w, const dem__candidates *crowd, int32_t first, int32_t end,
-                                             dem__found_pairs *finds) {
+/* Adds the near pairs of spheres first .. end-1 of the sorted list with candidates that come after each in the list.
+   Returns 0 if there is no room. */
+static inline int dem__pairs_with_candidates(const dem_world *w, const dem__candidates *crowd, int32_t first,
+                                             int32_t end, dem__found_pairs *finds) {
     const double length[3] = {dem__period(w, 0), dem__period(w, 1), dem__period(w, 2)};
     int32_t near[DEM__CANDIDATES_MAX];
     for (int32_t p = first; p < end; p++) {
@@ -5618,9 +5986,10 @@ static inline int dem__pairs_with_candidates(const dem_world *w, const dem__cand
     return 1;
 }
 
-/* Adds the near pairs of spheres first .. end-1 of the sorted list, all of one cell, with those after each on one level. Returns 0 if there
-   is no room. */
-static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int32_t first, int32_t end, dem__found_pairs *finds) {
+/* Adds the near pairs of spheres first .. end-1 of the sorted list, all of one cell, with those after each on one
+   level. Returns 0 if there is no room. */
+static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int32_t first, int32_t end,
+                                     dem__found_pairs *finds) {
     const int32_t *start = w->engine->pairs.cells;
     const dem__bound *scratch = w->engine->bodies.bound;
     dem_vec low = dem_vec3(scratch[first].x, scratch[first].y, scratch[first].z), high = low;
@@ -5638,7 +6007,8 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
         const double l = dem_axis(low, a), h = dem_axis(high, a);
         cells[a] = dem__cells(g, a, 0.5 * (l + h), 0.5 * (h - l) + reach, &from[a]);
     }
-    const int32_t before = cells[0] < g->n[0] - from[0] ? cells[0] : g->n[0] - from[0]; /* cells of a row before it wraps */
+    const int32_t before =
+        cells[0] < g->n[0] - from[0] ? cells[0] : g->n[0] - from[0]; /* cells of a row before it wraps */
     crowd.n = 0;
     for (int32_t row = 0; row < cells[1] * cells[2]; row++) {
         const int32_t cy = from[1] + row % cells[1], cz = from[2] + row / cells[1];
@@ -5661,8 +6031,8 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
     return dem__pairs_with_candidates(w, &crowd, first, end, finds);
 }
 
-/* Sorts the spheres by size class, then by cell of the class's grid. Returns the number of classes; 0 when out of memory. Uses the bounds
-   as scratch memory, because a rebuild sets all of them. */
+/* Sorts the spheres by size class, then by cell of the class's grid. Returns the number of classes; 0 when out of
+   memory. Uses the bounds as scratch memory, because a rebuild sets all of them. */
 static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__pairs *pairs = &w->engine->pairs;
@@ -5671,7 +6041,8 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     int32_t *sorted = w->engine->scratch.index;
     ptrdiff_t cells = 0;
     int levels = 0;
-    for (ptrdiff_t i = 0; i < w->count; i++) smallest = w->particle[i].radius < smallest ? w->particle[i].radius : smallest;
+    for (ptrdiff_t i = 0; i < w->count; i++)
+        smallest = w->particle[i].radius < smallest ? w->particle[i].radius : smallest;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const double r = w->particle[i].radius;
         const int level = dem__level(r, smallest);
@@ -5680,7 +6051,8 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
         grid[level].count++;
         sorted[i] = level;
     }
-    for (int a = 0; a < 3; a++) dem__bulk(w->engine->pairs.listed_at, a, w->count, dem_axis_of(&low, a), dem_axis_of(&high, a));
+    for (int a = 0; a < 3; a++)
+        dem__bulk(w->engine->pairs.listed_at, a, w->count, dem_axis_of(&low, a), dem_axis_of(&high, a));
     for (int level = 0; level < DEM__LEVELS_MAX; level++) {
         dem__grid *g = &grid[level];
         if (g->count == 0) continue;
@@ -5713,16 +6085,18 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     return levels;
 }
 
-/* Finds the near pairs of the spheres whose cells begin in first .. end-1 of the sorted list. Spheres of a cell are compared with the cells
-   around it, on their own level and on coarser ones, and there with those after them in the list. Returns 0 if there is no room. */
-static inline int dem__find_pairs_part(const dem_world *w, const dem__grid *grid, int levels, ptrdiff_t first, ptrdiff_t end,
-                                       dem__found_pairs *finds) {
+/* Finds the near pairs of the spheres whose cells begin in first .. end-1 of the sorted list. Spheres of a cell are
+   compared with the cells around it, on their own level and on coarser ones, and there with those after them in the
+   list. Returns 0 if there is no room. */
+static inline int dem__find_pairs_part(const dem_world *w, const dem__grid *grid, int levels, ptrdiff_t first,
+                                       ptrdiff_t end, dem__found_pairs *finds) {
     const int32_t *start = w->engine->pairs.cells;
     ptrdiff_t of_level = 0, p = first;
     finds->n = 0;
     for (int level = 0; level < levels; level++) {
         for (of_level += grid[level].count; p < of_level && p < end;) {
-            const int32_t cell = w->engine->pairs.cell_of[w->engine->scratch.index[p]], from = start[cell], to = start[cell + 1];
+            const int32_t cell = w->engine->pairs.cell_of[w->engine->scratch.index[p]], from = start[cell],
+                          to = start[cell + 1];
             for (int other = level; other < levels && from == p; other++) {
                 if (grid[other].count > 0 && !dem__find_pairs_of(w, &grid[other], from, to, finds)) return 0;
             }
@@ -5760,8 +6134,8 @@ static inline void dem__drop_idle_pairs(dem_world *w) {
     pairs->count = kept;
 }
 
-/* Finds the near pairs, those with a gap below the margin. Each thread searches a part of the sorted spheres; if one has no room, all
-   search again with more. Returns 0 when out of memory. */
+/* Finds the near pairs, those with a gap below the margin. Each thread searches a part of the sorted spheres; if one
+   has no room, all search again with more. Returns 0 when out of memory. */
 static inline int dem__find_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__search s;
@@ -5877,10 +6251,12 @@ static inline void dem__set_new_timers_range(dem_world *w, ptrdiff_t first, ptrd
 }
 static inline void dem__set_all_timers(dem_world *w) {
     const dem__pairs *pairs = &w->engine->pairs;
-    if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, pairs->count), pairs->timers.pages, dem__set_new_timers_range, NULL);
+    if (w->def.skip & DEM_SKIP_PAIRS)
+        dem__in_parts(w, dem__parts(w, pairs->count), pairs->timers.pages, dem__set_new_timers_range, NULL);
 }
 
-/* Makes timers for a new list: near pairs as if apart; those of walls stay (keeps), or are all stopped. Returns 0 when out of memory. */
+/* Makes timers for a new list: near pairs as if apart; those of walls stay (keeps), or are all stopped. Returns 0 when
+   out of memory. */
 static inline int dem__make_timers(dem_world *w, int keeps) {
     dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t walls = w->count * w->walls;
@@ -5908,7 +6284,8 @@ static inline void dem__set_wall_timers(dem_world *w, int keeps) {
     }
     for (ptrdiff_t i = 0; i < w->count && !keeps && (w->def.skip & DEM_SKIP_SPACE); i++) {
         for (int k = 0; k < w->walls; k++) {
-            if (dem__needs_test(w, i, k)) dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k, w->step + 1);
+            if (dem__needs_test(w, i, k))
+                dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k, w->step + 1);
         }
     }
 }
@@ -5920,7 +6297,8 @@ static inline int dem__fail_to_list(dem_world *w, dem_status status) {
     return 0;
 }
 
-/* Builds near pairs, timers and bounds anew. Timers of walls stay unless something was changed from outside. Returns 0 after a failure. */
+/* Builds near pairs, timers and bounds anew. Timers of walls stay unless something was changed from outside. Returns 0
+   after a failure. */
 static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -5936,13 +6314,15 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__choose_frame(w);
     dem__choose_margin(w, keeps, smallest, largest);
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
-    if (!(w->engine->links.near <= 0.01 * pairs->margin) && w->engine->links.count > 0) return dem__fail_to_list(w, DEM_BAD_DEFINITION);
+    if (!(w->engine->links.near <= 0.01 * pairs->margin) && w->engine->links.count > 0)
+        return dem__fail_to_list(w, DEM_BAD_DEFINITION);
     if (pairs->count > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) return dem__fail_to_list(w, DEM_TOO_MANY);
     if (!dem__make_timers(w, keeps)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
-    if (w->engine->convex.calls && !w->engine->convex.calls->list_pairs(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
+    if (w->engine->convex.calls && !w->engine->convex.calls->list_pairs(w))
+        return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     dem__find_links(w);
     pairs->next_check = w->step + DEM__STEPS_MAX;
     pairs->listed_step = w->step;
@@ -5958,8 +6338,9 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     return 1;
 }
 
-/* Checks whether anything has moved so far that an unlisted pair could touch soon. If so, rebuilds the list; otherwise sets the step of the
-   next check. A list takes as long as forty checks: the older it is, the more steps a check must gain. Returns 0 after a failure. */
+/* Checks whether anything has moved so far that an unlisted pair could touch soon. If so, rebuilds the list; otherwise
+   sets the step of the next check. A list takes as long as forty checks: the older it is, the more steps a check must
+   gain. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
     const int64_t least = 1 + (w->step - w->engine->pairs.listed_step) / 40;
@@ -5980,8 +6361,9 @@ static DEM__NOINLINE int dem__check_list(dem_world *w) {
 }
 
 /* ---------------------------------------------------------------------------------------------- >>contacts/block.h */
-/* A block of contacts as rows of numbers: gathered from bodies, walls and contact types, completed, and stored. Reads bodies, walls and
-   contacts; writes contacts through columns. Promises: what it writes of a contact depends on that contact and its bodies alone. */
+/* A block of contacts as rows of numbers: gathered from bodies, walls and contact types, completed, and stored. Reads
+   bodies, walls and contacts; writes contacts through columns. Promises: what it writes of a contact depends on that
+   contact and its bodies alone. */
 
 /* Geometry and motion of a block of contacts, before the law is called. */
 typedef struct dem__rows {
@@ -5998,10 +6380,10 @@ typedef struct dem__type_rows {
     dem__row mass, predict, sum, part, constant[DEM_CONSTANTS_MAX];
 } dem__type_rows;
 
-/* Computes the geometry of contact k for the law. half: half of the step [s]; lag: a constant, 0 where velocities and spins are those of
-   the rows' positions (links). */
-DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *t, int k, double half, double lag, int has_friction,
-                                      dem_contact *q, double *arm_i, double *arm_j) {
+/* Computes the geometry of contact k for the law. half: half of the step [s]; lag: a constant, 0 where velocities and
+   spins are those of the rows' positions (links). */
+DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *t, int k, double half, double lag,
+                                      int has_friction, dem_contact *q, double *arm_i, double *arm_j) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
     const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
     q->normal[0] = nx, q->normal[1] = ny, q->normal[2] = nz;
@@ -6013,8 +6395,9 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
     const double sx = ai * b->wi[0][k] + aj * b->wj[0][k], sy = ai * b->wi[1][k] + aj * b->wj[1][k],
                  sz = ai * b->wi[2][k] + aj * b->wj[2][k];
     *arm_i = ai, *arm_j = aj;
-    /* velocities and spins are those of the middle of the step, so the slip is computed with the normal of that time, n - t; otherwise a
-       rolling contact whose normal turns would gain energy. Terms of second order in t are left out. */
+    /* velocities and spins are those of the middle of the step, so the slip is computed with the normal of that time, n
+       - t; otherwise a rolling contact whose normal turns would gain energy. Terms of second order in t are left out.
+       */
     const double tx = lag * b->tx[k], ty = lag * b->ty[k], tz = lag * b->tz[k];
     const double sn = sx * nx + sy * ny + sz * nz, lx = sx + sn * tx, ly = sy + sn * ty, lz = sz + sn * tz;
     q->translation[0] = b->vx[k] - along * (nx - tx), q->translation[1] = b->vy[k] - along * (ny - ty);
@@ -6022,15 +6405,19 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
     q->slip[0] = q->translation[0] + (ny * lz - nz * ly);
     q->slip[1] = q->translation[1] + (nz * lx - nx * lz);
     q->slip[2] = q->translation[2] + (nx * ly - ny * lx);
-    q->spin[0] = b->wi[0][k] - b->wj[0][k], q->spin[1] = b->wi[1][k] - b->wj[1][k], q->spin[2] = b->wi[2][k] - b->wj[2][k];
+    q->spin[0] = b->wi[0][k] - b->wj[0][k], q->spin[1] = b->wi[1][k] - b->wj[1][k],
+    q->spin[2] = b->wi[2][k] - b->wj[2][k];
 }
 
-/* Turns a tangential vector of the history with the contact: from the old normal to the new one, which differ by the tangential motion, to
-   second order and without a root; and about the normal with the mean spin. */
+/* Turns a tangential vector of the history with the contact: from the old normal to the new one, which differ by the
+   tangential motion, to second order and without a root; and about the normal with the mean spin. */
 DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
-    const double bx = nx - b->tx[k], by = ny - b->ty[k], bz = nz - b->tz[k]; /* half way between the old normal and the new */
-    const double twist = 0.5 * h * ((b->wi[0][k] + b->wj[0][k]) * nx + (b->wi[1][k] + b->wj[1][k]) * ny + (b->wi[2][k] + b->wj[2][k]) * nz);
+    const double bx = nx - b->tx[k], by = ny - b->ty[k],
+                 bz = nz - b->tz[k]; /* half way between the old normal and the new */
+    const double twist =
+        0.5 * h *
+        ((b->wi[0][k] + b->wj[0][k]) * nx + (b->wi[1][k] + b->wj[1][k]) * ny + (b->wi[2][k] + b->wj[2][k]) * nz);
     const double x = s[0], y = s[1], z = s[2], out = x * nx + y * ny + z * nz;
     s[0] = x - out * bx + twist * (ny * z - nz * y);
     s[1] = y - out * by + twist * (nz * x - nx * z);
@@ -6057,10 +6444,10 @@ DEM_INLINE void dem__columns_of(const dem_world *w, ptrdiff_t c, const dem_law *
     at->elastic = features & DEM_ENERGY ? contacts->elastic + c : NULL;
 }
 
-/* Sets where the results of a block go: forces into the block's rows, because few runs keep them; the rest directly to the contacts or,
-   with `copies`, into rows. */
-DEM_INLINE void dem__new_columns(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, int copies, dem__block_rows *b,
-                                 dem__columns *at) {
+/* Sets where the results of a block go: forces into the block's rows, because few runs keep them; the rest directly to
+   the contacts or, with `copies`, into rows. */
+DEM_INLINE void dem__new_columns(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, int copies,
+                                 dem__block_rows *b, dem__columns *at) {
     dem__columns_of(w, c, law, features, at);
     for (int a = 0; a < 9; a++) at->out[a] = b->out[a];
     if (!copies) return;
@@ -6079,7 +6466,8 @@ DEM_INLINE void dem__store_ledger(const dem__columns *to, const dem__columns *fr
 }
 
 /* Copies a block's results from its rows to the contacts. */
-DEM_INLINE void dem__store(const dem__columns *to, const dem__columns *from, int n, const dem_law *law, int features, int keeps_out) {
+DEM_INLINE void dem__store(const dem__columns *to, const dem__columns *from, int n, const dem_law *law, int features,
+                           int keeps_out) {
     const size_t bytes = (size_t)n * sizeof(double);
     for (int a = 0; a < (features & DEM_FRICTION ? 9 : 3) && keeps_out; a++) memcpy(to->out[a], from->out[a], bytes);
     if (!DEM__COPY_ROWS) return;
@@ -6099,7 +6487,8 @@ static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, in
 }
 
 /* Loads the constants of those rows whose contact type is not that of the block before. */
-DEM__FAST static DEM__NOINLINE void dem__renew_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
+DEM__FAST static DEM__NOINLINE void dem__renew_types(const dem_world *w, ptrdiff_t base, int n, int constants,
+                                                     dem__type_rows *t) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int32_t *kind = contacts->type + base;
     int32_t own = -1;
@@ -6131,8 +6520,8 @@ DEM_INLINE void dem__load_types(const dem_world *w, ptrdiff_t base, int n, int c
 }
 
 /* Computes the force on i and the torques on i and j, and stores them at index c of `out`. */
-DEM_INLINE void dem__put_force(double *const *out, ptrdiff_t c, const dem_contact *q, const dem_response *r, double arm_i, double arm_j,
-                               int features) {
+DEM_INLINE void dem__put_force(double *const *out, ptrdiff_t c, const dem_contact *q, const dem_response *r,
+                               double arm_i, double arm_j, int features) {
     const double nx = q->normal[0], ny = q->normal[1], nz = q->normal[2];
     if (!(features & DEM_FRICTION)) {
         out[0][c] = r->normal * nx, out[1][c] = r->normal * ny, out[2][c] = r->normal * nz;
@@ -6147,10 +6536,10 @@ DEM_INLINE void dem__put_force(double *const *out, ptrdiff_t c, const dem_contac
     out[6][c] = -rx - arm_j * mx, out[7][c] = -ry - arm_j * my, out[8][c] = -rz - arm_j * mz;
 }
 
-/* Computes the losses of a step from powers by the trapezoidal rule. A contact without a force before and after loses the energy of its
-   spring. */
-DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old, ptrdiff_t c, const dem_response *r, double h,
-                                double contact_before) {
+/* Computes the losses of a step from powers by the trapezoidal rule. A contact without a force before and after loses
+   the energy of its spring. */
+DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old, ptrdiff_t c, const dem_response *r,
+                                double h, double contact_before) {
     const double unloaded = old->elastic[c] - r->elastic, damped = 0.5 * h * (old->power[0][c] + r->normal_power);
     at->loss[0][c] = fabs(contact_before) + fabs(r->contact) == 0.0 ? unloaded : damped;
     at->loss[1][c] = r->slide_loss;
@@ -6161,8 +6550,8 @@ DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old,
 }
 
 /* Finds the place where a wall is touched by the contact in a slot, or by a link (slot -1). */
-DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius, int32_t element,
-                                 dem__touch *touch) {
+DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius,
+                                 int32_t element, dem__touch *touch) {
     if (slot >= 0 && wall->kind == DEM_MESH) {
         touch->normal = dem__place_normal(w, slot);
         touch->gap = w->engine->contacts.touch[DEM__PLACE_GAP][slot];
@@ -6178,17 +6567,19 @@ typedef struct dem__wall_row {
     dem_vec from, velocity; /* round wall: the centre from its axis [m]; velocity of the wall at the contact [m/s] */
     ptrdiff_t slot;         /* of the contact; -1: of a link */
     int32_t element;
-    double outside, inner; /* round wall: 1, or -1 from inside, and its radius [m]; otherwise outside is 0, and touch is known */
+    double outside,
+        inner; /* round wall: 1, or -1 from inside, and its radius [m]; otherwise outside is 0, and touch is known */
     dem__touch touch;
 } dem__wall_row;
 
-/* Gathers row k: particle i at an element of a wall, for the contact in a slot or a link (-1). A round wall is treated like another sphere:
-   dem__complete_rows computes root and quotient. */
-static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, ptrdiff_t slot, dem__rows *b,
-                                           int k, double half, dem__wall_row *at) {
+/* Gathers row k: particle i at an element of a wall, for the contact in a slot or a link (-1). A round wall is treated
+   like another sphere: dem__complete_rows computes root and quotient. */
+static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element,
+                                           ptrdiff_t slot, dem__rows *b, int k, double half, dem__wall_row *at) {
     const dem_wall *wall = &w->wall[number];
     const dem_particle *s = &w->particle[i];
-    at->particle = s, at->wall = wall, at->row = k, at->velocity = wall->velocity, at->slot = slot, at->element = element;
+    at->particle = s, at->wall = wall, at->row = k, at->velocity = wall->velocity, at->slot = slot,
+    at->element = element;
     if (slot >= 0 && dem__is_convex_contact(w, slot)) { /* dem__fill_convex_rows replaces this */
         at->outside = 0.0, at->from = dem_vec3(1.0, 0.0, 0.0), at->touch.normal = wall->axis[2], at->touch.gap = 0.0;
     } else if ((at->outside = dem__reach_round(wall, s->x, element, &at->from, &at->inner)) == 0.0) {
@@ -6199,12 +6590,14 @@ static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrd
     b->vx[k] = s->v.x - (wall->velocity.x - half * wall->acceleration.x);
     b->vy[k] = s->v.y - (wall->velocity.y - half * wall->acceleration.y);
     b->vz[k] = s->v.z - (wall->velocity.z - half * wall->acceleration.z);
-    b->ax[k] = s->a.x - wall->acceleration.x, b->ay[k] = s->a.y - wall->acceleration.y, b->az[k] = s->a.z - wall->acceleration.z;
+    b->ax[k] = s->a.x - wall->acceleration.x, b->ay[k] = s->a.y - wall->acceleration.y,
+    b->az[k] = s->a.z - wall->acceleration.z;
     b->wi[0][k] = s->spin.x, b->wi[1][k] = s->spin.y, b->wi[2][k] = s->spin.z;
     b->wj[0][k] = b->wj[1][k] = b->wj[2][k] = 0.0;
 }
 
-/* Replaces a row's velocities by those relative to the wall's surface at the contact, where the surface does not move as a whole. */
+/* Replaces a row's velocities by those relative to the wall's surface at the contact, where the surface does not move
+   as a whole. */
 static DEM__NOINLINE void dem__slide(dem__rows *b, double half, dem__wall_row *at) {
     const int k = at->row;
     const dem_wall *wall = at->wall;
@@ -6218,7 +6611,8 @@ static DEM__NOINLINE void dem__slide(dem__rows *b, double half, dem__wall_row *a
     b->wj[0][k] = spin.x, b->wj[1][k] = spin.y, b->wj[2][k] = spin.z;
 }
 
-DEM_INLINE void dem__gather_pair(const dem_particle *particle, ptrdiff_t i, ptrdiff_t j, dem__rows *b, int k, int has_friction) {
+DEM_INLINE void dem__gather_pair(const dem_particle *particle, ptrdiff_t i, ptrdiff_t j, dem__rows *b, int k,
+                                 int has_friction) {
     const dem_particle *p = &particle[i], *q = &particle[j];
     b->dx[k] = p->x.x - q->x.x, b->dy[k] = p->x.y - q->x.y, b->dz[k] = p->x.z - q->x.z;
     b->vx[k] = p->v.x - q->v.x, b->vy[k] = p->v.y - q->v.y, b->vz[k] = p->v.z - q->v.z;
@@ -6254,7 +6648,8 @@ DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__wall_row *at)
 }
 
 /* Computes the change of the normal at a wall: the sphere moves over the wall's shape, and the wall turns. */
-static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, double half, double turn, const dem__wall_row *at) {
+static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, double half, double turn,
+                                            const dem__wall_row *at) {
     const int k = at->row;
     const dem_wall *wall = at->wall;
     const dem_particle *s = at->particle;
@@ -6277,10 +6672,10 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
     b->tx[k] = t.x, b->ty[k] = t.y, b->tz[k] = t.z;
 }
 
-/* Computes nearest images, normals and gaps of a block, and with friction the changes of the normals in the time `turn` before the end of
-   the step (links: half the time since their last evaluation). `walls` of the rows are at walls. */
-DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, int n, double half, double turn,
-                                   dem__wall_row *wall, int walls, int has_friction) {
+/* Computes nearest images, normals and gaps of a block, and with friction the changes of the normals in the time `turn`
+   before the end of the step (links: half the time since their last evaluation). `walls` of the rows are at walls. */
+DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, int n, double half,
+                                   double turn, dem__wall_row *wall, int walls, int has_friction) {
     if (w->def.periodic[0]) dem__wrap_row(b->dx, n, w->def.high.x - w->def.low.x);
     if (w->def.periodic[1]) dem__wrap_row(b->dy, n, w->def.high.y - w->def.low.y);
     if (w->def.periodic[2]) dem__wrap_row(b->dz, n, w->def.high.z - w->def.low.z);
@@ -6289,14 +6684,16 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
         b->dx[k] = wall[q].from.x, b->dy[k] = wall[q].from.y, b->dz[k] = wall[q].from.z;
     }
     for (int k = 0; k < n; k++) {
-        const double distance = sqrt(b->dx[k] * b->dx[k] + b->dy[k] * b->dy[k] + b->dz[k] * b->dz[k]), inverse = 1.0 / distance;
+        const double distance = sqrt(b->dx[k] * b->dx[k] + b->dy[k] * b->dy[k] + b->dz[k] * b->dz[k]),
+                     inverse = 1.0 / distance;
         const double nx = b->dx[k] * inverse, ny = b->dy[k] * inverse, nz = b->dz[k] * inverse;
         b->nx[k] = nx, b->ny[k] = ny, b->nz[k] = nz;
         b->inverse[k] = inverse;
         b->gap[k] = distance - t->sum[k];
         if (!has_friction) continue;
         const double by = turn * inverse, along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
-        b->tx[k] = by * (b->vx[k] - along * nx), b->ty[k] = by * (b->vy[k] - along * ny), b->tz[k] = by * (b->vz[k] - along * nz);
+        b->tx[k] = by * (b->vx[k] - along * nx), b->ty[k] = by * (b->vy[k] - along * ny),
+        b->tz[k] = by * (b->vz[k] - along * nz);
     }
     for (int q = 0; q < walls; q++) {
         const int k = wall[q].row;
@@ -6308,13 +6705,14 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
 }
 
 /* -------------------------------------------------------------------------------- >>contacts/first_and_last_step.h */
-/* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction, history and losses.
-   Promises: an impulse and a shift that make the motion of the two bodies as accurate as in the steps between. */
+/* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction,
+   history and losses. Promises: an impulse and a shift that make the motion of the two bodies as accurate as in the
+   steps between. */
 
-/* Returns the part of the law's normal force that the overlap makes [N], at a gap [m] and a closing speed [m/s]. Leaves the history
-   unchanged. */
-DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing, double *elastic,
-                                   const dem_law *law) {
+/* Returns the part of the law's normal force that the overlap makes [N], at a gap [m] and a closing speed [m/s]. Leaves
+   the history unchanged. */
+DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing,
+                                   double *elastic, const dem_law *law) {
     dem_contact c = *contact;
     dem_response r;
     double s[DEM_STATE_MAX];
@@ -6328,9 +6726,10 @@ DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *sta
     return r.contact;
 }
 
-/* Moves the two bodies along the normal over a time t [s], by their contact force alone, in one Runge-Kutta step of fourth order. Returns
-   the force at the end [N]. */
-DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *gap, double *closing, double t, const dem_law *law) {
+/* Moves the two bodies along the normal over a time t [s], by their contact force alone, in one Runge-Kutta step of
+   fourth order. Returns the force at the end [N]. */
+DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *gap, double *closing, double t,
+                            const dem_law *law) {
     double g = *gap, u = *closing, m = 1.0 / c->mass, elastic;
     double a1 = -m * dem__force_alone(c, state, g, u, &elastic, law);
     double u2 = u + 0.5 * t * a1, a2 = -m * dem__force_alone(c, state, g - 0.5 * t * u, u2, &elastic, law);
@@ -6341,9 +6740,10 @@ DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *g
     return dem__force_alone(c, state, *gap, *closing, &elastic, law);
 }
 
-/* A contact begins and ends within a step. Verlet would give that step the whole force or none. Therefore the normal motion of the two
-   bodies through it is integrated by itself; the difference from Verlet's motion is applied as an impulse and a shift along the normal.
-   Verlet's velocity is a central difference, (x(t+h) - x(t-h)) / 2h, which differs from the true velocity by h^2/6 x'''. */
+/* A contact begins and ends within a step. Verlet would give that step the whole force or none. Therefore the normal
+   motion of the two bodies through it is integrated by itself; the difference from Verlet's motion is applied as an
+   impulse and a shift along the normal. Verlet's velocity is a central difference, (x(t+h) - x(t-h)) / 2h, which
+   differs from the true velocity by h^2/6 x'''. */
 typedef struct dem__edge_motion {
     double impulse, shift; /* [N s], [kg m]: divided by a mass, changes of velocity and of position along n */
     double gap, closing;   /* at the end of the step */
@@ -6353,7 +6753,8 @@ typedef struct dem__edge_motion {
 } dem__edge_motion;
 
 /* Integrates the normal motion through the first step of a contact. Returns 0 if the bodies do not approach. */
-DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__edge_motion *e, const dem_law *law) {
+DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__edge_motion *e,
+                                      const dem_law *law) {
     double h = 1.0 / c->rate, t = -c->gap / c->closing, elastic;
     if (!(c->closing > 0.0)) return 0;
     e->duration = t < h ? t : h;
@@ -6371,13 +6772,16 @@ DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state,
     return 1;
 }
 
-/* Integrates the normal motion through the last step of a contact. gap, force: of the step before. Returns 0 if Verlet's step stands.
-   `verlet` is the closing speed from which Verlet, for the two bodies alone, leads to the present gap. */
-DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, double gap, double force, dem__edge_motion *e,
-                                     const dem_law *law) {
-    const double h = 1.0 / c->rate, half_kick = 0.5 * h * force / c->mass, verlet = (gap - c->gap) * c->rate + half_kick;
-    const double speed = c->closing + 2.0 * half_kick; /* nearly `verlet`, but from velocities: right if a wall has jumped, too */
-    double own = speed;                                /* true closing speed: integrated one step back, it gives the last mean one */
+/* Integrates the normal motion through the last step of a contact. gap, force: of the step before. Returns 0 if
+   Verlet's step stands. `verlet` is the closing speed from which Verlet, for the two bodies alone, leads to the present
+   gap. */
+DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, double gap, double force,
+                                     dem__edge_motion *e, const dem_law *law) {
+    const double h = 1.0 / c->rate, half_kick = 0.5 * h * force / c->mass,
+                 verlet = (gap - c->gap) * c->rate + half_kick;
+    const double speed =
+        c->closing + 2.0 * half_kick; /* nearly `verlet`, but from velocities: right if a wall has jumped, too */
+    double own = speed;               /* true closing speed: integrated one step back, it gives the last mean one */
     if (!(verlet < 0.0 && gap < 0.0)) return 0;
     for (int k = 0; k < 2; k++) {
         double back = gap, then = own;
@@ -6391,9 +6795,10 @@ DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, 
     for (int k = 0; k < 3; k++) {
         double rest, last = h - t;
         if (pulls) rest = v < 0.0 ? g / v : 0.0; /* the dashpot may pull: contact ends where the overlap is zero */
-        else {                                   /* the force is clipped at zero: contact ends where it is zero, found with its slope over a
+        else { /* the force is clipped at zero: contact ends where it is zero, found with its slope over a
                                                     short time */
-            const double moment = h / 64.0, fp = dem__force_alone(c, state, g - moment * v, v - moment * f / c->mass, &after, law);
+            const double moment = h / 64.0,
+                         fp = dem__force_alone(c, state, g - moment * v, v - moment * f / c->mass, &after, law);
             rest = fp < f ? moment * f / (f - fp) : last;
             if (k < 2) rest *= 0.9;
         }
@@ -6412,30 +6817,35 @@ DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, 
     return 1;
 }
 
-/* A contact that begins or ends within a step: its state at the start, where its force at the end is written, and the wall's velocity. */
+/* A contact that begins or ends within a step: its state at the start, where its force at the end is written, and the
+   wall's velocity. */
 typedef struct dem__edge {
     double gap, force, state[DEM_STATE_MAX], *out[9], arm_i, arm_j;
     dem_vec wall_speed;
 } dem__edge;
 
-/* Adds friction and rolling, as they are in r, to an impulse: over `time` [s], and over `scaled` [s], a normal impulse divided by the
-   normal force of r. That force may be tiny: friction that remains without it (r->remaining) is left out of the scaled part. */
-DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_response *r, double time, double scaled, int features) {
+/* Adds friction and rolling, as they are in r, to an impulse: over `time` [s], and over `scaled` [s], a normal impulse
+   divided by the normal force of r. That force may be tiny: friction that remains without it (r->remaining) is left out
+   of the scaled part. */
+DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_response *r, double time, double scaled,
+                                          int features) {
     for (int a = 0; a < 3; a++) {
         impulse->tangential[a] += (time + scaled) * r->tangential[a] - scaled * r->remaining[a];
         impulse->rolling[a] += features & DEM_ROLLING ? (time + scaled) * r->rolling[a] : 0.0;
     }
 }
 
-/* Adds friction in the step in which a contact begins, by a Radau rule: after a third of the time t in contact, and at its end, r. The
-   normal impulse exceeds that of t because Verlet's velocities are central differences; friction exceeds in proportion. */
-DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_motion *e, double *s, const dem_response *r,
-                                    dem_response *impulse, const dem_law *law, int features) {
+/* Adds friction in the step in which a contact begins, by a Radau rule: after a third of the time t in contact, and at
+   its end, r. The normal impulse exceeds that of t because Verlet's velocities are central differences; friction
+   exceeds in proportion. */
+DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_motion *e, double *s,
+                                    const dem_response *r, dem_response *impulse, const dem_law *law, int features) {
     const double t = e->duration, beyond = e->impulse - touch->mass * (touch->closing - e->closing);
     dem_response third;
     memset(&third, 0, sizeof third);
     dem_contact q = *touch;
-    q.gap = (7.0 * e->gap - t * (4.0 * touch->closing - 2.0 * e->closing)) / 27.0; /* of the cubic through the motion's ends */
+    q.gap = (7.0 * e->gap - t * (4.0 * touch->closing - 2.0 * e->closing)) /
+            27.0; /* of the cubic through the motion's ends */
     q.closing = t > 0.0 ? -4.0 / 3.0 * e->gap / t - e->closing / 3.0 : touch->closing;
     q.dt = t / 3.0;
     law->force(&q, s, &third);
@@ -6443,16 +6853,18 @@ DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_mo
     dem__add_friction_impulse(impulse, r, 0.25 * t, r->contact > 0.0 ? beyond / r->contact : 0.0, features);
 }
 
-/* Result of an edge step: impulses, the normal force that the next step starts from [N], the work of the wall by friction [J]. */
+/* Result of an edge step: impulses, the normal force that the next step starts from [N], the work of the wall by
+   friction [J]. */
 typedef struct dem__edge_result {
     dem__edge_motion e;
     dem_response impulse; /* at the end without Verlet's own half kicks */
     double start, driven;
 } dem__edge_result;
 
-/* Corrects the step in which a contact begins, from history s: force, history and losses. Returns 0 if it does not begin. */
-DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was, const dem_law *law,
-                                       int features, dem__edge_result *m) {
+/* Corrects the step in which a contact begins, from history s: force, history and losses. Returns 0 if it does not
+   begin. */
+DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was,
+                                       const dem_law *law, int features, dem__edge_result *m) {
     const double half = 0.5 / q->rate;
     dem_response r;
     memset(&r, 0, sizeof r);
@@ -6474,7 +6886,8 @@ DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__col
         dem__add_friction_impulse(&m->impulse, &r, -half, 0.0, features);
     }
     if (features & DEM_ENERGY) {
-        const double film = r.normal > r.contact ? r.normal - r.contact : 0.0; /* acts for half a step, as Verlet's forces do */
+        const double film =
+            r.normal > r.contact ? r.normal - r.contact : 0.0; /* acts for half a step, as Verlet's forces do */
         dem__put_losses(at, at, 0, &r, 0.0, 1.0);
         at->loss[2][0] = half * film * q->closing;
     }
@@ -6482,8 +6895,8 @@ DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__col
 }
 
 /* Corrects the step in which a contact ends: force, history and losses. Returns 0 if Verlet's step stands. */
-DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was, const dem_law *law,
-                                      int features, dem__edge_result *m) {
+DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was,
+                                      const dem_law *law, int features, dem__edge_result *m) {
     const double half = 0.5 / q->rate;
     dem_response r;
     memset(&r, 0, sizeof r);
@@ -6503,15 +6916,18 @@ DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__colu
         q->gap = was->gap;
         q->closing = m->e.before;
         law->force(q, s, &r);
-        dem__add_friction_impulse(&m->impulse, &r, 0.0, r.contact > 0.0 ? m->e.impulse / r.contact - half : 0.0, features);
-        m->driven = dem__dot(dem__plus(dem__first(m->impulse.tangential), half, dem__first(r.tangential)), was->wall_speed);
+        dem__add_friction_impulse(&m->impulse, &r, 0.0, r.contact > 0.0 ? m->e.impulse / r.contact - half : 0.0,
+                                  features);
+        m->driven =
+            dem__dot(dem__plus(dem__first(m->impulse.tangential), half, dem__first(r.tangential)), was->wall_speed);
         if (features & DEM_ENERGY) at->loss[1][0] -= dem__dot(dem__first(m->impulse.tangential), dem__first(q->slip));
     }
     return 1;
 }
 
 /* Corrects an edge step of the contact in slot c; stores impulses and shift for the end of the step. */
-DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was, const dem_law *law, int features) {
+DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was, const dem_law *law,
+                                  int features) {
     dem__contacts *contacts = &w->engine->contacts;
     const int first = was->force == 0.0;
     dem__columns at;
@@ -6521,8 +6937,8 @@ DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, con
     memset(&m, 0, sizeof m);
     dem__columns_of(w, c, law, features, &at);
     for (int a = 0; a < law->states; a++) s[a] = first && a < law->history ? 0.0 : at.state[a][0];
-    const int mended =
-        first ? dem__correct_first_step(q, s, &at, was, law, features, &m) : dem__correct_last_step(q, s, &at, was, law, features, &m);
+    const int mended = first ? dem__correct_first_step(q, s, &at, was, law, features, &m)
+                             : dem__correct_last_step(q, s, &at, was, law, features, &m);
     contacts->edge[c] = mended != 0;
     if (!mended) return;
     if (!first && m.start != 0.0) contacts->ended[c] = 0;
@@ -6536,26 +6952,28 @@ DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, con
     at.loss[0][0] = m.e.loss;
     if (!first) at.elastic[0] = m.e.elastic;
     at.loss[3][0] = m.e.impulse * dem__dot(dem__first(q->normal), was->wall_speed) + m.driven;
-    at.power[2][0] = m.start != 0.0 ? dem__dot(dem_vec3(was->out[0][0], was->out[1][0], was->out[2][0]), was->wall_speed) : 0.0;
+    at.power[2][0] =
+        m.start != 0.0 ? dem__dot(dem_vec3(was->out[0][0], was->out[1][0], was->out[2][0]), was->wall_speed) : 0.0;
 }
 
 /* --------------------------------------------------------------------------------------------- >>contacts/kernel.h */
-/* Forces of contacts and links, block by block: rows, law, edges, sums. Reads bodies, walls, contacts, links; writes contacts, the sums of
-   bodies and the forces on walls. Promises: the same bits for any division among threads. */
+/* Forces of contacts and links, block by block: rows, law, edges, sums. Reads bodies, walls, contacts, links; writes
+   contacts, the sums of bodies and the forces on walls. Promises: the same bits for any division among threads. */
 
 /* What one thread needs for a block. It lies in the engine, because a stack may be small (64 kB in WebAssembly). */
 struct dem__work {
     dem__rows rows;
     dem__type_rows types;
     dem__block_rows block;
-    dem__row before, was, ended, past[DEM_STATE_MAX]; /* of the step before: force, gap; whether it ended; history at the start */
+    dem__row before, was, ended,
+        past[DEM_STATE_MAX]; /* of the step before: force, gap; whether it ended; history at the start */
     dem__wall_row wall[DEM__BLOCK];
     int walls;
     dem__timer_batch batch; /* for tests of pairs */
 };
 
-/* Returns the working memory of a thread. It begins with a cache line: otherwise every second vector of a row would lie in two, which costs
-   4 % of the time of a bed. */
+/* Returns the working memory of a thread. It begins with a cache line: otherwise every second vector of a row would lie
+   in two, which costs 4 % of the time of a bed. */
 enum { DEM__WORK_BYTES = (int)((sizeof(dem__work) + 63) / 64 * 64) };
 DEM_INLINE dem__work *dem__work_of(const dem_world *w, int part) {
     return (dem__work *)(void *)(w->engine->scratch.work + (size_t)part * DEM__WORK_BYTES);
@@ -6579,16 +6997,17 @@ static inline int dem__make_work(dem_world *w, int threads) {
 
 typedef void dem__edge_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was);
 
-/* Returns whether a contact began or ended in this step, from its forces and the gap before. Computed with bits: branches would keep the
-   loop scalar. */
+/* Returns whether a contact began or ended in this step, from its forces and the gap before. Computed with bits:
+   branches would keep the loop scalar. */
 DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_before) {
     const int64_t idle = before == 0.0;
     return (idle ^ (int64_t)(now == 0.0)) & ((idle ^ 1) | (int64_t)(gap_before > 0.0));
 }
 
-/* Marks and lists the contacts that began or ended, or that their law has ended, in the block from slot base on. Returns their number. */
-DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t base, int n, const double *before, const double *was,
-                                     const double *ended, const double *force) {
+/* Marks and lists the contacts that began or ended, or that their law has ended, in the block from slot base on.
+   Returns their number. */
+DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t base, int n, const double *before,
+                                     const double *was, const double *ended, const double *force) {
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t marked = in->marked;
     int64_t mark[DEM__BLOCK], any = 0;
@@ -6605,13 +7024,14 @@ DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t bas
     return in->marked - marked;
 }
 
-/* Adds the force on i and the torques on i and j of a contact in chunk q, which are in out[][k], to the sum of i and to that of j or of a
-   wall. */
-DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j, double *const *out, ptrdiff_t k, int has_friction,
-                                int to_i, int to_j) {
+/* Adds the force on i and the torques on i and j of a contact in chunk q, which are in out[][k], to the sum of i and to
+   that of j or of a wall. */
+DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j, double *const *out, ptrdiff_t k,
+                                int has_friction, int to_i, int to_j) {
     const double fx = out[0][k], fy = out[1][k], fz = out[2][k];
     double turn_i[3], turn_j[3]; /* all is read before the sums are written, so that they are added as vectors */
-    for (int a = 0; a < 3; a++) turn_i[a] = has_friction ? out[3 + a][k] : 0.0, turn_j[a] = has_friction ? out[6 + a][k] : 0.0;
+    for (int a = 0; a < 3; a++)
+        turn_i[a] = has_friction ? out[3 + a][k] : 0.0, turn_j[a] = has_friction ? out[6 + a][k] : 0.0;
     if (to_i) {
         double *sum = w->engine->bodies.sum[i].load;
         sum[0] += fx, sum[1] += fy, sum[2] += fz;
@@ -6630,15 +7050,17 @@ DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j,
     push->torque = dem__add(push->torque, dem__sub(dem__cross(arm, f), dem__first(turn_i)));
 }
 
-/* Adds the forces of n contacts of chunk q slot by slot, which fixes the order of sums. Stores those that another thread must add first for
-   dem__add_postponed. */
-DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out, int has_friction) {
+/* Adds the forces of n contacts of chunk q slot by slot, which fixes the order of sums. Stores those that another
+   thread must add first for dem__add_postponed. */
+DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out,
+                                   int has_friction) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__chunk *in = &contacts->chunk[q];
     const int32_t own = in->postpone_from;
     int waits = 0;
     for (int k = 0; k < n; k++) waits |= (contacts->i[base + k] >= own) | (contacts->j[base + k] >= own);
-    for (int k = 0; k < n && !waits; k++) dem__add_forces(w, q, contacts->i[base + k], contacts->j[base + k], out, k, has_friction, 1, 1);
+    for (int k = 0; k < n && !waits; k++)
+        dem__add_forces(w, q, contacts->i[base + k], contacts->j[base + k], out, k, has_friction, 1, 1);
     for (int k = 0; k < n && waits; k++) {
         const int32_t i = contacts->i[base + k], j = contacts->j[base + k], last = j > i ? j : i; /* a wall has j < 0 */
         dem__add_forces(w, q, i, j, out, k, has_friction, i < own, j < own);
@@ -6657,7 +7079,8 @@ DEM_INLINE void dem__prefetch_particle(const dem_world *w, ptrdiff_t j) {
     DEM__PREFETCH(&p->x);
     DEM__PREFETCH(&p->a);
 }
-/* Prefetches what the kernel reads and sums of body j. For a wall (j < 0) the address is one before the arrays: a prefetch cannot fail. */
+/* Prefetches what the kernel reads and sums of body j. For a wall (j < 0) the address is one before the arrays: a
+   prefetch cannot fail. */
 DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum *sum, ptrdiff_t j) {
     const uintptr_t p = (uintptr_t)particle + (uintptr_t)j * sizeof *particle;
     DEM__PREFETCH((const void *)p);
@@ -6665,24 +7088,27 @@ DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum 
     DEM__PREFETCH((const void *)((uintptr_t)sum + (uintptr_t)j * sizeof *sum));
 }
 
-/* Call the functions for polyhedra on a block. They are functions of their own because a call through a pointer would slow the kernel. */
+/* Call the functions for polyhedra on a block. They are functions of their own because a call through a pointer would
+   slow the kernel. */
 static DEM__NOINLINE void dem__fill_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, double half) {
     w->engine->convex.calls->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }
-static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, const dem__columns *at,
-                                                 double half, int features) {
+static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n,
+                                                 const dem__columns *at, double half, int features) {
     w->engine->convex.calls->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
 }
 static DEM__NOINLINE void dem__leave_other_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
     w->engine->convex.calls->leave_edges(w, in, marked);
 }
 
-/* Gathers the block of n contacts from slot base on, and prefetches the next one, of this chunk or of the one after it. */
-DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t chunk, ptrdiff_t base, int n, const dem_law *law, double half,
-                                  int has_friction) {
+/* Gathers the block of n contacts from slot base on, and prefetches the next one, of this chunk or of the one after it.
+ */
+DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t chunk, ptrdiff_t base, int n,
+                                  const dem_law *law, double half, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__chunk *in = &contacts->chunk[chunk];
-    const dem__chunk *then = base + DEM__BLOCK < in->first + in->count || chunk + 1 == contacts->chunk_count ? in : in + 1;
+    const dem__chunk *then =
+        base + DEM__BLOCK < in->first + in->count || chunk + 1 == contacts->chunk_count ? in : in + 1;
     const ptrdiff_t ahead = then == in ? base + DEM__BLOCK : then->first, stop = then->first + then->count;
     const dem_particle *particle = w->particle;
     const dem__sum *sum = w->engine->bodies.sum;
@@ -6690,7 +7116,8 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     int walls = 0;
     for (int k = 0; k < n; k++) {
         const ptrdiff_t c = base + k, i = of_i[c], j = of_j[c];
-        if (ahead + k < stop) dem__prefetch_body(particle, sum, of_i[ahead + k]), dem__prefetch_body(particle, sum, of_j[ahead + k]);
+        if (ahead + k < stop)
+            dem__prefetch_body(particle, sum, of_i[ahead + k]), dem__prefetch_body(particle, sum, of_j[ahead + k]);
         if (j >= 0) dem__gather_pair(particle, i, j, &x->rows, k, has_friction);
         else dem__gather_wall(w, i, -1 - j, contacts->element[c], c, &x->rows, k, half, &x->wall[walls++]);
     }
@@ -6703,11 +7130,12 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     if (w->engine->convex.calls) dem__fill_other_rows(w, x, base, n, half);
 }
 
-/* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the sizes only. Conditions
-   on features are constant where the loop is compiled. */
+/* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the
+   sizes only. Conditions on features are constant where the loop is compiled. */
 #define DEM__OF_LINKS (1 << 20) /* no enum: C++20 warns where numbers of two enums are combined */
-DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n, const dem__columns *old,
-                               const dem__columns *at, const dem_law *law, double h, double rate, int features) {
+DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n,
+                               const dem__columns *old, const dem__columns *at, const dem_law *law, double h,
+                               double rate, int features) {
     const void *user = w->user;
     const int has_friction = (features & DEM_FRICTION) != 0, is_link = (features & DEM__OF_LINKS) != 0;
     dem__row share; /* in a loop of its own, which is left out for a law that does not use it */
@@ -6720,11 +7148,14 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         memset(&r, 0, sizeof r); /* what a law leaves out is 0 */
         for (int a = 0; a < law->constants && !is_link; a++) p[a] = x->types.constant[a][k];
         for (int a = 0; a < law->states; a++) s[a] = old->state[a][k];
-        if (law->vectors > 0) dem__turn(&x->rows, k, h, s); /* by itself: clang does not unroll so long a loop, even for one turn */
+        if (law->vectors > 0)
+            dem__turn(&x->rows, k, h, s); /* by itself: clang does not unroll so long a loop, even for one turn */
         for (int a = 1; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
         for (int a = 0; a < law->history && has_friction && !is_link; a++) x->past[a][k] = s[a];
-        dem__contact_geometry(&x->rows, &x->types, k, is_link ? 0.0 : 0.5 * h, is_link ? 0.0 : 1.0, has_friction, &q, &arm_i, &arm_j);
-        const double predict = is_link ? 1.0 : x->types.predict[k]; /* read outside the condition, or the loop does not vectorise */
+        dem__contact_geometry(&x->rows, &x->types, k, is_link ? 0.0 : 0.5 * h, is_link ? 0.0 : 1.0, has_friction, &q,
+                              &arm_i, &arm_j);
+        const double predict =
+            is_link ? 1.0 : x->types.predict[k]; /* read outside the condition, or the loop does not vectorise */
         q.closing *= x->rows.gap[k] < 0.0 ? predict : 1.0;
         q.mass = is_link ? 0.0 : x->types.mass[k];
         q.share = share[k];
@@ -6749,7 +7180,8 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
 }
 
 /* Computes the work of walls on their contacts from powers, by the trapezoidal rule. */
-DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns *old, const dem__columns *at, double half) {
+DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns *old, const dem__columns *at,
+                                   double half) {
     for (int k = 0; k < n; k++) at->loss[3][k] = 0.0, at->power[2][k] = old->power[2][k];
     for (int q = 0; q < x->walls; q++) {
         const int k = x->wall[q].row;
@@ -6762,8 +7194,8 @@ DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns
 
 /* Corrects the edge steps of a block: those of the last `marked` contacts that its chunk has listed. */
 DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk *in, ptrdiff_t base, ptrdiff_t marked,
-                                   const dem__columns *old, const dem__columns *at, const dem_law *law, dem__edge_fn *correct,
-                                   int features) {
+                                   const dem__columns *old, const dem__columns *at, const dem_law *law,
+                                   dem__edge_fn *correct, int features) {
     const dem__run *run = &w->engine->run;
     const dem__contacts *contacts = &w->engine->contacts;
     const int has_friction = (features & DEM_FRICTION) != 0;
@@ -6776,15 +7208,18 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
         if (!contacts->edge[c]) continue;
         while (q < x->walls && x->wall[q].row < k) q++;
         for (int a = 0; a < law->constants; a++) p[a] = x->types.constant[a][k];
-        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, 1.0, has_friction, &view, &edge.arm_i, &edge.arm_j);
+        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, 1.0, has_friction, &view, &edge.arm_i,
+                              &edge.arm_j);
         view.mass = x->types.mass[k];
-        view.share = dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not from the row, which a law may leave uncomputed */
+        view.share =
+            dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not from the row, which a law may leave uncomputed */
         view.dt = 0.0;
         view.rate = 1.0 / run->dt;
         view.constants = p;
         view.user = w->user;
         edge.gap = x->was[k], edge.force = x->before[k];
-        for (int a = 0; a < law->states && has_friction; a++) edge.state[a] = a < law->history ? x->past[a][k] : old->state[a][k];
+        for (int a = 0; a < law->states && has_friction; a++)
+            edge.state[a] = a < law->history ? x->past[a][k] : old->state[a][k];
         for (int a = 0; a < 9; a++) edge.out[a] = at->out[a] + k;
         edge.wall_speed = contacts->j[c] < 0 ? x->wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
         correct(w, c, &view, &edge);
@@ -6792,9 +7227,11 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
     }
 }
 
-/* Evaluates the contacts of a chunk. A contact reads its own slot, particles and walls, which do not change meanwhile, and writes its own
-   slot; therefore any division among threads gives the same bits. Each block is summed while it is in the cache. */
-DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk, const dem_law *law, dem__edge_fn *correct, int features) {
+/* Evaluates the contacts of a chunk. A contact reads its own slot, particles and walls, which do not change meanwhile,
+   and writes its own slot; therefore any division among threads gives the same bits. Each block is summed while it is
+   in the cache. */
+DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk, const dem_law *law,
+                                    dem__edge_fn *correct, int features) {
     const dem__run *run = &w->engine->run;
     const int has_friction = (features & DEM_FRICTION) != 0;
     const int only_ledger = (features & DEM_ENERGY) && run->only_ledger;
@@ -6806,7 +7243,8 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__gather_block(w, x, chunk, base, n, law, 0.5 * h, has_friction);
         dem__columns_of(w, base, law, features, &old);
         dem__new_columns(w, base, law, features, DEM__COPY_ROWS || only_ledger, &x->block, &at);
-        dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate, features);
+        dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate,
+                       features);
         if (w->engine->convex.calls) {
             const dem__columns same = at; /* the address of `at` itself would keep clang from vectorising the law */
             dem__finish_other_rows(w, x, base, n, &same, 0.5 * h, features);
@@ -6825,8 +7263,8 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
 }
 
 /* Evaluates the contacts of chunks first .. end-1 on one thread. */
-DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law, dem__edge_fn *correct,
-                            int features) {
+DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law,
+                            dem__edge_fn *correct, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__work *work = dem__work_of(w, part);
     for (int k = 0; k < DEM__BLOCK; k++) work->types.kind[k] = -2;
@@ -6842,7 +7280,9 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
 }
 
 /* Returns the number of parts into which the links are split. */
-DEM_INLINE int dem__link_parts(const dem_world *w) { return dem__parts_of(w, w->engine->links.count, w->engine->scratch.works); }
+DEM_INLINE int dem__link_parts(const dem_world *w) {
+    return dem__parts_of(w, w->engine->links.count, w->engine->scratch.works);
+}
 
 /* Adds the forces of links first .. end-1 to the loads of their bodies, in the order of the links. */
 DEM_INLINE void dem__add_links(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
@@ -6878,8 +7318,8 @@ DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t ba
     dem__complete_rows(w, &x->rows, &x->types, n, 0.0, 0.5 * w->engine->run.kernel_dt, x->wall, x->walls, 1);
 }
 
-/* Evaluates links first .. end - 1 at the present positions. If there is only one thread, it adds up each block while it is in the
-   cache. */
+/* Evaluates links first .. end - 1 at the present positions. If there is only one thread, it adds up each block while
+   it is in the cache. */
 DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law) {
     dem__links *links = &w->engine->links;
     dem__work *x = dem__work_of(w, part);
@@ -6893,7 +7333,8 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
         for (int a = 0; a < 9; a++) old.out[a] = links->wrench[a] + base;
         for (int a = 0; a < law->states; a++) at.state[a] = DEM__COPY_ROWS ? x->block.state[a] : old.state[a];
         for (int a = 0; a < 9; a++) at.out[a] = DEM__COPY_ROWS ? x->block.out[a] : old.out[a];
-        dem__apply_law(w, x, links->i + base, links->j + base, n, &old, &at, law, h, 1.0 / h, DEM_FRICTION | DEM__OF_LINKS);
+        dem__apply_law(w, x, links->i + base, links->j + base, n, &old, &at, law, h, 1.0 / h,
+                       DEM_FRICTION | DEM__OF_LINKS);
         for (int a = 0; a < law->history && DEM__COPY_ROWS; a++) memcpy(old.state[a], at.state[a], bytes);
         for (int a = 0; a < 9 && DEM__COPY_ROWS; a++) memcpy(old.out[a], at.out[a], bytes);
         memcpy(links->gap + base, x->rows.gap, bytes);
@@ -6902,21 +7343,23 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
     }
 }
 
-#define DEM__LOOP(name, call)                                                                                                              \
-    DEM__AVX2_CLONE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end, int part), (world, first, end, part), call)
-#define DEM_KERNEL(name, law, features)                                                                                                    \
-    DEM__FAST static DEM__NOINLINE void name##_edge(dem_world *world, ptrdiff_t c, dem_contact *q, const dem__edge *was) {                 \
-        dem__correct_edge(world, c, q, was, &(law), features);                                                                             \
-    }                                                                                                                                      \
-    DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))                                            \
+#define DEM__LOOP(name, call)                                                                                          \
+    DEM__AVX2_CLONE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end, int part), (world, first, end, part),    \
+                    call)
+#define DEM_KERNEL(name, law, features)                                                                                \
+    DEM__FAST static DEM__NOINLINE void name##_edge(dem_world *world, ptrdiff_t c, dem_contact *q,                     \
+                                                    const dem__edge *was) {                                            \
+        dem__correct_edge(world, c, q, was, &(law), features);                                                         \
+    }                                                                                                                  \
+    DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))                        \
     static const dem_kernel name = {&(law), features, name##_loop};
-#define DEM_LINK_KERNEL(name, law)                                                                                                         \
-    DEM__LOOP(name##_loop, dem__link_kernel(world, first, end, part, &(law)))                                                              \
+#define DEM_LINK_KERNEL(name, law)                                                                                     \
+    DEM__LOOP(name##_loop, dem__link_kernel(world, first, end, part, &(law)))                                          \
     static const dem_link_kernel name = {&(law), name##_loop};
 
 /* -------------------------------------------------------------------------------------------- >>particles/detach.h */
-/* Particles that leave, and their links, which end with them. Reads bodies, walls, pairs; writes links and lists. Promises: a particle that
-   is gone is in no list. */
+/* Particles that leave, and their links, which end with them. Reads bodies, walls, pairs; writes links and lists.
+   Promises: a particle that is gone is in no list. */
 
 /* Removes link k from particle i's list, or puts another link in its place. */
 static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t replacement) {
@@ -7002,8 +7445,8 @@ static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
 }
 
 /* ------------------------------------------------------------------------------------------- >>contacts/contacts.h */
-/* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and timers. Promises: the
-   order depends only on the history of the scene, never on threads. */
+/* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and
+   timers. Promises: the order depends only on the history of the scene, never on threads. */
 
 /* Returns whether contact a comes before b: by i, the last first, then by j (walls last), then by element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
@@ -7061,10 +7504,10 @@ static inline void dem__gather_items(char *to, const char *base, size_t size, co
     for (ptrdiff_t k = 0; k < n; k++) dem__copy(to + (size_t)k * size, base + (size_t)from[k] * size, size);
 }
 
-/* Moves the contacts in the listed slots, in that order, into the slots of chunks. This thread moves the arrays first, first + parts,
-   ... */
-static inline void dem__arrange_part(dem_world *w, const dem__chunk *chunk, int chunks, const dem__array *list, int arrays, int first,
-                                     int parts) {
+/* Moves the contacts in the listed slots, in that order, into the slots of chunks. This thread moves the arrays first,
+   first + parts, ... */
+static inline void dem__arrange_part(dem_world *w, const dem__chunk *chunk, int chunks, const dem__array *list,
+                                     int arrays, int first, int parts) {
     const dem__contacts *contacts = &w->engine->contacts;
     char *scratch = (char *)contacts->correction + (size_t)first * (size_t)contacts->capacity * sizeof(double);
     ptrdiff_t n = 0;
@@ -7092,10 +7535,12 @@ static inline void dem__arrange_range(dem_world *w, ptrdiff_t first, ptrdiff_t e
     (void)first, (void)end;
     dem__arrange_part(w, a->chunk, a->chunks, a->list, a->arrays, part, a->parts);
 }
-static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__chunk *chunk, int chunks, const dem__array *list, int arrays) {
+static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__chunk *chunk, int chunks, const dem__array *list,
+                                int arrays) {
     dem__arrangement a;
     a.chunk = chunk, a.list = list, a.chunks = chunks, a.arrays = arrays;
-    a.parts = dem__parts_of(w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* each needs an array of scratch memory */
+    a.parts = dem__parts_of(
+        w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* each needs an array of scratch memory */
     dem__in_parts(w, a.parts, a.parts, dem__arrange_range, &a);
 }
 
@@ -7132,7 +7577,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     dem__contact_type kind;
     const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
     const double inertia = dem__inertia(w, i);
-    int same = contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* more types than fit: none is searched */
+    int same =
+        contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* more types than fit: none is searched */
     memset(&b, 0, sizeof b);
     memset(&kind, 0, sizeof kind);
     b.def = &w->def;
@@ -7154,7 +7600,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     }
     if (dem__is_convex_contact(w, c)) w->engine->convex.calls->prepare(w, c, &b);
     else if (j < 0) b.curvature = dem__curvature_at(w, c);
-    b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j] : &w->def.pair[b.material_j][b.material_i];
+    b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j]
+                                         : &w->def.pair[b.material_j][b.material_i];
     b.user = w->user;
     b.damping_ratio = run->damping_ratio[b.material_i][b.material_j];
     const double stiffness = law->prepare(&b, kind.constant);
@@ -7171,7 +7618,9 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         contacts->type_count += same == contacts->type_count;
         return;
     }
-    contacts->type_count = DEM__TYPES_MAX + 1; /* from now on each contact has its own: to search the types would cost more than it saves */
+    contacts->type_count =
+        DEM__TYPES_MAX +
+        1; /* from now on each contact has its own: to search the types would cost more than it saves */
     contacts->type[c] = -1;
     for (int a = 0; a < law->constants; a++) contacts->constant[a][c] = kind.constant[a];
     contacts->mass[c] = kind.mass;
@@ -7187,8 +7636,8 @@ DEM_INLINE int dem__ascends(const int32_t *list, ptrdiff_t n) {
     return 1;
 }
 
-/* Moves the contacts that began since the last call, listed by partners, from the end of the last chunk into their chunks, and lists their
-   slots there. */
+/* Moves the contacts that began since the last call, listed by partners, from the end of the last chunk into their
+   chunks, and lists their slots there. */
 static inline void dem__distribute_begun(dem_world *w, const dem__array *list, int arrays) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__chunk born[DEM__CHUNKS];
@@ -7202,7 +7651,8 @@ static inline void dem__distribute_begun(dem_world *w, const dem__array *list, i
     }
     for (ptrdiff_t k = 0, q = 0; k < contacts->begun; k++) {
         while (contacts->i[contacts->slots[k]] < contacts->chunk[q].first_particle) q++;
-        if (q < last && contacts->chunk[q].count + born[q].count == contacts->chunk[q].capacity) q = last; /* and so are all after it */
+        if (q < last && contacts->chunk[q].count + born[q].count == contacts->chunk[q].capacity)
+            q = last; /* and so are all after it */
         born[q].count++;
     }
     if (last > 0 || !dem__ascends(contacts->slots, contacts->begun))
@@ -7296,12 +7746,14 @@ static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32
         if (near_pair < 0 || w->engine->run.needs_lists) return;
         if (!(w->alive[i] > 0 && w->alive[j] > 0)) return;
         w->engine->pairs.timers.due[near_pair] = DEM__NEVER;
-        if (w->def.skip & DEM_SKIP_PAIRS) dem__batch_separation(w, waits, near_pair, step, dem__pair_separation(w, i, j, step));
+        if (w->def.skip & DEM_SKIP_PAIRS)
+            dem__batch_separation(w, waits, near_pair, step, dem__pair_separation(w, i, j, step));
         return;
     }
     dem__unlink_wall_contact(w, i, c, -1);
     /* a screen's timer was running for its other bars, but not for this one */
-    if (!w->engine->run.needs_lists && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE) && dem__needs_test(w, i, -1 - (int)j))
+    if (!w->engine->run.needs_lists && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE) &&
+        dem__needs_test(w, i, -1 - (int)j))
         dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
 }
 
@@ -7319,7 +7771,8 @@ static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, con
     }
 }
 
-/* Removes contacts that ended: those that the last step marked, or all. Contacts at the end of their chunk fill the gaps. */
+/* Removes contacts that ended: those that the last step marked, or all. Contacts at the end of their chunk fill the
+   gaps. */
 static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__array list[DEM__ARRAYS_MAX];
@@ -7348,8 +7801,8 @@ static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     }
 }
 
-/* Orders all contacts by their particles i, the last first, otherwise as they were: neighbours in space are then read one after the other.
-   Many contacts are in chunks of equal size, with room to grow. Returns 0 when out of memory. */
+/* Orders all contacts by their particles i, the last first, otherwise as they were: neighbours in space are then read
+   one after the other. Many contacts are in chunks of equal size, with room to grow. Returns 0 when out of memory. */
 static inline int dem__reorder_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t n = contacts->count;
@@ -7396,8 +7849,8 @@ static inline int dem__reorder_contacts(dem_world *w) {
 }
 
 /* -------------------------------------------------------------------------------------------- >>particles/remove.h */
-/* Consequences of a removal of particles: the ends of their contacts, the numbers of those present. Reads bodies; writes contacts.
-   Promises: a particle that has no contact left is in flight afterwards. */
+/* Consequences of a removal of particles: the ends of their contacts, the numbers of those present. Reads bodies;
+   writes contacts. Promises: a particle that has no contact left is in flight afterwards. */
 
 /* Removes the force of ended contacts from the acceleration of particles that touch nothing any more. */
 static inline void dem__free_untouched(dem_world *w) {
@@ -7466,14 +7919,15 @@ static inline void dem__add_postponed_to(dem_world *w, int32_t low, int32_t high
     }
 }
 
-/* Adds the postponed forces on the particles of the share before this thread's own (the first thread: of the last share): it made nearly
-   all of them itself, so they are in its cache. */
+/* Adds the postponed forces on the particles of the share before this thread's own (the first thread: of the last
+   share): it made nearly all of them itself, so they are in its cache. */
 static inline void dem__add_postponed_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__evaluation *e = (const dem__evaluation *)context;
     const dem__chunk *chunk = w->engine->contacts.chunk;
     const int chunks = w->engine->contacts.chunk_count, share = (part + e->parts - 1) % e->parts;
     first = dem__part(chunks, share, e->parts), end = dem__part(chunks, share + 1, e->parts);
-    dem__add_postponed_to(w, chunk[end - 1].first_particle, first > 0 ? chunk[first - 1].first_particle : INT32_MAX, e->has_friction);
+    dem__add_postponed_to(w, chunk[end - 1].first_particle, first > 0 ? chunk[first - 1].first_particle : INT32_MAX,
+                          e->has_friction);
 }
 static inline void dem__add_postponed(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -7485,12 +7939,13 @@ static inline void dem__add_postponed(dem_world *w, int has_friction) {
     else dem__in_parts(w, e.parts, contacts->chunk_count, dem__add_postponed_range, &e);
 }
 
-/* Evaluates the chunks of a share. Its thread may add to particles whose contacts are all in this share or in later ones; the forces on
-   others are postponed. */
+/* Evaluates the chunks of a share. Its thread may add to particles whose contacts are all in this share or in later
+   ones; the forces on others are postponed. */
 static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__evaluation *e = (const dem__evaluation *)context;
     dem__chunk *chunk = w->engine->contacts.chunk;
-    for (ptrdiff_t q = first; q < end; q++) chunk[q].postpone_from = first > 0 ? chunk[first - 1].first_particle : INT32_MAX;
+    for (ptrdiff_t q = first; q < end; q++)
+        chunk[q].postpone_from = first > 0 ? chunk[first - 1].first_particle : INT32_MAX;
     e->loop(w, first, end, part);
 }
 
@@ -7510,7 +7965,8 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
     e.loop = loop, e.has_friction = has_friction;
     e.parts = contacts->postponed
                   ? dem__parts_of(w, contacts->count,
-                                  contacts->chunk_count < w->engine->scratch.works ? contacts->chunk_count : w->engine->scratch.works)
+                                  contacts->chunk_count < w->engine->scratch.works ? contacts->chunk_count
+                                                                                   : w->engine->scratch.works)
                   : 1;
     w->engine->run.kernel_dt = h;
     w->engine->run.keeps_wrenches = keep;
@@ -7529,8 +7985,8 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
 }
 
 /* -------------------------------------------------------------------------------------------- >>search/due_tests.h */
-/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers. Promises: every contact
-   that begins is found; a step that cannot be finished leaves no trace. */
+/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers.
+   Promises: every contact that begins is found; a step that cannot be finished leaves no trace. */
 
 /* Sets the status, and failed_id to the first particle whose state is not finite. Returns 0. */
 static inline int dem__fail(dem_world *w, dem_status status) {
@@ -7548,7 +8004,8 @@ static inline int dem__fail(dem_world *w, dem_status status) {
 }
 
 /* Tests the due pairs in pages first .. end-1. */
-DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step, int rigid) {
+DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step,
+                                   int rigid) {
     dem__pairs *pairs = &w->engine->pairs;
     int32_t *due = pairs->timers.list + first * DEM__PAGE;
     ptrdiff_t n;
@@ -7575,7 +8032,8 @@ static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t 
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
-    dem__in_parts(w, parts, pairs->timers.pages, w->engine->bodies.rigid ? w->engine->bodies.calls->test_due : dem__test_due_range, &step);
+    dem__in_parts(w, parts, pairs->timers.pages,
+                  w->engine->bodies.rigid ? w->engine->bodies.calls->test_due : dem__test_due_range, &step);
     pairs->due_count = 0;
     for (int q = 0; q < parts; q++) {
         dem__timer_batch *batch = &dem__work_of(w, q)->batch;
@@ -7613,8 +8071,8 @@ static inline void dem__detect(dem_world *w, int64_t step) {
     for (ptrdiff_t k = 0; k < n; k++) dem__test_wall(w, walls->timers.list[k], step);
 }
 
-/* Fails if a contact begins between two different materials whose pair was never set. Until it is set, later runs fail at the same
-   place. */
+/* Fails if a contact begins between two different materials whose pair was never set. Until it is set, later runs fail
+   at the same place. */
 static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t end = dem__next_slot(w);
@@ -7651,8 +8109,8 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>particles/fixed.h */
-/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h; every part that turns forces into
-   motion calls dem__is_fixed(). */
+/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h;
+   every part that turns forces into motion calls dem__is_fixed(). */
 
 /* Makes room for the state of fixed particles. Returns 0 when out of memory; then nothing has changed. */
 static inline int dem__reserve_fixed(dem_world *w) {
@@ -7660,7 +8118,9 @@ static inline int dem__reserve_fixed(dem_world *w) {
     dem__array list[DEM__ARRAYS_MAX];
     if (bodies->has_fixed) return 1;
     bodies->has_fixed = 1;
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + 1)) return 1;
+    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
+                        w->count + 1))
+        return 1;
     bodies->has_fixed = 0, bodies->fixed = NULL;
     return 0;
 }
@@ -7694,9 +8154,12 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     return DEM_OK;
 }
 
-DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i) { return dem__is_present(world, i) && dem__is_fixed(world, i); }
+DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i) {
+    return dem__is_present(world, i) && dem__is_fixed(world, i);
+}
 
-DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque, dem_vec *impulse) {
+DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque,
+                                       dem_vec *impulse) {
     const dem_world *w = world;
     if (!force || !torque || !impulse) return DEM_BAD_ARGUMENT;
     *force = *torque = *impulse = dem_vec3((double)NAN, (double)NAN, (double)NAN);
@@ -7713,7 +8176,8 @@ DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_
     return DEM_OK;
 }
 
-/* Records the force on a fixed particle at the end of a step, without the caller's loads. half: half of the step [s]. */
+/* Records the force on a fixed particle at the end of a step, without the caller's loads. half: half of the step [s].
+ */
 DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, dem_vec torque, double half) {
     dem__fixed *f = &w->engine->bodies.fixed[i];
     const double *external = w->engine->bodies.external[i];
@@ -7722,24 +8186,27 @@ DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, 
     for (int a = 0; a < 3; a++) f->load[a] = dem_axis(force, a), f->load[3 + a] = dem_axis(torque, a);
 }
 
-/* Records the impulse of a contact that begins or ends within a step on a fixed particle, and its work if the particle moves. */
+/* Records the impulse of a contact that begins or ends within a step on a fixed particle, and its work if the particle
+   moves. */
 static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
     const dem_particle *p = &w->particle[i];
     w->engine->bodies.fixed[i].impulse = dem__add(w->engine->bodies.fixed[i].impulse, impulse);
-    if (w->engine->run.features & DEM_ENERGY) dem__book_work_of_fixed(w, -dem__dot(impulse, p->v) - dem__dot(turn, p->spin));
+    if (w->engine->run.features & DEM_ENERGY)
+        dem__book_work_of_fixed(w, -dem__dot(impulse, p->v) - dem__dot(turn, p->spin));
 }
 
 /* ---------------------------------------------------------------------------------------------- >>step/integrate.h */
-/* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies and timers.
-   Promises: a particle whose velocity left its bound has a new one before the next step. */
+/* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies
+   and timers. Promises: a particle whose velocity left its bound has a new one before the next step. */
 
-/* Returns where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far apart in memory. */
+/* Returns where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far
+   apart in memory. */
 DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
 }
 
-/* Moves active particles first .. end-1 to the end of the step, and their velocities to its middle. rigid: leaves out those of rigid
-   bodies. */
+/* Moves active particles first .. end-1 to the end of the step, and their velocities to its middle. rigid: leaves out
+   those of rigid bodies. */
 DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid) {
     const int64_t step = w->step + (h > 0.0);
     const ptrdiff_t apart = dem__prefetch_until(w, first, end);
@@ -7750,7 +8217,8 @@ DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdif
         if (rigid && dem__rigid_of(w, i)) continue;
         dem_particle *p = &w->particle[i];
         const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
-        p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle), p->spin = dem__sphere_spin_at(w, i, middle);
+        p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle),
+        p->spin = dem__sphere_spin_at(w, i, middle);
         p->origin = w->step; /* for hooks, whose step is the present one */
         if (w->engine->run.has_periodic) dem__wrap(w, i);
     }
@@ -7763,8 +8231,10 @@ static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t e
 }
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
-    const int books = w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
-    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range,
+    const int books =
+        w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n,
+                  w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range,
                   &h); /* n / 4: little work for each particle */
 }
 
@@ -7788,17 +8258,20 @@ DEM_INLINE int dem__within_bound(const dem_world *w, ptrdiff_t i, dem_vec d) {
            bodies->shifted[i] < w->engine->pairs.position_tolerance; /* false for NaN */
 }
 
-/* Takes the greatest change of velocity in this step from tolerance_left__. Returns whether the rest suffices for the next step, too. */
+/* Takes the greatest change of velocity in this step from tolerance_left__. Returns whether the rest suffices for the
+   next step, too. */
 DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
     const double way = dem__most_change(dt, pull);
     p->tolerance_left__ -= way;
     return p->tolerance_left__ > 0.5 * way; /* false for NaN */
 }
 
-/* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step to its end. Sets
-   the sums of forces to zero for the next step. Lists particles that may leave their tolerances in scratch.index from `first` on. check: 0,
-   or NaN if a force is not finite; strays: length of the list; loads: a constant, 0 where nothing has a load. */
-DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays, int loads) {
+/* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step
+   to its end. Sets the sums of forces to zero for the next step. Lists particles that may leave their tolerances in
+   scratch.index from `first` on. check: 0, or NaN if a force is not finite; strays: length of the list; loads: a
+   constant, 0 where nothing has a load. */
+DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays,
+                              int loads) {
     dem__bodies *bodies = &w->engine->bodies;
     const int64_t step = w->step + (h > 0.0);
     const double half = 0.5 * h;
@@ -7837,15 +8310,17 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
     *strays = n;
 }
 /* Does so without loads where there are none: whether there are any is a constant of the loop. */
-DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
+DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
+                                        ptrdiff_t *strays) {
     if (w->engine->bodies.loads_on || w->engine->links.on) dem__kick_all(w, h, first, end, check, strays, 1);
     else dem__kick_all(w, h, first, end, check, strays, 0);
 }
-DEM__AVX2_CLONE(dem__kick_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
+DEM__AVX2_CLONE(dem__kick_part,
+                (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
                 (w, h, first, end, check, strays), dem__kick_loaded_or_not(w, h, first, end, check, strays))
 
-/* Moves those of n particles that leave their tolerances to the front of the list, and returns their number. Renews tolerance_left__ of the
-   others. */
+/* Moves those of n particles that leave their tolerances to the front of the list, and returns their number. Renews
+   tolerance_left__ of the others. */
 static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
     const double t = dem__since_listed(w, w->step + (h > 0.0));
     ptrdiff_t strays = 0;
@@ -7868,9 +8343,9 @@ static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
     kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
 }
-/* Computes the accelerations of all loaded bodies without contacts as dem__check_bounds does for some of them. dem__kick_all finds them
-   from sums over particles, which round differently; which bodies are checked depends on what a step skips, and results must not depend on
-   it. */
+/* Computes the accelerations of all loaded bodies without contacts as dem__check_bounds does for some of them.
+   dem__kick_all finds them from sums over particles, which round differently; which bodies are checked depends on what
+   a step skips, and results must not depend on it. */
 static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
     for (ptrdiff_t k = 0; k < w->engine->bodies.active_count; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
@@ -7881,8 +8356,8 @@ static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
     }
 }
 
-/* Moves the velocities of active particles to the end of the step, and marks those that leave their bounds. Returns 0 if a force is not
-   finite. */
+/* Moves the velocities of active particles to the end of the step, and marks those that leave their bounds. Returns 0
+   if a force is not finite. */
 static inline int dem__kick(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
     const int parts = dem__parts(w, n / 4); /* n / 4: little work for each particle */
@@ -7901,8 +8376,8 @@ static inline int dem__kick(dem_world *w, double h) {
     return all == 0.0;
 }
 
-/* Sets what an impact that has just begun changes in the velocities of i and j by its middle: there, both have the normal velocity of their
-   centre of mass. New bounds rely on it. */
+/* Sets what an impact that has just begun changes in the velocities of i and j by its middle: there, both have the
+   normal velocity of their centre of mass. New bounds rely on it. */
 DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
     if (!(closing > 0.0)) return; /* the contact has ended */
     double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
@@ -7977,8 +8452,8 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     }
 }
 
-/* Result of a thread's share of to_check: how many particles have new bounds, how many of these need earlier wall timers, and whether a
-   flight begins. */
+/* Result of a thread's share of to_check: how many particles have new bounds, how many of these need earlier wall
+   timers, and whether a flight begins. */
 typedef struct dem__checked {
     ptrdiff_t reset, hurried;
     int flown;
@@ -7998,8 +8473,8 @@ DEM_INLINE void dem__prefetch_check(const dem_world *w, ptrdiff_t i) {
     DEM__PREFETCH(&w->engine->walls.sure[i * w->walls]);
 }
 
-/* Checks particles first .. end-1 of to_check. A particle whose velocity left its tolerance, or whose flight begins, gets a new bound and
-   is listed in scratch.index; the tolerance_left__ of the others is renewed. */
+/* Checks particles first .. end-1 of to_check. A particle whose velocity left its tolerance, or whose flight begins,
+   gets a new bound and is listed in scratch.index; the tolerance_left__ of the others is renewed. */
 static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__checked *q) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
@@ -8013,12 +8488,14 @@ static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff
         if (w->alive[i] && !w->engine->run.needs_lists) {
             const dem_particle *p = &w->particle[i];
             const dem_vec stray = dem__deviation(w, i, t);
-            if (w->touching[i] == 0) dem__free_acceleration(w, i); /* no contact is left, whatever the law of an ended one returned */
+            if (w->touching[i] == 0)
+                dem__free_acceleration(w, i); /* no contact is left, whatever the law of an ended one returned */
             if (w->touching[i] == 0 || !dem__within_bound(w, i, stray)) {
                 const double shifted = bodies->shifted[i];
                 dem__set_bound(w, i, w->step, p->x, p->v);
                 w->engine->scratch.index[first + q->reset++] = i;
-                if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->news)) bodies->to_check[first + q->hurried++] = i;
+                if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->news))
+                    bodies->to_check[first + q->hurried++] = i;
             } else dem__set_tolerance_left(w, i, dem__length(stray));
         }
         bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
@@ -8031,8 +8508,8 @@ static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdif
     dem__check_bounds_part(w, first, end, (dem__checked *)checked + part);
 }
 
-/* Checks the bounds of particles marked for it, and sets new bounds and timers. Moves particles that begin a flight out of the active
-   list. */
+/* Checks the bounds of particles marked for it, and sets new bounds and timers. Moves particles that begin a flight out
+   of the active list. */
 static inline void dem__check_bounds(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const ptrdiff_t n = bodies->to_check_count, active = bodies->active_count;
@@ -8043,8 +8520,10 @@ static inline void dem__check_bounds(dem_world *w) {
     dem__in_parts(w, parts, n, dem__check_bounds_range, watched);
     for (int q = 0; q < parts; q++) {
         const ptrdiff_t first = dem__part(n, q, parts);
-        for (ptrdiff_t k = 0; k < watched[q].hurried; k++) dem__advance_wall_timers(w, bodies->to_check[first + k], w->step);
-        for (ptrdiff_t k = 0; k < watched[q].reset; k++) w->engine->scratch.index[reset++] = w->engine->scratch.index[first + k];
+        for (ptrdiff_t k = 0; k < watched[q].hurried; k++)
+            dem__advance_wall_timers(w, bodies->to_check[first + k], w->step);
+        for (ptrdiff_t k = 0; k < watched[q].reset; k++)
+            w->engine->scratch.index[reset++] = w->engine->scratch.index[first + k];
         dem__apply_outcome(w, &watched[q].news);
         flown |= watched[q].flown;
     }
@@ -8061,11 +8540,12 @@ static inline void dem__check_bounds(dem_world *w) {
 }
 
 /* --------------------------------------------------------------------------------------------------- >>gas/field.h */
-/* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads bodies, the law; writes
-   bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end, computed at its origin and the same
-   whatever is skipped. */
+/* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads
+   bodies, the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end,
+   computed at its origin and the same whatever is skipped. */
 
-/* Tasks of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none of it. */
+/* Tasks of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none
+   of it. */
 enum {
     DEM__FIND_FLIGHTS,    /* of particles: begins flights now */
     DEM__RENEW_FLIGHTS,   /* of particles: keeps the flights that the law still gives, begins the others anew */
@@ -8104,8 +8584,8 @@ DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
     return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
 }
 
-/* A rigid body feels the field at its centre and flies as its first particle: only that one has a flight. Returns whether i is a sphere or
-   such a particle. */
+/* A rigid body feels the field at its centre and flies as its first particle: only that one has a flight. Returns
+   whether i is a sphere or such a particle. */
 DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return !r || r->first == i;
@@ -8160,19 +8640,22 @@ typedef struct dem__flown {
     int zero;     /* whether the law gave 0 at every stage */
 } dem__flown;
 
-/* Integrates one step of h from x with v at a time: of fifth order, with the error of fourth order (Cash & Karp 1990). */
+/* Integrates one step of h from x with v at a time: of fifth order, with the error of fourth order (Cash & Karp 1990).
+ */
 DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double h,
                                dem_vec (*law)(const dem_force_point *)) {
     enum { STAGES = 6 };
     static const double at[STAGES] = {0.0, 0.2, 0.3, 0.6, 1.0, 0.875};
-    static const double by[STAGES][STAGES - 1] = {{0.0, 0.0, 0.0, 0.0, 0.0},
-                                                  {0.2, 0.0, 0.0, 0.0, 0.0},
-                                                  {3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0},
-                                                  {0.3, -0.9, 1.2, 0.0, 0.0},
-                                                  {-11.0 / 54.0, 2.5, -70.0 / 27.0, 35.0 / 27.0, 0.0},
-                                                  {1631.0 / 55296.0, 175.0 / 512.0, 575.0 / 13824.0, 44275.0 / 110592.0, 253.0 / 4096.0}};
+    static const double by[STAGES][STAGES - 1] = {
+        {0.0, 0.0, 0.0, 0.0, 0.0},
+        {0.2, 0.0, 0.0, 0.0, 0.0},
+        {3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0},
+        {0.3, -0.9, 1.2, 0.0, 0.0},
+        {-11.0 / 54.0, 2.5, -70.0 / 27.0, 35.0 / 27.0, 0.0},
+        {1631.0 / 55296.0, 175.0 / 512.0, 575.0 / 13824.0, 44275.0 / 110592.0, 253.0 / 4096.0}};
     static const double fifth[STAGES] = {37.0 / 378.0, 0.0, 250.0 / 621.0, 125.0 / 594.0, 0.0, 512.0 / 1771.0};
-    static const double fourth[STAGES] = {2825.0 / 27648.0, 0.0, 18575.0 / 48384.0, 13525.0 / 55296.0, 277.0 / 14336.0, 0.25};
+    static const double fourth[STAGES] = {2825.0 / 27648.0, 0.0, 18575.0 / 48384.0, 13525.0 / 55296.0,
+                                          277.0 / 14336.0,  0.25};
     const dem_vec g = dem__free_fall(w), none = dem_vec3(0.0, 0.0, 0.0);
     dem_vec gain[STAGES], pull[STAGES], off = none, stray = none;
     dem__flown q;
@@ -8203,12 +8686,14 @@ DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
     return n >= (double)(DEM__STEPS_MAX - 2) ? DEM__STEPS_MAX - 2 : n > 1.0 ? (int)n : 1; /* NaN: one */
 }
 
-/* Chooses the number of steps of a flight from x with v by its error, and computes the flight. A parabola that is right at both ends has an
-   error of position of 1/13.5 of the difference between its acceleration and the first one, times the time squared. */
+/* Chooses the number of steps of a flight from x with v by its error, and computes the flight. A parabola that is right
+   at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first one, times
+   the time squared. */
 DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem__flown *q,
                                   dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;
-    const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i), probe = 16.0 * dt;
+    const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i),
+                 probe = 16.0 * dt;
     const dem_vec first = dem__field_pull(w, i, x, v, time, law), a = dem__add(dem__free_fall(w), first);
     const dem_vec there = dem__plus(x, probe, dem__plus(v, 0.5 * probe, a));
     const dem_vec soon = dem__field_pull(w, i, there, dem__plus(v, probe, a), time + probe, law);
@@ -8236,7 +8721,8 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
 DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
     const double tau = dem__now(w, i), dt = w->engine->run.dt;
-    const dem_vec x = dem__centre_at(w, i, tau), v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
+    const dem_vec x = dem__centre_at(w, i, tau),
+                  v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
     const dem_vec g = dem__free_fall(w);
     dem__flown q;
     const int n = dem__choose_flight(w, i, x, v, &q, law);
@@ -8247,11 +8733,12 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     if (!(q.zero && dem__falls_freely(w, i))) {
         dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
     }
-    field->end_velocity[i] = q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
+    field->end_velocity[i] =
+        q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
 }
 
-/* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0 to the end. Then
-   computes the velocity at its end and the work. */
+/* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0
+   to the end. Then computes the velocity at its end and the work. */
 DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
     const int64_t end = field->until[i], last = w->step + DEM__STEPS_MAX, origin = w->particle[i].origin;
@@ -8261,7 +8748,8 @@ DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const de
     const int zero = dem__falls_freely(w, i);
     const double h = (double)(end - (zero ? w->step : origin)) * dt, from = zero ? tau : 0.0;
     const dem_vec v = dem__drift_at(w, i, from);
-    const dem__flown q = dem__fly(w, i, dem__centre_at(w, i, from), v, zero ? w->time : dem__time_of(w, origin), h, law);
+    const dem__flown q =
+        dem__fly(w, i, dem__centre_at(w, i, from), v, zero ? w->time : dem__time_of(w, origin), h, law);
     const dem_vec a = dem__scale(2.0 / h, q.way);
     if (zero != q.zero || (zero && h * dem__length(v) > 2.0 * field->def.length)) return 0;
     if (!zero && !(a.x == pull.x && a.y == pull.y && a.z == pull.z)) return 0;
@@ -8282,7 +8770,8 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     field->work[i] = 0.0;
     if (tau > 0.0 && !falls) {
         const dem_vec begun = dem__drift_at(w, i, 0.0);
-        const dem__flown q = dem__fly(w, i, dem__centre_at(w, i, 0.0), begun, dem__time_of(w, w->particle[i].origin), tau, law);
+        const dem__flown q =
+            dem__fly(w, i, dem__centre_at(w, i, 0.0), begun, dem__time_of(w, w->particle[i].origin), tau, law);
         v = dem__add(begun, q.gain);
         field->work[i] = q.work;
     }
@@ -8295,8 +8784,8 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     if (!r) w->particle[i].a = dem__add(w->particle[i].a, pull);
 }
 
-/* Adds the law's force on particle i, which takes steps, at its position after a step of h and at the velocity predicted for it. That on a
-   body is added where its forces are summed up. */
+/* Adds the law's force on particle i, which takes steps, at its position after a step of h and at the velocity
+   predicted for it. That on a body is added where its forces are summed up. */
 DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *)) {
     const dem__rigid *r = dem__rigid_of(w, i);
     const dem_particle *p = &w->particle[i];
@@ -8305,8 +8794,8 @@ DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_ve
         w->engine->field.force[i] = none;
         return;
     }
-    const dem_vec pull =
-        dem__field_pull(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)), dem__time_of(w, w->step + (h > 0.0)), law);
+    const dem_vec pull = dem__field_pull(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
+                                         dem__time_of(w, w->step + (h > 0.0)), law);
     const dem_vec force = dem__scale(p->mass, pull);
     double *load = w->engine->bodies.sum[i].load;
     if (!r) load[0] += force.x, load[1] += force.y, load[2] += force.z;
@@ -8341,7 +8830,8 @@ static inline void dem__run_field(dem_world *w, const int32_t *particle, ptrdiff
     dem__in_parts(w, dem__parts(w, 4 * n), n, dem__run_field_range, &q);
 }
 
-/* Returns the work of the field along a flight until now [J]: the energy that the particle has gained since its origin. */
+/* Returns the work of the field along a flight until now [J]: the energy that the particle has gained since its origin.
+ */
 static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
     const double tau = dem__now(w, i);
     const dem_vec u = dem__drift_at(w, i, 0.0), v = dem__drift_at(w, i, tau), g = dem__free_fall(w);
@@ -8373,7 +8863,8 @@ static inline void dem__book_flights(dem_world *w, int leaving) {
     }
 }
 
-/* Returns how far the velocity of particle k, which flies with i, can be from that of its bound until the end of the flight [m/s]. */
+/* Returns how far the velocity of particle k, which flies with i, can be from that of its bound until the end of the
+   flight [m/s]. */
 DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff_t k) {
     const dem__field *field = &w->engine->field;
     const dem__bound *c = &w->engine->bodies.bound[k];
@@ -8381,7 +8872,8 @@ DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff
     const double t = dem__since_listed(w, w->step), left = (double)(field->until[i] - w->step) * w->engine->run.dt;
     const dem_vec g = dem__free_fall(w), u = dem_vec3(c->ux, c->uy, c->uz);
     const dem_vec now = dem__sub(dem__plus(dem__drift_at(w, i, dem__now(w, i)), -t, g), u);
-    const double here = dem__length(now), there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
+    const double here = dem__length(now),
+                 there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
                  end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
     const double most = here > there ? here : there;
     const double swing = r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
@@ -8395,18 +8887,20 @@ static inline void dem__bound_flight(dem_world *w, ptrdiff_t i, ptrdiff_t k) {
     const double t = dem__since_listed(w, w->step), tau = dem__now(w, i), dt = w->engine->run.dt;
     const double left = (double)(field->until[i] - w->step) * dt;
     const dem_vec g = dem__free_fall(w), x = dem__at(w, k, tau), v = dem__drift_at(w, i, tau);
-    const dem_vec turn = dem__scale(0.5 * DEM__FLIGHTS * left, dem__sub(dem__centre_pull(w, i), g)), u = dem__add(v, turn);
+    const dem_vec turn = dem__scale(0.5 * DEM__FLIGHTS * left, dem__sub(dem__centre_pull(w, i), g)),
+                  u = dem__add(v, turn);
     dem__bound *c = &w->engine->bodies.bound[k];
     c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
-    c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y), c->z = x.z - t * (u.z - 0.5 * t * g.z);
+    c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y),
+    c->z = x.z - t * (u.z - 0.5 * t * g.z);
     const double turned = 1.1 * dem__length(turn), most = 1.1 * dem__flight_deviation(w, i, k);
     c->tolerance = 0.001 * pairs->least_tolerance + (turned > most ? turned : most);
     c->reach = w->particle[k].radius + pairs->position_tolerance - t * c->tolerance;
     w->engine->bodies.shifted[k] = 0.0;
 }
 
-/* Sets the timers of n flights that have just been computed, and new bounds for particles that leave theirs. Returns 0 if one is too
-   fast. */
+/* Sets the timers of n flights that have just been computed, and new bounds for particles that leave theirs. Returns 0
+   if one is too fast. */
 static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff_t n) {
     dem__field *field = &w->engine->field;
     dem__bodies *bodies = &w->engine->bodies;
@@ -8427,7 +8921,8 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
             const double shifted = bodies->shifted[k];
             dem__bound_flight(w, i, k);
             w->engine->scratch.index[reset++] = k;
-            if (dem__apply_bound(w, k, w->step, &frame, dem__at(w, k, tau), dem__velocity_at(w, k, tau), shifted, &news))
+            if (dem__apply_bound(w, k, w->step, &frame, dem__at(w, k, tau), dem__velocity_at(w, k, tau), shifted,
+                                 &news))
                 dem__advance_wall_timers(w, k, w->step);
         }
     }
@@ -8436,10 +8931,12 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
     return w->status == DEM_OK;
 }
 
-/* Returns whether particle i, which takes steps, has the acceleration without contacts and without the field. A body never has. */
+/* Returns whether particle i, which takes steps, has the acceleration without contacts and without the field. A body
+   never has. */
 static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
     if (dem__rigid_of(w, i)) return 0;
-    const dem_vec a = dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
+    const dem_vec a =
+        dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
     return dem__is_zero(dem__sub(w->particle[i].a, a));
 }
 
@@ -8461,7 +8958,8 @@ static inline int dem__list_flights(dem_world *w) {
     return dem__follow_flights(w, field->timers.list, n);
 }
 
-/* Prepares a run: begins anew the flights that the caller has changed, and those of new particles. Returns 0 after a failure. */
+/* Prepares a run: begins anew the flights that the caller has changed, and those of new particles. Returns 0 after a
+   failure. */
 static inline int dem__prepare_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     ptrdiff_t n = 0, ended = 0;
@@ -8514,7 +9012,8 @@ static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
         const double booked = field->booked[i];
         dem__run_field(w, &i, 1, DEM__END_FLIGHTS, 0.0);
         dem__book_field_work(w, field->work[i] - booked);
-        for (int32_t q = i; q < i + (r ? r->pieces : 1); q++) dem__set_tolerance_left(w, q, dem__length(dem__deviation(w, q, t)));
+        for (int32_t q = i; q < i + (r ? r->pieces : 1); q++)
+            dem__set_tolerance_left(w, q, dem__length(dem__deviation(w, q, t)));
         dem__stop_timer(&field->timers, i);
     }
 }
@@ -8528,8 +9027,8 @@ static inline void dem__book_stepping(dem_world *w, double h) {
     }
 }
 
-/* Adds the field's forces on the particles that take steps, at the end of a step, and lists these particles. Books the work by the mean of
-   the forces at both ends. */
+/* Adds the field's forces on the particles that take steps, at the end of a step, and lists these particles. Books the
+   work by the mean of the forces at both ends. */
 static inline void dem__add_field_forces(dem_world *w, double h) {
     dem__field *field = &w->engine->field;
     const dem__bodies *bodies = &w->engine->bodies;
@@ -8549,7 +9048,8 @@ static inline int dem__begin_flights(dem_world *w) {
     for (ptrdiff_t k = 0; k < field->steppers; k++) {
         const int32_t i = list[k];
         if (dem__is_flying(w, i)) list[n++] = i;
-        else if (w->alive[i] > 0 && w->touching[i] == 0 && !dem__rigid_of(w, i) && !dem__is_fixed(w, i)) { /* it has a load */
+        else if (w->alive[i] > 0 && w->touching[i] == 0 && !dem__rigid_of(w, i) &&
+                 !dem__is_fixed(w, i)) {  /* it has a load */
             dem__free_acceleration(w, i); /* rounded as after a check of its bound */
             w->particle[i].a = dem__plus(w->particle[i].a, w->engine->bodies.sum[i].per_mass, field->force[i]);
         }
@@ -8592,8 +9092,8 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
         return DEM_OK;
     }
     const int was_loaded = w->engine->field.on && !w->engine->field.def.kernel;
-    if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) || !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) ||
-        w->engine->links.on)
+    if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) ||
+        !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) || w->engine->links.on)
         return DEM_BAD_ARGUMENT;
     if (!w->engine->field.on) {
         w->engine->field.on = 1;
@@ -8611,11 +9111,11 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
 }
 
 /* --------------------------------------------------------------------------------------------------- >>step/step.h */
-/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved
-   and freed. */
+/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world
+   can be read, saved and freed. */
 
-/* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip, and set none if it
-   is 0. */
+/* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip,
+   and set none if it is 0. */
 static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
     w->def.skip = 0;
@@ -8623,13 +9123,15 @@ static inline void dem__test_everything(dem_world *w) {
     if (w->engine->convex.calls) w->engine->convex.calls->follow(w, w->step);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls; k++) {
-            if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k)) dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
+            if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k))
+                dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
         }
     }
     w->def.skip = skip;
 }
 
-/* Ends the contacts that the caller's changes have ended, and rebuilds the list of near pairs. Returns 0 after a failure. */
+/* Ends the contacts that the caller's changes have ended, and rebuilds the list of near pairs. Returns 0 after a
+   failure. */
 static inline int dem__prepare_lists(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->run.needs_lists) return 1;
@@ -8655,7 +9157,8 @@ static inline void dem__prepare_pairs(dem_world *w) {
     }
 }
 
-/* Tests everything and begins the contacts that are found; their slots are listed then. Returns their number, or -1 after a failure. */
+/* Tests everything and begins the contacts that are found; their slots are listed then. Returns their number, or -1
+   after a failure. */
 static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__test_everything(w);
@@ -8670,7 +9173,8 @@ static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     dem__list_active(w);
     for (ptrdiff_t k = 0; k < begun; k++) {
         const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
-        if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN) dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
+        if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN)
+            dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
     }
     return begun;
 }
@@ -8703,7 +9207,8 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
     return w->status == DEM_OK && (!w->engine->field.on || dem__ask_field(w, DEM__FIELD_FLIGHTS, 0));
 }
 
-/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error either. */
+/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error
+   either. */
 static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
     dem__ledger *ledger = &w->engine->ledger;
     const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
@@ -8714,7 +9219,8 @@ static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
     if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
 }
 
-/* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a failure. */
+/* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a
+   failure. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
     dem__run *run = &w->engine->run;
     dem__ledger *ledger = &w->engine->ledger;
@@ -8761,7 +9267,8 @@ static inline void dem__count_step(dem_world *w) {
     w->time = run->start_time + (double)(w->step - run->start_step) * run->dt;
 }
 
-/* Returns whether the energies of the particles that leave in this step are numbers: their velocities are not checked later. */
+/* Returns whether the energies of the particles that leave in this step are numbers: their velocities are not checked
+   later. */
 static DEM__NOINLINE int dem__leave_with_numbers(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i] != DEM_LEAVING) continue;
@@ -8772,7 +9279,8 @@ static DEM__NOINLINE int dem__leave_with_numbers(dem_world *w) {
     return 1;
 }
 
-/* Removes particles that passed an exit from the lists, and marks their contacts as ended. Returns whether there are any. */
+/* Removes particles that passed an exit from the lists, and marks their contacts as ended. Returns whether there are
+   any. */
 static inline int dem__remove_leaving(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->run.leaving) return 0;
@@ -8788,8 +9296,8 @@ static inline int dem__remove_leaving(dem_world *w) {
     return 1;
 }
 
-/* Advances the world by one step. keep: keeps the forces of contacts for readers; in_field: a constant at compile time. Returns 0 after a
-   failure. */
+/* Advances the world by one step. keep: keeps the forces of contacts for readers; in_field: a constant at compile time.
+   Returns 0 after a failure. */
 DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, int in_field) {
     const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
     const double h = w->engine->run.dt;
@@ -8799,7 +9307,8 @@ DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, in
     if (!dem__find_contacts_that_begin(w)) return dem__undo_detection(w);
     const ptrdiff_t begun = w->engine->contacts.begun;
     dem__commit_begun(w, 1.0);
-    if (begun > 0 && w->engine->ledger.on) dem__list_active(w); /* books are sums in the order of memory, whenever lists were built */
+    if (begun > 0 && w->engine->ledger.on)
+        dem__list_active(w); /* books are sums in the order of memory, whenever lists were built */
     if (in_field) dem__end_flights(w, begun);
     dem__advance(w, h);
     dem__prepare_begun(w, kernel->law, begun, features);
@@ -8821,10 +9330,12 @@ DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, in
     return w->status == DEM_OK;
 }
 
-static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) { return dem__step_of(w, kernel, keep, 0); }
+static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
+    return dem__step_of(w, kernel, keep, 0);
+}
 
-/* Runs the steps of a task in a force field. At the end it continues flights that are over, so that a caller who changes particles finds
-   none. */
+/* Runs the steps of a task in a force field. At the end it continues flights that are over, so that a caller who
+   changes particles finds none. */
 static inline int dem__run_in_field(dem_world *w, const dem__field_task *q) {
     int going = 1;
     for (ptrdiff_t n = q->n; n > 0 && going; n--) going = dem__step_of(w, q->kernel, n == 1, 1);
@@ -8843,11 +9354,11 @@ static inline int dem__field_hook(dem_world *w, const dem__field_task *q) {
     }
 }
 
-#define DEM_FORCE_FIELD(name, law)                                                                                                         \
-    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                                        \
-        if (task->task > DEM__ADD_FIELD_FORCE) return dem__field_hook(world, task);                                                        \
-        dem__field_kernel(world, task, law);                                                                                               \
-        return 1;                                                                                                                          \
+#define DEM_FORCE_FIELD(name, law)                                                                                     \
+    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                    \
+        if (task->task > DEM__ADD_FIELD_FORCE) return dem__field_hook(world, task);                                    \
+        dem__field_kernel(world, task, law);                                                                           \
+        return 1;                                                                                                      \
     }
 
 /* Returns whether a kernel computes friction that the run leaves out. Then its history stays zero. */
@@ -8855,8 +9366,8 @@ static inline int dem__has_void_history(const dem_kernel *kernel, int features) 
     return (kernel->features & ~features & DEM_FRICTION) != 0;
 }
 
-/* Returns whether a law can take over the contacts present. They continue under a law with the same number of states; a history that is
-   zero can be dropped or begun. */
+/* Returns whether a law can take over the contacts present. They continue under a law with the same number of states; a
+   history that is zero can be dropped or begun. */
 static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (contacts->count == 0 || kernel->law->states == contacts->states) return 1;
@@ -8875,9 +9386,11 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
     }
-    if (w->engine->convex.shapes > 0 && !(kernel->features & DEM_FRICTION)) return DEM_POLYHEDRON; /* others compute no torques */
+    if (w->engine->convex.shapes > 0 && !(kernel->features & DEM_FRICTION))
+        return DEM_POLYHEDRON; /* others compute no torques */
     if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
-    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK; /* after loading dem_set_links comes first */
+    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH
+                                                               : DEM_OK; /* after loading dem_set_links comes first */
 }
 
 /* Makes the arrays of contacts fit law, ledger and threads. Returns 0 when out of memory; nothing has changed then. */
@@ -8898,16 +9411,18 @@ static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int 
     return 1;
 }
 
-/* Returns the time step over the largest that is stable: of a spring 2 sqrt(m/k), whose contact lasts pi sqrt(m/k); of a dashpot 2
-   m/gamma. */
+/* Returns the time step over the largest that is stable: of a spring 2 sqrt(m/k), whose contact lasts pi sqrt(m/k); of
+   a dashpot 2 m/gamma. */
 static inline double dem__step_ratio(const dem_world *w, int features) {
     const dem_advice a = dem_advise(w, features, 1.0);
     const double spring = features & DEM_HERTZ ? a.rayleigh : a.contact * (2.0 / RIDDLE_PI);
-    const double dashpot = features & DEM_HERTZ ? HUGE_VAL : 2.0 * a.dashpot, least = spring < dashpot ? spring : dashpot;
+    const double dashpot = features & DEM_HERTZ ? HUGE_VAL : 2.0 * a.dashpot,
+                 least = spring < dashpot ? spring : dashpot;
     return least < HUGE_VAL ? w->engine->run.dt / least : 0.0;
 }
 
-/* Runs a kernel with some of its features: the law's prepare function leaves out friction and rolling that are not among them. */
+/* Runs a kernel with some of its features: the law's prepare function leaves out friction and rolling that are not
+   among them. */
 static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare ||
@@ -8919,7 +9434,8 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     const dem_status status = dem__check_run(w, kernel, features);
     if (status != DEM_OK) return status;
     w->status = DEM_OK; /* the caller may have mended any other failure */
-    if (!dem__make_work(w, w->def.threads) || !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
+    if (!dem__make_work(w, w->def.threads) ||
+        !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
         return DEM_OUT_OF_MEMORY;
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
@@ -8943,16 +9459,19 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kern
 }
 
 /* name, version, states, history, vectors, constants, prepare, force, born, ended */
-static const dem_law dem_law_linear = {"linear", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear, NULL, NULL};
-static const dem_law dem_law_linear_friction = {"linear, friction",        1,    3,   3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
-                                                dem_force_linear_friction, NULL, NULL};
-static const dem_law dem_law_linear_rolling = {"linear, friction, rolling", 1,    3,   3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
-                                               dem_force_linear_rolling,    NULL, NULL};
-static const dem_law dem_law_hertz = {"Hertz", 1, 0, 0, 0, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz, NULL, NULL};
-static const dem_law dem_law_hertz_friction = {"Hertz-Mindlin",          1,    4,   4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz,
-                                               dem_force_hertz_friction, NULL, NULL};
-static const dem_law dem_law_hertz_rolling = {"Hertz-Mindlin, rolling", 1,    4,   4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz,
-                                              dem_force_hertz_rolling,  NULL, NULL};
+static const dem_law dem_law_linear = {"linear",         1,    0,   0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+                                       dem_force_linear, NULL, NULL};
+static const dem_law dem_law_linear_friction = {
+    "linear, friction", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear_friction, NULL, NULL};
+static const dem_law dem_law_linear_rolling = {
+    "linear, friction, rolling", 1,    3,   3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+    dem_force_linear_rolling,    NULL, NULL};
+static const dem_law dem_law_hertz = {"Hertz",         1,    0,   0, 0, DEM_HERTZ_CONSTANTS, dem_prepare_hertz,
+                                      dem_force_hertz, NULL, NULL};
+static const dem_law dem_law_hertz_friction = {
+    "Hertz-Mindlin", 1, 4, 4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz_friction, NULL, NULL};
+static const dem_law dem_law_hertz_rolling = {
+    "Hertz-Mindlin, rolling", 1, 4, 4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz_rolling, NULL, NULL};
 
 DEM_KERNEL(dem__kernel_linear, dem_law_linear, DEM_LINEAR)
 DEM_KERNEL(dem__kernel_linear_friction, dem_law_linear_friction, DEM_LINEAR | DEM_FRICTION)
@@ -8964,28 +9483,33 @@ DEM_KERNEL(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRI
 DEM_KERNEL(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
 
 DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
-    /* kernels with a ledger always compute friction and rolling; constants of zero take out what the caller did not name */
+    /* kernels with a ledger always compute friction and rolling; constants of zero take out what the caller did not
+       name */
     switch (features) {
     case DEM_LINEAR: return dem__run_kernel(world, duration, &dem__kernel_linear, features);
     case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_linear_friction, features);
-    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING: return dem__run_kernel(world, duration, &dem__kernel_linear_rolling, features);
+    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING:
+        return dem__run_kernel(world, duration, &dem__kernel_linear_rolling, features);
     case DEM_HERTZ: return dem__run_kernel(world, duration, &dem__kernel_hertz, features);
     case DEM_HERTZ | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_hertz_friction, features);
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING: return dem__run_kernel(world, duration, &dem__kernel_hertz_rolling, features);
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING:
+        return dem__run_kernel(world, duration, &dem__kernel_hertz_rolling, features);
     case DEM_LINEAR | DEM_ENERGY:
     case DEM_LINEAR | DEM_FRICTION | DEM_ENERGY:
     case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
         return dem__run_kernel(world, duration, &dem__kernel_linear_energy, features);
     case DEM_HERTZ | DEM_ENERGY:
     case DEM_HERTZ | DEM_FRICTION | DEM_ENERGY:
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY: return dem__run_kernel(world, duration, &dem__kernel_hertz_energy, features);
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
+        return dem__run_kernel(world, duration, &dem__kernel_hertz_energy, features);
     default: return DEM_BAD_ARGUMENT;
     }
 }
 
 /* ------------------------------------------------------------------------------------------------- >>links/links.h */
-/* Links, which have a step of their own: setting them and adding one, and their step. Reads bodies and the law of links; writes links, the
-   loads and velocities of bodies. The engine calls links.step, which dem_set_links sets: a program without links compiles none of it. */
+/* Links, which have a step of their own: setting them and adding one, and their step. Reads bodies and the law of
+   links; writes links, the loads and velocities of bodies. The engine calls links.step, which dem_set_links sets: a
+   program without links compiles none of it. */
 
 /* Runs the links' loop on blocks first .. end - 1. */
 static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -9009,7 +9533,8 @@ DEM_INLINE double dem__energy_at_origin(const dem_world *w, ptrdiff_t i) {
     return 0.5 * p->mass * dem__dot(p->v, p->v) + 0.5 * dem__inertia(w, i) * dem__dot(p->spin, p->spin);
 }
 
-/* Makes the present step the origin of a linked particle, books the work of its links until now, and moves its load to the sums. */
+/* Makes the present step the origin of a linked particle, books the work of its links until now, and moves its load to
+   the sums. */
 static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
@@ -9026,8 +9551,8 @@ static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
     memcpy(bodies->load[i], bodies->external[i], sizeof bodies->load[i]);
 }
 
-/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at its first linked
-   particle. */
+/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at
+   its first linked particle. */
 static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const dem__sum *sum = &w->engine->bodies.sum[i];
     const double *load = w->engine->bodies.load[i];
@@ -9050,7 +9575,8 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     if (w->engine->ledger.on) dem__book_link_work(w, dem__energy_at_origin(w, i));
 }
 
-/* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a new one. */
+/* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a
+   new one. */
 static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
     const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
     if (strayed < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
@@ -9061,8 +9587,8 @@ static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
     }
 }
 
-/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations; each evaluation corrects
-   the velocities to the mean of the old force and the new one. */
+/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations; each
+   evaluation corrects the velocities to the mean of the old force and the new one. */
 static inline void dem__step_links(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -9087,7 +9613,8 @@ static inline void dem__step_links(dem_world *w) {
         for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = 0.0;
         links->is_loaded[i] = links->first_link[i] >= 0;
         if (w->engine->ledger.on)
-            memcpy(links->evaluated_at[i], &p->x, sizeof p->x), memcpy(links->evaluated_at[i] + 3, &p->spin, sizeof p->spin);
+            memcpy(links->evaluated_at[i], &p->x, sizeof p->x),
+                memcpy(links->evaluated_at[i] + 3, &p->spin, sizeof p->spin);
         if (run->needs_lists) continue;
         for (ptrdiff_t k = own.first; k < own.end; k++) dem__check_linked(w, k);
     }
@@ -9100,13 +9627,13 @@ static inline void dem__step_links(dem_world *w) {
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !dem__positive(interval) ||
-        !dem__not_negative(near) || w->engine->field.on)
+    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) ||
+        !dem__positive(interval) || !dem__not_negative(near) || w->engine->field.on)
         return DEM_BAD_ARGUMENT;
     dem__links *links = &w->engine->links;
     const dem_law *law = kernel->law;
     if (links->count > 0 && law->states != links->states) return DEM_LAW_MISMATCH;
-    dem__pieces others = dem__all_particles(w);                              /* whose work is counted with another interval from now on */
+    dem__pieces others = dem__all_particles(w); /* whose work is counted with another interval from now on */
     if (links->on && links->interval == interval) others.end = others.first; /* a loaded world whose law is set again */
     links->on = 1;
     links->law = law;
@@ -9129,9 +9656,11 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state) {
     dem_world *w = world;
     if (w && w->engine && w->engine->run.ending) return DEM_BUSY;
-    if (!dem__is_present(w, i) || !w->engine->links.law || (!state && w->engine->links.states > 0) || i == j) return DEM_BAD_ARGUMENT;
+    if (!dem__is_present(w, i) || !w->engine->links.law || (!state && w->engine->links.states > 0) || i == j)
+        return DEM_BAD_ARGUMENT;
     if (dem__shape_of(w, i) || (j >= 0 && j < w->count && dem__shape_of(w, j))) return DEM_POLYHEDRON;
-    if (j >= 0 && j < w->count && dem__rigid_of(w, i) && dem__rigid_of(w, i) == dem__rigid_of(w, j)) return DEM_BAD_ARGUMENT;
+    if (j >= 0 && j < w->count && dem__rigid_of(w, i) && dem__rigid_of(w, i) == dem__rigid_of(w, j))
+        return DEM_BAD_ARGUMENT;
     if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls) return DEM_BAD_ARGUMENT;
     if (w->engine->links.count + 1 > w->engine->links.capacity) {
         dem__array list[DEM__ARRAYS_MAX];
@@ -9151,22 +9680,25 @@ DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int3
 }
 
 /* ------------------------------------------------------------------------------------------------ >>bodies/rigid.h */
-/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in base/engine.h). Reads the
-   sums of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one
-   thread, so that bits do not depend on threads.
+/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in
+   base/engine.h). Reads the sums of forces on their particles; writes bodies and their particles. Promises: a sphere's
+   motion is untouched; each body is moved by one thread, so that bits do not depend on threads.
 
-   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle of a body that has
-   one lies at its centre of mass; its radius is that of the sphere that the search for contacts uses. The forces on a body are those added
-   to the sums of its particles, bodies.sum[i].load: force, and torque about the particle's centre. dem__rigid_of(w, i) returns the body of
-   particle i. Its orientation at the end of the present step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
+   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle
+   of a body that has one lies at its centre of mass; its radius is that of the sphere that the search for contacts
+   uses. The forces on a body are those added to the sums of its particles, bodies.sum[i].load: force, and torque about
+   the particle's centre. dem__rigid_of(w, i) returns the body of particle i. Its orientation at the end of the present
+   step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
 
-/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter radian at most. */
+/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter
+   radian at most. */
 DEM_INLINE int dem__strides(const dem__rigid *r) {
     return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
 }
 
 #define DEM__STRIDES_MAX 1e7 /* of a flight between two lists */
-/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides that are known. */
+/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides
+   that are known. */
 static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
     const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
     dem_quaternion q = r->turn;
@@ -9178,8 +9710,8 @@ static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau
     return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
 }
 
-/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins. DEM_TOO_FAST: a body turns
-   by a hundred radians in a step. */
+/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins.
+   DEM_TOO_FAST: a body turns by a hundred radians in a step. */
 static inline void dem__note_strides(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
@@ -9194,7 +9726,8 @@ static inline void dem__note_strides(dem_world *w) {
         }
         if (!(whole > r->strides)) continue;
         if (r->strides == 0.0) r->ahead = r->turn;
-        for (; r->strides < whole; r->strides += 1.0) r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
+        for (; r->strides < whole; r->strides += 1.0)
+            r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
     }
 }
 
@@ -9216,7 +9749,8 @@ static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigi
     return p;
 }
 
-/* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it. */
+/* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it.
+ */
 static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__axes axes = dem__axes_of(r->turn);
@@ -9247,15 +9781,17 @@ static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec vel
     dem__place_pieces(w, r);
 }
 
-/* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which is booked. */
+/* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which
+   is booked. */
 DEM_INLINE void dem__wrap_body(dem_world *w, dem__rigid *r) {
     const dem_vec x = dem__in_box(w, r->x);
-    if (w->engine->ledger.on && !dem__is_fixed(w, r->first)) dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
+    if (w->engine->ledger.on && !dem__is_fixed(w, r->first))
+        dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
     r->x = x;
 }
 
-/* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle. Those of its
-   particles, which kernels read, are computed with the mean of the arms at both ends. */
+/* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle.
+   Those of its particles, which kernels read, are computed with the mean of the arms at both ends. */
 DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
     dem__bodies *bodies = &w->engine->bodies;
     const double middle = tau - 0.5 * h;
@@ -9266,7 +9802,8 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
     const dem_vec momentum = dem__plus(r->momentum, middle, r->torque);
     dem_vec spin = dem__spin_of(end, r->moments, momentum);
     if (h > 0.0) spin = dem__scale(0.5, dem__add(spin, dem__spin_of(from, r->moments, momentum)));
-    r->x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), r->v = dem__plus(r->v, middle, r->a), r->momentum = momentum;
+    r->x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), r->v = dem__plus(r->v, middle, r->a),
+    r->momentum = momentum;
     r->turn = dem__kept_unit(end);
     r->strides = 0.0;
     if (w->engine->run.has_periodic) dem__wrap_body(w, r);
@@ -9282,7 +9819,8 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
 }
 
 /* Sums the force and the torque about its centre that act on a body's particles: by contacts, by loads, or both. */
-DEM_INLINE void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force, dem_vec *torque) {
+DEM_INLINE void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force,
+                                 dem_vec *torque) {
     const dem__bodies *bodies = &w->engine->bodies;
     *force = *torque = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
@@ -9295,7 +9833,8 @@ DEM_INLINE void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int co
     }
 }
 
-/* Sets the sums from which dem__kick_all computes the accelerations of a body's particle. load: on the particle, or NULL. */
+/* Sets the sums from which dem__kick_all computes the accelerations of a body's particle. load: on the particle, or
+   NULL. */
 DEM_INLINE void dem__prepare_sum(dem__sum *sum, dem_vec pull, dem_vec rate, const double *load) {
     const double mass = 1.0 / sum->per_mass, inertia = 1.0 / sum->per_inertia;
     const dem_vec force = dem__scale(mass, pull), torque = dem__scale(inertia, rate);
@@ -9304,8 +9843,9 @@ DEM_INLINE void dem__prepare_sum(dem__sum *sum, dem_vec pull, dem_vec rate, cons
     for (int a = 0; load && a < 6; a++) sum->load[a] -= load[a];
 }
 
-/* Computes the acceleration of a body, and moves its velocities from the middle of a step to its end. Prepares its particles for
-   dem__kick_all: sums that give them their accelerations as parts of the body, and velocities that it moves to those at the end. */
+/* Computes the acceleration of a body, and moves its velocities from the middle of a step to its end. Prepares its
+   particles for dem__kick_all: sums that give them their accelerations as parts of the body, and velocities that it
+   moves to those at the end. */
 DEM_INLINE void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     dem__bodies *bodies = &w->engine->bodies;
     const int loads = bodies->loads_on || w->engine->links.on;
@@ -9341,7 +9881,8 @@ static inline void dem__free_body(dem_world *w, dem__rigid *r) {
 }
 
 /* Applies an impulse [N s] and an angular impulse [N m s] at particle i of a body, and a shift [kg m] along n. */
-static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
+static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift,
+                                  dem_vec n) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem_vec arm = bodies->arm[i], moved = dem__scale(shift, n);
     r->v = dem__plus(r->v, 1.0 / r->mass, impulse);
@@ -9357,10 +9898,11 @@ static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_
 /* Returns the greatest speed in flight of what is an arm [m] from a body's centre, relative to it [m/s]. */
 static inline double dem__swing(const dem__rigid *r, double arm) {
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    const double i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z, least = i_min < r->moments.y ? i_min : r->moments.y;
+    const double i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
+                 least = i_min < r->moments.y ? i_min : r->moments.y;
     if (r->moments.x == r->moments.y) return (1.0 + 1e-9) * arm * dem__length(spin);
-    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the axis of least
-                                                                              inertia */
+    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the
+                                                                              axis of least inertia */
 }
 
 /* Moves the bodies whose first particles are among the active ones first .. end-1. */
@@ -9430,15 +9972,18 @@ static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_fric
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
-    const dem_vec on_i = has_friction ? dem__second(h->impulse) : none, on_j = has_friction ? dem__first(h->impulse + 6) : none;
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]),
+                  impulse = dem__first(h->impulse);
+    const dem_vec on_i = has_friction ? dem__second(h->impulse) : none,
+                  on_j = has_friction ? dem__first(h->impulse + 6) : none;
     dem__push_any(w, i, impulse, on_i, 0.0, n);
     if (j >= 0) dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
     else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
 }
 
-/* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the angular momentum about
-   the common centre, which comes from the velocities of the centres of mass; two opposite impulses at the particles restore it. */
+/* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the
+   angular momentum about the common centre, which comes from the velocities of the centres of mass; two opposite
+   impulses at the particles restore it. */
 static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
@@ -9459,21 +10004,23 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
 }
 
-/* Applies half of the change of its links' forces to a body; the old forces are in the sums. In flight, the old torque is that of the place
-   where it was computed; for a body that takes steps, both are taken at the present place. */
+/* Applies half of the change of its links' forces to a body; the old forces are in the sums. In flight, the old torque
+   is that of the place where it was computed; for a body that takes steps, both are taken at the present place. */
 static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
     const dem__bodies *bodies = &w->engine->bodies;
     dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
     dem__sum_on_body(w, r, 0, 1, &force, &torque);
     if (w->touching[r->first] == 0) {
-        more = dem__sub(dem__plus(dem__free_fall(w), 1.0 / r->mass, force), r->a), turning = dem__sub(torque, r->torque);
+        more = dem__sub(dem__plus(dem__free_fall(w), 1.0 / r->mass, force), r->a),
+        turning = dem__sub(torque, r->torque);
     } else {
         for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
             if (!dem__is_linked(w, i)) continue;
             const dem_vec change = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->sum[i].load));
             more = dem__plus(more, 1.0 / r->mass, change);
-            turning = dem__add(turning, dem__add(dem__sub(dem__second(bodies->load[i]), dem__second(bodies->sum[i].load)),
-                                                 dem__cross(bodies->arm[i], change)));
+            turning =
+                dem__add(turning, dem__add(dem__sub(dem__second(bodies->load[i]), dem__second(bodies->sum[i].load)),
+                                           dem__cross(bodies->arm[i], change)));
         }
     }
     r->v = dem__flushed_vec(dem__plus(r->v, half, more)), r->a = dem__add(r->a, more);
@@ -9481,8 +10028,8 @@ static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double hal
     dem__place_pieces(w, r);
 }
 
-/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from their present
-   forces. */
+/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from
+   their present forces. */
 static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
     const dem_vec m = r->moments;
     const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
@@ -9521,8 +10068,8 @@ typedef struct dem__body_def {
     int material, group;
 } dem__body_def;
 
-/* Makes room for n more bodies with `pieces` particles in all; for the first body, also the arrays that particles of bodies need. Returns 0
-   when out of memory. */
+/* Makes room for n more bodies with `pieces` particles in all; for the first body, also the arrays that particles of
+   bodies need. Returns 0 when out of memory. */
 static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__array list[DEM__ARRAYS_MAX];
@@ -9530,11 +10077,13 @@ static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t piece
     const ptrdiff_t old = bodies->rigid_capacity, wanted = bodies->rigid_count + n;
     if (wanted <= old) return dem__reserve_particles(w, pieces);
     const ptrdiff_t larger = wanted + wanted / 2 + 16;
-    dem__rigid *fresh = (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
+    dem__rigid *fresh =
+        (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
     if (!fresh) return 0;
     bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = &dem__rigid_bodies;
     if (old > 0) return dem__reserve_particles(w, pieces);
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + pieces + 1))
+    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
+                        w->count + pieces + 1))
         return 1;
     a->fn(a->user, fresh, (size_t)larger * sizeof *fresh, 0);
     bodies->rigid = NULL, bodies->rigid_capacity = 0;
@@ -9542,15 +10091,16 @@ static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t piece
     return 0;
 }
 
-/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by rounding. Turns the
-   frame accordingly; order: the old axis of each new one. */
+/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by
+   rounding. Turns the frame accordingly; order: the old axis of each new one. */
 static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
     const double m[3] = {moments->x, moments->y, moments->z};
     int third = 2;
     for (int k = 0; k < 2; k++) { /* the axis whose two others differ least */
         if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
     }
-    for (int k = 0; k < 3; k++) order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
+    for (int k = 0; k < 3; k++)
+        order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
     const double turns = (double)((third + 1) % 3);
     if (turns > 0.0) {
         const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);
@@ -9617,7 +10167,8 @@ static inline void dem__sort_numbers(double *v, int n) {
     }
 }
 
-/* Returns the first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL if there is none. */
+/* Returns the first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL if
+   there is none. */
 static inline double dem__next_end(int n, const double *at, const double *radius, double x) {
     double next = HUGE_VAL;
     for (int i = 0; i < n; i++) {
@@ -9625,18 +10176,21 @@ static inline double dem__next_end(int n, const double *at, const double *radius
         next = begin > x && begin < next ? begin : next;
         next = end > x && end < next ? end : next;
         for (int j = 0; j < i; j++) {
-            const double meet = 0.5 * (at[i] + at[j] + (radius[j] * radius[j] - radius[i] * radius[i]) / (at[i] - at[j]));
+            const double meet =
+                0.5 * (at[i] + at[j] + (radius[j] * radius[j] - radius[i] * radius[i]) / (at[i] - at[j]));
             if (at[i] != at[j] && meet > x && meet < next) next = meet;
         }
     }
     return next;
 }
 
-/* Adds spheres whose centres lie on a line from `from` along the unit vector u: a body of revolution. Its squared radius is the greatest of
-   parabolas in x. Between the places where another one becomes the greatest, the integrands are polynomials, which Gauss's rule with five
-   points integrates exactly. */
-static inline void dem__add_revolution(dem__content *c, int n, const double *at, const double *radius, dem_vec from, dem_vec u) {
-    static const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309, 0.90617984593866399};
+/* Adds spheres whose centres lie on a line from `from` along the unit vector u: a body of revolution. Its squared
+   radius is the greatest of parabolas in x. Between the places where another one becomes the greatest, the integrands
+   are polynomials, which Gauss's rule with five points integrates exactly. */
+static inline void dem__add_revolution(dem__content *c, int n, const double *at, const double *radius, dem_vec from,
+                                       dem_vec u) {
+    static const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309,
+                                   0.90617984593866399};
     static const double weight[5] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889, 0.47862867049936647,
                                      0.23692688505618909};
     double begin = dem__next_end(n, at, radius, -HUGE_VAL);
@@ -9659,8 +10213,10 @@ static inline void dem__add_revolution(dem__content *c, int n, const double *at,
     }
 }
 
-/* Subtracts the parts of a line along z through (x, y) that lie in more than one sphere, as often as they have been counted too much. */
-static inline void dem__take_surplus(dem__content *c, double area, int n, const dem_vec *centre, const double *radius, double x, double y) {
+/* Subtracts the parts of a line along z through (x, y) that lie in more than one sphere, as often as they have been
+   counted too much. */
+static inline void dem__take_surplus(dem__content *c, double area, int n, const dem_vec *centre, const double *radius,
+                                     double x, double y) {
     double low[DEM_CLUMP_MAX], high[DEM_CLUMP_MAX], bound[2 * DEM_CLUMP_MAX];
     int m = 0;
     for (int k = 0; k < n; k++) {
@@ -9677,11 +10233,13 @@ static inline void dem__take_surplus(dem__content *c, double area, int n, const 
         const double length = bound[b] - bound[b - 1], z = 0.5 * (bound[b] + bound[b - 1]);
         int times = -1;
         for (int k = 0; k < m; k++) times += low[k] < z && z < high[k];
-        if (times > 0) dem__add_content(c, -times * area, length, dem_vec3(x, y, z), dem_vec3(0.0, 0.0, length * length / 12.0));
+        if (times > 0)
+            dem__add_content(c, -times * area, length, dem_vec3(x, y, z), dem_vec3(0.0, 0.0, length * length / 12.0));
     }
 }
 
-/* Adds spheres at any places: each exactly, less the overlaps, which are integrated over 400 x 400 lines, exactly along z. */
+/* Adds spheres at any places: each exactly, less the overlaps, which are integrated over 400 x 400 lines, exactly along
+   z. */
 enum { DEM__CLUMP_LINES = 400 };
 static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
     double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
@@ -9693,7 +10251,8 @@ static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre,
             if (other == k || !(dem__dot(d, d) < sum * sum)) continue;
             for (int a = 0; a < 2; a++) {
                 const double at = dem_axis(centre[k], a);
-                low[a] = at - radius[k] < low[a] ? at - radius[k] : low[a], high[a] = at + radius[k] > high[a] ? at + radius[k] : high[a];
+                low[a] = at - radius[k] < low[a] ? at - radius[k] : low[a],
+                high[a] = at + radius[k] > high[a] ? at + radius[k] : high[a];
             }
         }
     }
@@ -9704,8 +10263,8 @@ static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre,
     }
 }
 
-/* Returns the principal moments of a symmetric tensor t = xx, yy, zz, xy, yz, zx, by Jacobi's rotations; axes: the principal axes. A
-   diagonal tensor is left as it is. */
+/* Returns the principal moments of a symmetric tensor t = xx, yy, zz, xy, yz, zx, by Jacobi's rotations; axes: the
+   principal axes. A diagonal tensor is left as it is. */
 static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
     double a[3][3] = {{t[0], t[3], t[5]}, {t[3], t[1], t[4]}, {t[5], t[4], t[2]}};
     dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
@@ -9715,12 +10274,14 @@ static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
         if (!(fabs(a[p][r]) > least)) continue;
         const double theta = 0.5 * (a[r][r] - a[p][p]) / a[p][r];
         const double tangent = (theta >= 0.0 ? 1.0 : -1.0) / (fabs(theta) + sqrt(theta * theta + 1.0));
-        const double c = 1.0 / sqrt(tangent * tangent + 1.0), s = tangent * c, app = a[p][p], arr = a[r][r], apo = a[p][o], aro = a[r][o];
+        const double c = 1.0 / sqrt(tangent * tangent + 1.0), s = tangent * c, app = a[p][p], arr = a[r][r],
+                     apo = a[p][o], aro = a[r][o];
         a[p][p] = app - tangent * a[p][r], a[r][r] = arr + tangent * a[p][r], a[p][r] = a[r][p] = 0.0;
         a[p][o] = a[o][p] = c * apo - s * aro, a[r][o] = a[o][r] = s * apo + c * aro;
         /* new axes: e_p' = c e_p - s e_r, e_r' = s e_p + c e_r: a turn about e_o by -angle */
         const double half_c = sqrt(0.5 * (1.0 + c)), half_s = -0.5 * s / half_c;
-        q = dem__turns(q, dem__quaternion(half_c, dem_vec3(o == 0 ? half_s : 0.0, o == 1 ? half_s : 0.0, o == 2 ? half_s : 0.0)));
+        q = dem__turns(
+            q, dem__quaternion(half_c, dem_vec3(o == 0 ? half_s : 0.0, o == 1 ? half_s : 0.0, o == 2 ? half_s : 0.0)));
     }
     *axes = dem__kept_unit(q);
     return dem_vec3(a[0][0], a[1][1], a[2][2]);
@@ -9761,7 +10322,8 @@ static inline int dem__drop_inner(int n, dem_vec *centre, double *radius) {
         int inner = 0;
         for (int o = 0; o < n && !inner; o++) {
             const int twin = radius[o] == radius[k] && o > k; /* of equal spheres the first stays */
-            inner = o != k && !twin && dem__length(dem__sub(centre[o], centre[k])) + radius[k] <= (1.0 + 1e-12) * radius[o];
+            inner =
+                o != k && !twin && dem__length(dem__sub(centre[o], centre[k])) + radius[k] <= (1.0 + 1e-12) * radius[o];
         }
         if (!inner) centre[kept] = centre[k], radius[kept++] = radius[k];
     }
@@ -9784,7 +10346,8 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
         const double extent = dem__length(dem__sub(x, c.centre[0])) + c.radius[k];
         size = extent > size ? extent : size;
     }
-    const dem_vec from = c.centre[0]; /* moments about a point inside, with lengths over the size: no number is too large */
+    const dem_vec from =
+        c.centre[0]; /* moments about a point inside, with lengths over the size: no number is too large */
     for (int k = 0; k < n; k++) c.centre[k] = dem__scale(1.0 / size, dem__sub(c.centre[k], from)), c.radius[k] /= size;
     c.spheres = dem__drop_inner(n, c.centre, c.radius);
     const int line = dem__are_on_a_line(c.spheres, c.centre, 1.0, &u, at);
@@ -9794,7 +10357,8 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
     const double v = content.volume, *s = content.second;
     const dem_vec m = dem__scale(1.0 / v, content.first);
     const double xx = s[0] - v * m.x * m.x, yy = s[1] - v * m.y * m.y, zz = s[2] - v * m.z * m.z;
-    const double tensor[6] = {yy + zz, zz + xx, xx + yy, v * m.x * m.y - s[3], v * m.y * m.z - s[4], v * m.z * m.x - s[5]};
+    const double tensor[6] = {
+        yy + zz, zz + xx, xx + yy, v * m.x * m.y - s[3], v * m.y * m.z - s[4], v * m.z * m.x - s[5]};
     c.moments = dem__clump_axes(tensor, &c.axes);
     dem__merge_moments(&c.moments, c.spheres == 1 || line ? 1e-12 : 1e-5);
     dem__order_moments(&c.moments, &c.axes, order);
@@ -9802,7 +10366,8 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
     c.origin = dem__plus(from, size, m);
     c.volume = v * size * size * size;
     c.moments = dem__scale(size * size * size * size * size, c.moments);
-    if (!dem__positive(c.volume) || !dem__positive(c.moments.x) || !dem__positive(c.moments.y) || !dem__positive(c.moments.z))
+    if (!dem__positive(c.volume) || !dem__positive(c.moments.x) || !dem__positive(c.moments.y) ||
+        !dem__positive(c.moments.z))
         return DEM_BAD_ARGUMENT;
     c.add__ = dem_add_clumps;
     *clump = c;
@@ -9859,7 +10424,8 @@ DEM_API dem_status dem_check_gas(const dem_gas *gas, const char **field) {
 DEM_API dem_force_field dem_gas_field(dem_field_fn kernel, const dem_gas *gas) {
     dem_force_field field = dem_default_force_field(kernel, gas);
     for (int a = 0; gas && a < 3; a++) {
-        const double half = 0.5 * (dem_axis(gas->high, a) - dem_axis(gas->low, a)) / (gas->n[a] > 1 ? gas->n[a] - 1 : 1);
+        const double half =
+            0.5 * (dem_axis(gas->high, a) - dem_axis(gas->low, a)) / (gas->n[a] > 1 ? gas->n[a] - 1 : 1);
         field.length = half < field.length ? half : field.length;
     }
     return field;
@@ -9899,7 +10465,8 @@ DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, 
         dem__gas_cell cell;
         const double d = 2.0 * dem__size_in_field(w, i);
         const dem_vec place = dem__turned(gas, &f, dem__sub(dem_get_body(w, i).position, f.centre), -1.0);
-        if (w->alive[i] <= 0 || !dem__leads(w, i) || !dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell)) continue;
+        if (w->alive[i] <= 0 || !dem__leads(w, i) || !dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell))
+            continue;
         for (int corner = 0; corner < 8; corner++) {
             ptrdiff_t node = cell.first;
             double share = RIDDLE_PI / 6.0 * d * d * d;
@@ -9960,7 +10527,8 @@ DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
 }
 
 DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count) return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
+    if (!world || i < 0 || i >= world->count)
+        return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
     const dem__rigid *r = dem__rigid_of(world, i);
     if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
     return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
@@ -10018,15 +10586,16 @@ DEM_API dem_vec dem_momentum(const dem_world *world) {
     for (ptrdiff_t i = 0; world && i < world->count; i++) {
         const dem__rigid *r = dem__rigid_of(world, i);
         if (!world->alive[i] || (r && r->first != i)) continue;
-        sum = dem__add(sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
+        sum = dem__add(
+            sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
     }
     return sum;
 }
 
 /* Returns the remainder of the energy balance [J]. */
 static inline double dem__ledger_error(const dem_energy_ledger *l) {
-    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss + l->removed -
-           l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
+    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss +
+           l->removed - l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
 }
 
 DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
@@ -10051,7 +10620,9 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
     return l;
 }
 
-DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world && world->engine ? world->engine->contacts.count : 0; }
+DEM_API ptrdiff_t dem_contact_count(const dem_world *world) {
+    return world && world->engine ? world->engine->contacts.count : 0;
+}
 
 /* Computes normal and point of the contact in a slot, or of a link (slot -1), from the present positions. */
 static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
@@ -10078,7 +10649,8 @@ DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
     info.i = world->engine->contacts.i[k];
     info.j = world->engine->contacts.j[k];
     info.gap = world->engine->contacts.gap[k];
-    info.force = dem_vec3(world->engine->contacts.wrench[0][k], world->engine->contacts.wrench[1][k], world->engine->contacts.wrench[2][k]);
+    info.force = dem_vec3(world->engine->contacts.wrench[0][k], world->engine->contacts.wrench[1][k],
+                          world->engine->contacts.wrench[2][k]);
     info.element = world->engine->contacts.element[k];
     for (int a = 0; a < world->engine->contacts.states; a++) info.state[a] = world->engine->contacts.state[a][k];
     dem__find_point(world, k, &info);
@@ -10087,11 +10659,15 @@ DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
 
 DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state) {
     if (!world || !world->engine || !state || k < 0 || k >= world->engine->contacts.count) return;
-    for (int a = 0; a < world->engine->contacts.states; a++) world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
-    if (!dem__is_running(world)) world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
+    for (int a = 0; a < world->engine->contacts.states; a++)
+        world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
+    if (!dem__is_running(world))
+        world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
 }
 
-DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world && world->engine ? world->engine->links.count : 0; }
+DEM_API ptrdiff_t dem_link_count(const dem_world *world) {
+    return world && world->engine ? world->engine->links.count : 0;
+}
 
 DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
     dem_contact_info info;
@@ -10102,7 +10678,8 @@ DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
     info.j = world->engine->links.j[k];
     info.element = world->engine->links.element[k];
     info.gap = world->engine->links.gap[k];
-    info.force = dem_vec3(world->engine->links.wrench[0][k], world->engine->links.wrench[1][k], world->engine->links.wrench[2][k]);
+    info.force = dem_vec3(world->engine->links.wrench[0][k], world->engine->links.wrench[1][k],
+                          world->engine->links.wrench[2][k]);
     for (int a = 0; a < world->engine->links.states; a++) info.state[a] = world->engine->links.state[a][k];
     dem__find_point(world, -1, &info);
     return info;
@@ -10131,21 +10708,26 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
         if (!(fabs(dem__dot(d, s->axis[2])) < world->particle[i].radius)) continue;
         dem_vec normal[DEM__TOUCHES];
         int n = 0, holding = 0;
-        for (int32_t c = world->engine->walls.first_contact[i]; c >= 0 && n < DEM__TOUCHES; c = world->engine->contacts.wall_next[c]) {
+        for (int32_t c = world->engine->walls.first_contact[i]; c >= 0 && n < DEM__TOUCHES;
+             c = world->engine->contacts.wall_next[c]) {
             dem__touch touch;
             if (world->engine->contacts.j[c] != -1 - wall || !(world->engine->contacts.gap[c] < 0.0)) continue;
-            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius, world->engine->contacts.element[c], &touch);
+            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius,
+                               world->engine->contacts.element[c], &touch);
             normal[n++] = touch.normal;
         }
         if (n < 2) continue;
         const int m = s->material < world->material[i] ? s->material : world->material[i];
         const double mu = world->def.pair[m][s->material + world->material[i] - m].friction;
         const dem_vec up = s->axis[2];
-        for (int a = 0; a < n; a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
+        for (int a = 0; a < n;
+             a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
             for (int b = a + 1; b < n; b++) {
                 const double za = dem__dot(normal[a], up), zb = dem__dot(normal[b], up);
-                const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)), flat_b = dem__sub(normal[b], dem__scale(zb, up));
-                if (dem__dot(flat_a, flat_b) < -0.5 && fabs(za) <= mu * dem__length(flat_a) && fabs(zb) <= mu * dem__length(flat_b))
+                const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)),
+                              flat_b = dem__sub(normal[b], dem__scale(zb, up));
+                if (dem__dot(flat_a, flat_b) < -0.5 && fabs(za) <= mu * dem__length(flat_a) &&
+                    fabs(zb) <= mu * dem__length(flat_b))
                     holding = 1;
             }
         }
@@ -10186,7 +10768,8 @@ static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptr
     }
 }
 
-/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those of each half. */
+/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those
+   of each half. */
 static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
     const int32_t at = t->nodes++;
     dem__node *node = &t->node[at];
@@ -10218,7 +10801,8 @@ static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
 /* Returns an empty tree with room for the mesh; NULL when out of memory. */
 static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
     const size_t v = (size_t)vertices, k = (size_t)triangles;
-    const size_t bytes = sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
+    const size_t bytes =
+        sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
     dem__tree *t = (dem__tree *)a->fn(a->user, NULL, 0, bytes);
     if (!t) return NULL;
     memset(t, 0, bytes);
@@ -10231,7 +10815,8 @@ static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, 
     return t;
 }
 
-/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for slivers. */
+/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for
+   slivers. */
 static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
     const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
     const double x = dem__dot(ab, ab), y = dem__dot(bc, bc), z = dem__dot(ca, ca);
@@ -10248,9 +10833,10 @@ static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) 
     return dem__length(n) > 1e-9 * longest && dem__unit(n, unit);
 }
 
-/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT if there is none. */
-static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex, ptrdiff_t triangles,
-                                        const int32_t *corner, dem_status *status) {
+/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT
+   if there is none. */
+static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex,
+                                        ptrdiff_t triangles, const int32_t *corner, dem_status *status) {
     const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
     dem_vec low = vertex[0], high = vertex[0], normal;
     ptrdiff_t n = 0;
@@ -10272,7 +10858,8 @@ static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertic
         for (int c = 0; c < 3; c++) {
             const double from = dem_axis(low, c), span = dem_axis(high, c) - from;
             const double x = (dem_axis(p[0], c) + dem_axis(p[1], c) + dem_axis(p[2], c)) / 3.0 - from;
-            items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0) << c;
+            items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0)
+                            << c;
         }
         n++;
     }
@@ -10305,8 +10892,9 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
     dem_world *w = world;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!w || !w->def.allocator.fn || !mesh || material < 0 || material >= w->def.materials || !mesh->vertex || !mesh->triangle ||
-        mesh->vertices < 1 || mesh->triangles < 1 || mesh->vertices > INT32_MAX / 4 || mesh->triangles > INT32_MAX / 4)
+    if (!w || !w->def.allocator.fn || !mesh || material < 0 || material >= w->def.materials || !mesh->vertex ||
+        !mesh->triangle || mesh->vertices < 1 || mesh->triangles < 1 || mesh->vertices > INT32_MAX / 4 ||
+        mesh->triangles > INT32_MAX / 4)
         return -(int)DEM_BAD_ARGUMENT;
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
     for (ptrdiff_t k = 0; k < 3 * mesh->triangles; k++) {
@@ -10346,7 +10934,8 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
 
 DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high) {
     /* corner k: bit c chooses low or high of axis c */
-    int32_t faces[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    int32_t faces[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                         2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
     double corners[24];
     dem_mesh mesh;
     memset(&mesh, 0, sizeof mesh);
@@ -10359,7 +10948,8 @@ DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec hig
 
 /* ---- STL ---- */
 
-/* A slot of a hash table with open addressing: a 64-bit key, 0 if empty, and a number. The capacity is a power of two. */
+/* A slot of a hash table with open addressing: a 64-bit key, 0 if empty, and a number. The capacity is a power of two.
+ */
 typedef struct dem__slot {
     uint64_t key;
     int32_t value, forward, backward; /* edges: number of triangles that run along it each way */
@@ -10386,7 +10976,8 @@ typedef struct dem__facet {
 } dem__facet;
 
 static inline double dem__little_float(const unsigned char *byte) {
-    const uint32_t bits = (uint32_t)byte[0] | (uint32_t)byte[1] << 8 | (uint32_t)byte[2] << 16 | (uint32_t)byte[3] << 24;
+    const uint32_t bits =
+        (uint32_t)byte[0] | (uint32_t)byte[1] << 8 | (uint32_t)byte[2] << 16 | (uint32_t)byte[3] << 24;
     float value;
     memcpy(&value, &bits, sizeof value);
     return (double)value;
@@ -10398,13 +10989,14 @@ typedef struct dem__binary_size {
 } dem__binary_size;
 static inline dem__binary_size dem__size_of_binary(const unsigned char *bytes, size_t size) {
     dem__binary_size s;
-    s.announced = (size_t)((uint32_t)bytes[80] | (uint32_t)bytes[81] << 8 | (uint32_t)bytes[82] << 16 | (uint32_t)bytes[83] << 24);
+    s.announced = (size_t)((uint32_t)bytes[80] | (uint32_t)bytes[81] << 8 | (uint32_t)bytes[82] << 16 |
+                           (uint32_t)bytes[83] << 24);
     s.present = (size - 84) / 50, s.rest = (size - 84) % 50;
     return s;
 }
 
-/* Returns the number of facets to read: all that are present, or, if the header announces fewer and the file does not end with a facet,
-   those that it announces. */
+/* Returns the number of facets to read: all that are present, or, if the header announces fewer and the file does not
+   end with a facet, those that it announces. */
 static inline size_t dem__facets_of_binary(const dem__binary_size *s) {
     return s->announced < s->present && s->rest > 0 ? s->announced : s->present;
 }
@@ -10427,8 +11019,8 @@ static inline void dem__read_facet(const unsigned char *bytes, size_t k, dem__fa
     }
 }
 
-/* Returns whether the bytes are coordinates: three in four facets have corners of 0 or between 1e-15 and 1e15. In other data (compressed,
-   other byte order, two bytes a letter) hardly any have. */
+/* Returns whether the bytes are coordinates: three in four facets have corners of 0 or between 1e-15 and 1e15. In other
+   data (compressed, other byte order, two bytes a letter) hardly any have. */
 static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) {
     const dem__binary_size s = dem__size_of_binary(bytes, size);
     const size_t n = dem__facets_of_binary(&s);
@@ -10480,11 +11072,13 @@ static inline double dem__number(const unsigned char *text, size_t length) {
         else exponent += !point;
         digits++;
     }
-    if (digits && k < length && (text[k] == 'e' || text[k] == 'E' || text[k] == 'd' || text[k] == 'D')) { /* d: Fortran's */
+    if (digits && k < length &&
+        (text[k] == 'e' || text[k] == 'E' || text[k] == 'd' || text[k] == 'D')) { /* d: Fortran's */
         int power = 0, any = 0;
         k++;
         if (k < length && (text[k] == '-' || text[k] == '+')) down = text[k++] == '-';
-        for (; k < length && text[k] >= '0' && text[k] <= '9'; k++, any = 1) power = power < 10000 ? 10 * power + (text[k] - '0') : power;
+        for (; k < length && text[k] >= '0' && text[k] <= '9'; k++, any = 1)
+            power = power < 10000 ? 10 * power + (text[k] - '0') : power;
         if (!any) return (double)NAN;
         exponent += down ? -power : power;
     }
@@ -10506,8 +11100,9 @@ typedef struct dem__stl_text {
     size_t size, at;
     dem__facet *out; /* where triangles are written; NULL: they are only counted */
     ptrdiff_t triangles, polygons, missing;
-    int begun, ended;                        /* whether a line "solid", a line "endsolid" was read */
-    int inside, loops, corners, wanted, bad; /* in a facet: loops and corners so far, numbers to come, whether it is malformed */
+    int begun, ended; /* whether a line "solid", a line "endsolid" was read */
+    int inside, loops, corners, wanted,
+        bad; /* in a facet: loops and corners so far, numbers to come, whether it is malformed */
     dem_vec normal, corner[DEM__CORNERS_MAX], number;
 } dem__stl_text;
 
@@ -10517,8 +11112,8 @@ static inline int dem__begins_with(const unsigned char *bytes, size_t at, size_t
     return length >= n && dem__is_word(bytes, at, n, name);
 }
 
-/* Skips the rest of a line, whose words are a name or a comment. If a facet ends there, the whole text is one line: then skips only the
-   word. */
+/* Skips the rest of a line, whose words are a name or a comment. If a facet ends there, the whole text is one line:
+   then skips only the word. */
 static inline void dem__skip_line(dem__stl_text *t, size_t length) {
     size_t end = t->at + length, word;
     while (end < t->size && t->bytes[end] != '\n' && t->bytes[end] != '\r') end++;
@@ -10533,7 +11128,8 @@ static inline void dem__skip_line(dem__stl_text *t, size_t length) {
 /* Returns a corner from which a fan of triangles covers a polygon, -1 if there is none. */
 static inline int dem__fan_start(const dem_vec *corner, int n) {
     dem_vec whole = dem_vec3(0.0, 0.0, 0.0);
-    for (int k = 1; k + 1 < n; k++) whole = dem__add(whole, dem__cross(dem__sub(corner[k], corner[0]), dem__sub(corner[k + 1], corner[0])));
+    for (int k = 1; k + 1 < n; k++)
+        whole = dem__add(whole, dem__cross(dem__sub(corner[k], corner[0]), dem__sub(corner[k + 1], corner[0])));
     const double size = dem__dot(whole, whole);
     if (n == 3 || size != size) return 0; /* coordinates that are not finite are counted later */
     for (int start = 0; start < n; start++) {
@@ -10549,7 +11145,8 @@ static inline int dem__fan_start(const dem_vec *corner, int n) {
 
 /* Ends the facet in progress. Keeps its triangles if it is whole. */
 static inline void dem__end_facet(dem__stl_text *t) {
-    const int n = t->corners, start = t->inside && !t->bad && t->wanted == 0 && n >= 3 ? dem__fan_start(t->corner, n) : -1;
+    const int n = t->corners,
+              start = t->inside && !t->bad && t->wanted == 0 && n >= 3 ? dem__fan_start(t->corner, n) : -1;
     if (!t->inside) return;
     t->inside = 0;
     if (start < 0) {
@@ -10560,7 +11157,8 @@ static inline void dem__end_facet(dem__stl_text *t) {
         if (!t->out) continue;
         dem__facet *f = &t->out[t->triangles];
         f->normal = t->normal;
-        f->corner[0] = t->corner[start], f->corner[1] = t->corner[(start + k) % n], f->corner[2] = t->corner[(start + k + 1) % n];
+        f->corner[0] = t->corner[start], f->corner[1] = t->corner[(start + k) % n],
+        f->corner[2] = t->corner[(start + k + 1) % n];
     }
     t->polygons += n > 3;
 }
@@ -10576,9 +11174,11 @@ static inline void dem__begin_facet(dem__stl_text *t) {
 static inline void dem__read_word_of_facet(dem__stl_text *t, size_t length) {
     const unsigned char *b = t->bytes;
     if (dem__is_word(b, t->at, length, "normal")) t->bad |= t->wanted > 0 || t->corners > 0, t->wanted = 6;
-    else if (dem__is_word(b, t->at, length, "vertex")) t->bad |= t->wanted > 0 || t->corners == DEM__CORNERS_MAX, t->wanted = 3;
+    else if (dem__is_word(b, t->at, length, "vertex"))
+        t->bad |= t->wanted > 0 || t->corners == DEM__CORNERS_MAX, t->wanted = 3;
     else if (dem__is_word(b, t->at, length, "outer")) t->bad |= ++t->loops > 1; /* a hole in a face */
-    else if (dem__is_word(b, t->at, length, "loop") || dem__is_word(b, t->at, length, "endloop")) t->bad |= t->wanted > 0;
+    else if (dem__is_word(b, t->at, length, "loop") || dem__is_word(b, t->at, length, "endloop"))
+        t->bad |= t->wanted > 0;
     else if (t->wanted > 0) {
         *dem_axis_of(&t->number, (6 - t->wanted) % 3) = dem__number(b + t->at, length);
         t->wanted--;
@@ -10597,8 +11197,10 @@ static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__
         const size_t at = t.at;
         if (bytes[at] == '#' || dem__begins_with(bytes, at, length, "//")) dem__skip_line(&t, length);
         else if (dem__is_word(bytes, at, length, "facet")) dem__begin_facet(&t), t.ended = 0, t.at += length;
-        else if (dem__is_word(bytes, at, length, "endfacet")) t.missing += !t.inside, dem__end_facet(&t), t.at += length;
-        else if (dem__begins_with(bytes, at, length, "endsolid") || (!t.inside && dem__is_word(bytes, at, length, "end")))
+        else if (dem__is_word(bytes, at, length, "endfacet"))
+            t.missing += !t.inside, dem__end_facet(&t), t.at += length;
+        else if (dem__begins_with(bytes, at, length, "endsolid") ||
+                 (!t.inside && dem__is_word(bytes, at, length, "end")))
             dem__end_facet(&t), t.ended = 1, dem__skip_line(&t, length);
         else if (t.inside) dem__read_word_of_facet(&t, length), t.at += length;
         else if (dem__begins_with(bytes, at, length, "solid")) t.begun = 1, t.ended = 0, dem__skip_line(&t, length);
@@ -10612,8 +11214,9 @@ static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__
 
 enum { DEM__STL_UNKNOWN, DEM__STL_TEXT, DEM__STL_BINARY };
 
-/* Returns what kind of file it is, from all bytes, because headers may be wrong. A text has hardly any control characters; a binary file
-   has the length that its count gives. Where these two disagree, the numbers must look like coordinates. */
+/* Returns what kind of file it is, from all bytes, because headers may be wrong. A text has hardly any control
+   characters; a binary file has the length that its count gives. Where these two disagree, the numbers must look like
+   coordinates. */
 static inline int dem__kind_of_stl(const unsigned char *bytes, size_t size) {
     dem_stl_report found;
     size_t controls = 0;
@@ -10642,7 +11245,8 @@ static inline void dem__count_facets(const unsigned char *bytes, size_t size, de
 }
 
 /* ---------------------------------------------------------------------------------------------- >>walls/stl_mesh.h */
-/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated. */
+/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated.
+ */
 
 /* ---- from facets to a mesh ---- */
 
@@ -10654,7 +11258,8 @@ typedef struct dem__workshop {
     size_t capacity;
     int32_t *next; /* 3 n: the next vertex of a cell; later the corners of triangles without area */
     ptrdiff_t slivers;
-    double weld, cell; /* distance up to which corners are one [m]; size of a grid cell [m], 0: only equal coordinates are one */
+    double weld,
+        cell; /* distance up to which corners are one [m]; size of a grid cell [m], 0: only equal coordinates are one */
 } dem__workshop;
 
 static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *cell) {
@@ -10667,8 +11272,8 @@ static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *ce
     return key | 1;
 }
 
-/* Returns the vertex at a place: an earlier one if there is one within `weld`, otherwise a new one. Vertices are chained from the cells of
-   a grid, which are four times as wide as `weld`: few fit into one cell. */
+/* Returns the vertex at a place: an earlier one if there is one within `weld`, otherwise a new one. Vertices are
+   chained from the cells of a grid, which are four times as wide as `weld`: few fit into one cell. */
 static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
     for (int side = 0; side < (s->cell > 0.0 ? 8 : 1); side++) {
         double place[3];
@@ -10676,7 +11281,8 @@ static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *co
         for (int a = 0; a < 3; a++) {
             const double low = dem_axis(p, a) - s->weld, high = dem_axis(p, a) + s->weld;
             place[a] = side >> a & 1 ? high : low;
-            seen |= (side >> a & 1) && s->cell > 0.0 && floor(low / s->cell) == floor(high / s->cell); /* one cell for both sides */
+            seen |= (side >> a & 1) && s->cell > 0.0 &&
+                    floor(low / s->cell) == floor(high / s->cell); /* one cell for both sides */
         }
         if (seen) continue;
         const dem__slot *slot = dem__find_slot(s->slots, s->capacity, dem__key_of_cell(s, place));
@@ -10723,8 +11329,9 @@ static inline int dem__closes(dem__workshop *s, const int32_t *t) {
     return closed;
 }
 
-/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with the triangles without area. In a fan of these
-   one closes after the other; sixteen passes, forward and backward in turn, suffice for any order that a program writes. */
+/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with the triangles without area.
+   In a fan of these one closes after the other; sixteen passes, forward and backward in turn, suffice for any order
+   that a program writes. */
 static inline void dem__close_junctions(dem__workshop *s) {
     int changed = 1;
     for (int pass = 0; pass < 16 && changed; pass++) {
@@ -10739,7 +11346,8 @@ static inline void dem__close_junctions(dem__workshop *s) {
     }
 }
 
-/* Scales the facets and drops those that are not finite. Returns the number that is left; the report gets their bounding box. */
+/* Scales the facets and drops those that are not finite. Returns the number that is left; the report gets their
+   bounding box. */
 static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl_report *report) {
     dem_vec low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
     ptrdiff_t kept = 0;
@@ -10770,7 +11378,8 @@ static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
     const int32_t last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);
     const uint64_t middle = (uint64_t)t[0] + (uint64_t)t[1] + (uint64_t)t[2] - (uint64_t)first - (uint64_t)last;
     /* a key of three numbers, which two triangles share with a probability of 2^-64 */
-    const uint64_t key = dem__scramble(dem__scramble((uint64_t)first + 1) + dem__scramble(middle + 1) * 3 + (uint64_t)last) | 1;
+    const uint64_t key =
+        dem__scramble(dem__scramble((uint64_t)first + 1) + dem__scramble(middle + 1) * 3 + (uint64_t)last) | 1;
     dem__slot *slot = dem__find_slot(s->slots, s->capacity, key);
     if (slot->key) return 1;
     slot->key = key;
@@ -10830,8 +11439,8 @@ static inline void dem__make_mesh(dem_mesh *m, dem__workshop *s, double scale, d
     dem__count_edges(s, m, report);
 }
 
-DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld, const dem_allocator *allocator, dem_mesh *mesh,
-                                dem_stl_report *report) {
+DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld,
+                                const dem_allocator *allocator, dem_mesh *mesh, dem_stl_report *report) {
     const unsigned char *text = (const unsigned char *)bytes;
     dem_stl_report found;
     dem_allocator memory;
@@ -10884,11 +11493,12 @@ DEM_API void dem_free_mesh(dem_mesh *mesh) {
 }
 
 /* ------------------------------------------------------------------------------------------------- >>walls/solid.h */
-/* Closed meshes: what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not closed has no inside;
-   in a closed one only points within round-off of the surface depend on how it is cut into triangles. */
+/* Closed meshes: what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not
+   closed has no inside; in a closed one only points within round-off of the surface depend on how it is cut into
+   triangles. */
 
-/* Returns whether the line from p along +z crosses a triangle. Both triangles of an edge test it with its ends in the same order, so that a
-   line through an edge or a corner crosses the surface as often as one beside it. */
+/* Returns whether the line from p along +z crosses a triangle. Both triangles of an edge test it with its ends in the
+   same order, so that a line through an edge or a corner crosses the surface as often as one beside it. */
 static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
     const dem_vec corner[3] = {a, b, c};
     int inside = 0;
@@ -10904,12 +11514,14 @@ static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
     return ((p.x - a.x) * n.x + (p.y - a.y) * n.y + (p.z - a.z) * n.z) * n.z < 0.0;
 }
 
-/* Returns whether p, in the wall's own frame, is inside a closed surface: a line from it crosses the surface an odd number of times. */
+/* Returns whether p, in the wall's own frame, is inside a closed surface: a line from it crosses the surface an odd
+   number of times. */
 static inline int dem__is_inside_tree(const dem__tree *t, dem_vec p) {
     int inside = 0;
     for (int32_t b = 0; b < t->nodes;) {
         const dem__node *node = &t->node[b];
-        if (!(p.x >= node->low[0] && p.x <= node->high[0] && p.y >= node->low[1] && p.y <= node->high[1] && p.z <= node->high[2])) {
+        if (!(p.x >= node->low[0] && p.x <= node->high[0] && p.y >= node->low[1] && p.y <= node->high[1] &&
+              p.z <= node->high[2])) {
             b = node->skip;
             continue;
         }
@@ -10939,10 +11551,11 @@ static inline int dem__is_inside_mesh(const dem_mesh *m, dem_vec p) {
     return inside;
 }
 
-/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, even with different indices; triangles
-   without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a triangle that is there twice, DEM_TOO_MANY or
-   DEM_OUT_OF_MEMORY. */
-static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_t triangles, const dem_vec *vertex, const int32_t *corner) {
+/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, even with different
+   indices; triangles without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a triangle that
+   is there twice, DEM_TOO_MANY or DEM_OUT_OF_MEMORY. */
+static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_t triangles, const dem_vec *vertex,
+                                           const int32_t *corner) {
     const size_t n = (size_t)triangles;
     dem_stl_report report;
     dem__workshop shop;
@@ -10954,7 +11567,8 @@ static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_
     if (triangles > INT32_MAX / 12) return DEM_TOO_MANY;
     shop.n = triangles;
     for (shop.capacity = 64; shop.capacity < 6 * n;) shop.capacity *= 2;
-    const size_t bytes = n * sizeof(dem__facet) + shop.capacity * sizeof(dem__slot) + 3 * n * sizeof(dem_vec) + 6 * n * sizeof(int32_t);
+    const size_t bytes =
+        n * sizeof(dem__facet) + shop.capacity * sizeof(dem__slot) + 3 * n * sizeof(dem_vec) + 6 * n * sizeof(int32_t);
     shop.facets = (dem__facet *)memory->fn(memory->user, NULL, 0, bytes);
     if (!shop.facets) return DEM_OUT_OF_MEMORY;
     shop.slots = (dem__slot *)(void *)(shop.facets + n);
@@ -10965,7 +11579,8 @@ static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_
     for (size_t k = 0; k < 3 * n; k++) shop.facets[k / 3].corner[k % 3] = vertex[corner[k]];
     dem__make_mesh(&mesh, &shop, 1.0, 0.0, &report);
     closed = mesh.triangles > 0 && report.duplicate == 0 && report.not_finite == 0;
-    for (size_t k = 0; k < shop.capacity && closed; k++) closed = (shop.slots[k].forward + shop.slots[k].backward) % 2 == 0;
+    for (size_t k = 0; k < shop.capacity && closed; k++)
+        closed = (shop.slots[k].forward + shop.slots[k].backward) % 2 == 0;
     memory->fn(memory->user, shop.facets, bytes, 0);
     return closed ? DEM_OK : DEM_BAD_ARGUMENT;
 }
@@ -10976,7 +11591,8 @@ DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid) {
     dem_wall *w = &world->wall[wall];
     if (solid) {
         if (w->kind != DEM_MESH) return DEM_BAD_ARGUMENT;
-        const dem_status status = dem__check_closed(&world->def.allocator, w->tree->triangles, w->tree->vertex, w->tree->corner);
+        const dem_status status =
+            dem__check_closed(&world->def.allocator, w->tree->triangles, w->tree->vertex, w->tree->corner);
         if (status != DEM_OK) return status;
     }
     w->solid = solid != 0;
@@ -11007,7 +11623,8 @@ DEM_API dem_region dem_mesh_region(const dem_mesh *mesh) {
     memset(&region, 0, sizeof region);
     region.kind = DEM_REGION_MESH;
     if (dem__is_mesh(mesh, &region.low, &region.high) &&
-        dem__check_closed(&memory, mesh->triangles, (const dem_vec *)(const void *)mesh->vertex, mesh->triangle) == DEM_OK)
+        dem__check_closed(&memory, mesh->triangles, (const dem_vec *)(const void *)mesh->vertex, mesh->triangle) ==
+            DEM_OK)
         region.mesh = mesh;
     return region;
 }
@@ -11062,11 +11679,12 @@ static inline int dem__is_region(const dem_region *r) {
     if (!r || !dem__finite_vec(r->low)) return 0;
     if (r->kind == DEM_REGION_MESH) return r->mesh != NULL;
     if (r->kind == DEM_REGION_BOX)
-        return dem__finite_vec(r->high) && dem__is_extent(r->high.x - r->low.x) && dem__is_extent(r->high.y - r->low.y) &&
-               dem__is_extent(r->high.z - r->low.z);
+        return dem__finite_vec(r->high) && dem__is_extent(r->high.x - r->low.x) &&
+               dem__is_extent(r->high.y - r->low.y) && dem__is_extent(r->high.z - r->low.z);
     if (!dem__is_extent(r->radius)) return 0;
     if (r->kind == DEM_REGION_SPHERE) return 1;
-    return r->kind == DEM_REGION_CYLINDER && dem__finite_vec(r->axis) && dem__unit(r->axis, &unit) && dem__is_extent(r->length);
+    return r->kind == DEM_REGION_CYLINDER && dem__finite_vec(r->axis) && dem__unit(r->axis, &unit) &&
+           dem__is_extent(r->length);
 }
 
 DEM_API double dem_region_volume(const dem_region *region) {
@@ -11082,8 +11700,8 @@ DEM_API int dem_region_holds(const dem_region *region, dem_vec point) {
     dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
     if (!dem__is_region(r)) return 0;
     const dem_vec d = dem__sub(point, r->low);
-    const int in_box = point.x >= r->low.x && point.x <= r->high.x && point.y >= r->low.y && point.y <= r->high.y && point.z >= r->low.z &&
-                       point.z <= r->high.z;
+    const int in_box = point.x >= r->low.x && point.x <= r->high.x && point.y >= r->low.y && point.y <= r->high.y &&
+                       point.z >= r->low.z && point.z <= r->high.z;
     if (r->kind == DEM_REGION_BOX) return in_box;
     if (r->kind == DEM_REGION_MESH) return in_box && dem__is_inside_mesh(r->mesh, point);
     if (r->kind == DEM_REGION_SPHERE) return dem__dot(d, d) <= r->radius * r->radius;
@@ -11098,7 +11716,8 @@ static inline void dem__tree_bounds(const dem_region *r, dem_vec *low, dem_vec *
     if (r->kind == DEM_REGION_CYLINDER) dem__unit(r->axis, &unit);
     const int has_box = r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH;
     for (int a = 0; a < 3; a++) {
-        const double at = dem_axis(r->low, a), end = has_box ? dem_axis(r->high, a) : at + r->length * dem_axis(unit, a);
+        const double at = dem_axis(r->low, a),
+                     end = has_box ? dem_axis(r->high, a) : at + r->length * dem_axis(unit, a);
         const double out = has_box ? 0.0 : r->radius;
         *dem_axis_of(low, a) = (at < end ? at : end) - out;
         *dem_axis_of(high, a) = (at > end ? at : end) + out;
@@ -11113,7 +11732,8 @@ static inline double dem__uniform(uint64_t *random) {
     return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-static inline dem_sizes dem__sizes(dem_size_kind kind, double scale, double spread, double smallest, double largest, int by_mass) {
+static inline dem_sizes dem__sizes(dem_size_kind kind, double scale, double spread, double smallest, double largest,
+                                   int by_mass) {
     dem_sizes s;
     memset(&s, 0, sizeof s);
     s.kind = kind;
@@ -11131,7 +11751,8 @@ DEM_API dem_sizes dem_one_size(double diameter) {
 DEM_API dem_sizes dem_size_list(int n, const double *diameter, const double *share, int by_mass) {
     dem_sizes s = dem__sizes(DEM_SIZES_LIST, 0.0, 0.0, 0.0, 0.0, by_mass);
     s.count = n;
-    for (int k = 0; diameter && share && k < n && k < DEM_SIZES_MAX; k++) s.diameter[k] = diameter[k], s.share[k] = share[k];
+    for (int k = 0; diameter && share && k < n && k < DEM_SIZES_MAX; k++)
+        s.diameter[k] = diameter[k], s.share[k] = share[k];
     return s;
 }
 DEM_API dem_sizes dem_uniform_sizes(double smallest, double largest, int by_mass) {
@@ -11144,7 +11765,8 @@ DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double 
     return dem__sizes(DEM_SIZES_ROSIN_RAMMLER, scale, exponent, smallest, largest, by_mass);
 }
 
-/* Returns the logarithm of the share per ln d at d = scale e^y, but for a constant. It is concave in y for every distribution. */
+/* Returns the logarithm of the share per ln d at d = scale e^y, but for a constant. It is concave in y for every
+   distribution. */
 static inline double dem__log_share(const dem_sizes *s, double y) {
     if (s->kind == DEM_SIZES_LOGNORMAL) return -0.5 * y * y / (s->spread * s->spread);
     return s->kind == DEM_SIZES_ROSIN_RAMMLER ? s->spread * y - riddle_exp(s->spread * y) : y;
@@ -11155,8 +11777,8 @@ static inline double dem__log_number(const dem_sizes *s, double y) {
     return s->by_mass ? f - 3.0 * y : f;
 }
 
-/* Returns an end of the interval of ln d: the cut, or, nearer to the peak, where the density is e^-60 of that at the peak. Nothing is drawn
-   beyond, and the pieces of the rest are so fine that one draw in ten is accepted. */
+/* Returns an end of the interval of ln d: the cut, or, nearer to the peak, where the density is e^-60 of that at the
+   peak. Nothing is drawn beyond, and the pieces of the rest are so fine that one draw in ten is accepted. */
 static inline double dem__tail(const dem_sizes *s, double end, double peak) {
     const double least = dem__log_number(s, peak) - 60.0;
     double inside = peak;
@@ -11184,27 +11806,31 @@ static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *l
         }
         return dem__positive(sum) && *largest <= 1e6 * *smallest;
     }
-    if (!dem__positive(s->smallest) || !(s->largest >= s->smallest && s->largest <= 1e6 * s->smallest) || !dem__finite(s->largest))
+    if (!dem__positive(s->smallest) || !(s->largest >= s->smallest && s->largest <= 1e6 * s->smallest) ||
+        !dem__finite(s->largest))
         return 0;
     if (s->kind == DEM_SIZES_UNIFORM) return 1;
     if (!dem__positive(s->scale)) return 0;
-    if (s->kind == DEM_SIZES_LOGNORMAL ? !(s->spread >= 1e-3 && s->spread <= 5.0)
-                                       : s->kind != DEM_SIZES_ROSIN_RAMMLER || !(s->spread >= 0.1 && s->spread <= 100.0))
+    if (s->kind == DEM_SIZES_LOGNORMAL
+            ? !(s->spread >= 1e-3 && s->spread <= 5.0)
+            : s->kind != DEM_SIZES_ROSIN_RAMMLER || !(s->spread >= 0.1 && s->spread <= 100.0))
         return 0;
-    /* the largest density between the cuts is at least 1e-20 of the peak's, which is at the scale: otherwise a unit is wrong */
+    /* the largest density between the cuts is at least 1e-20 of the peak's, which is at the scale: otherwise a unit is
+       wrong */
     const double nearest = riddle_log(dem__clamp(s->scale, s->smallest, s->largest) / s->scale);
     return dem__log_share(s, nearest) - dem__log_share(s, 0.0) > -46.0;
 }
 
-/* Draws a diameter by rejection. The interval of ln d is cut into pieces; the bound of each is the largest density in it. The place of the
-   peak is known in closed form. */
+/* Draws a diameter by rejection. The interval of ln d is cut into pieces; the bound of each is the largest density in
+   it. The place of the peak is known in closed form. */
 static inline double dem__draw_continuous(const dem_sizes *s, uint64_t *random) {
     enum { PIECES = 32, TRIES = 10000 };
     const double scale = s->kind == DEM_SIZES_UNIFORM ? s->largest : s->scale, lost = s->by_mass ? 3.0 : 0.0;
     double low = riddle_log(s->smallest / scale), high = riddle_log(s->largest / scale);
     double peak = s->by_mass ? -HUGE_VAL : HUGE_VAL, bound[PIECES], total = 0.0;
     if (s->kind == DEM_SIZES_LOGNORMAL) peak = -lost * s->spread * s->spread;
-    if (s->kind == DEM_SIZES_ROSIN_RAMMLER) peak = s->spread > lost ? riddle_log1p(-lost / s->spread) / s->spread : -HUGE_VAL;
+    if (s->kind == DEM_SIZES_ROSIN_RAMMLER)
+        peak = s->spread > lost ? riddle_log1p(-lost / s->spread) / s->spread : -HUGE_VAL;
     peak = dem__clamp(peak, low, high);
     low = dem__tail(s, low, peak), high = dem__tail(s, high, peak);
     const double width = (high - low) / (double)PIECES, top = dem__log_number(s, peak);
@@ -11251,8 +11877,8 @@ DEM_API dem_feed dem_default_feed(void) {
 }
 
 /* ------------------------------------------------------------------------------------- >>particles/remove_region.h */
-/* Taking out the records of what passed exits, and the particles in a region. Owns nothing; relies on regions and on the removal of a
-   particle. */
+/* Taking out the records of what passed exits, and the particles in a region. Owns nothing; relies on regions and on
+   the removal of a particle. */
 
 DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity) {
     dem_world *w = world;
@@ -11289,7 +11915,9 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
 
 static inline int dem__is_clump(const dem_clump *c) {
     dem_quaternion unit;
-    if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) || !dem__unit_turn(c->axes, &unit)) return 0;
+    if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) ||
+        !dem__unit_turn(c->axes, &unit))
+        return 0;
     const dem_vec m = c->moments;
     if (!dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
     const double most = (1.0 + 1e-6) * (m.x + m.y + m.z); /* no moment exceeds the sum of the two others */
@@ -11314,16 +11942,17 @@ static inline double dem__clump_reach(const dem_clump *c) {
     return reach;
 }
 
-/* Returns the definition of a body with a clump's shape, `scale` times as large, of a material. offset and radius: [spheres], filled
-   here. */
-static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material, dem_vec *offset,
-                                            double *radius) {
+/* Returns the definition of a body with a clump's shape, `scale` times as large, of a material. offset and radius:
+   [spheres], filled here. */
+static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material,
+                                            dem_vec *offset, double *radius) {
     const double density = w->def.material[material].density, cube = scale * scale * scale;
     dem__body_def def;
     dem_quaternion axes = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
     memset(&def, 0, sizeof def);
     dem__unit_turn(c->axes, &axes);
-    for (int k = 0; k < c->spheres; k++) offset[k] = dem__scale(scale, dem__to_body(axes, c->centre[k])), radius[k] = scale * c->radius[k];
+    for (int k = 0; k < c->spheres; k++)
+        offset[k] = dem__scale(scale, dem__to_body(axes, c->centre[k])), radius[k] = scale * c->radius[k];
     def.mass = density * cube * c->volume;
     def.moments = dem__scale(density * cube * scale * scale, c->moments);
     def.frame = axes, def.turn = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
@@ -11343,13 +11972,14 @@ static inline int dem__is_body_def(const dem__body_def *def) {
     return 1;
 }
 
-DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres, const double *diameters,
-                                  const double *orientations, int material, int group) {
+DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres,
+                                  const double *diameters, const double *orientations, int material, int group) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     dem_vec offset[DEM_CLUMP_MAX];
     double radius[DEM_CLUMP_MAX];
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials || !dem__is_clump(clump))
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials ||
+        !dem__is_clump(clump))
         return DEM_BAD_ARGUMENT;
     if (n > (INT32_MAX / 4 - w->count) / clump->spheres) return DEM_TOO_MANY;
     const double own = dem_clump_diameter(clump);
@@ -11357,8 +11987,10 @@ DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump
         dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
         const double *o = orientations ? orientations + 4 * k : NULL;
         if (diameters && !dem__positive(diameters[k])) return DEM_BAD_ARGUMENT;
-        const dem__body_def def = dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
-        if (!dem__is_body_def(&def) || !dem__finite_vec(dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2])))
+        const dem__body_def def =
+            dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
+        if (!dem__is_body_def(&def) ||
+            !dem__finite_vec(dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2])))
             return DEM_BAD_ARGUMENT;
         if (o && !dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return DEM_BAD_ARGUMENT;
     }
@@ -11374,8 +12006,8 @@ DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump
     return DEM_OK;
 }
 
-/* ------------------------------------------------------------------------------------------------ >>feed/filling.h */
-/* Placing particles without overlap, at once or over time. Owns nothing; writes a world through its public functions. */
+/* --------------------------------------------------------------------------------------------------- >>feed/room.h */
+/* The spheres in and near a region that is being filled: what tells whether a place is free. */
 
 /* Spheres in and near a region, present and new, in linked lists by level and cell. */
 typedef struct dem__room {
@@ -11417,7 +12049,8 @@ static inline int dem__in_the_way(const dem_world *w, ptrdiff_t i, dem_vec low, 
     *x = dem_position(w, i);
     for (int a = 0; a < 3 && w->alive[i]; a++) {
         const double v = dem_axis(*x, a);
-        if (!w->def.periodic[a] && !(v + w->particle[i].radius >= dem_axis(low, a) && v - w->particle[i].radius <= dem_axis(high, a)))
+        if (!w->def.periodic[a] &&
+            !(v + w->particle[i].radius >= dem_axis(low, a) && v - w->particle[i].radius <= dem_axis(high, a)))
             return 0;
     }
     return w->alive[i];
@@ -11430,8 +12063,8 @@ static inline dem_status dem__make_inside(dem_wall *inside, const dem_world *w, 
     if (region->kind != DEM_REGION_MESH) return DEM_OK;
     inside->kind = DEM_MESH, inside->solid = 1;
     dem__frame(inside, dem_vec3(0.0, 0.0, 1.0), dem_vec3(1.0, 0.0, 0.0));
-    inside->tree =
-        dem__make_tree(&w->def.allocator, m->vertices, (const dem_vec *)(const void *)m->vertex, m->triangles, m->triangle, &status);
+    inside->tree = dem__make_tree(&w->def.allocator, m->vertices, (const dem_vec *)(const void *)m->vertex,
+                                  m->triangles, m->triangle, &status);
     return status;
 }
 
@@ -11443,9 +12076,10 @@ static inline void dem__clear_room(dem__room *room, const dem_world *w) {
     room->centre = NULL, room->inside.tree = NULL;
 }
 
-/* Makes a room for the spheres present around a region and n new ones with given radii. reach: of the largest new body [m]. */
-static inline dem_status dem__make_room(dem__room *room, const dem_world *w, const dem_region *region, const double *radius, ptrdiff_t n,
-                                        double reach) {
+/* Makes a room for the spheres present around a region and n new ones with given radii. reach: of the largest new body
+   [m]. */
+static inline dem_status dem__make_room(dem__room *room, const dem_world *w, const dem_region *region,
+                                        const double *radius, ptrdiff_t n, double reach) {
     dem_vec low, high, x;
     memset(room, 0, sizeof *room);
     const dem_status status = dem__make_inside(&room->inside, w, region);
@@ -11458,7 +12092,8 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     const dem_vec out = dem_vec3(reach, reach, reach); /* spheres in a flat region stand out of it */
     low = dem__sub(low, out), high = dem__add(high, out);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x) && w->particle[i].radius < room->smallest) room->smallest = w->particle[i].radius;
+        if (dem__in_the_way(w, i, low, high, &x) && w->particle[i].radius < room->smallest)
+            room->smallest = w->particle[i].radius;
     }
     for (ptrdiff_t k = 0; k < n; k++) dem__count_in(room, radius[k]);
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -11472,7 +12107,8 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
         room->cells += (ptrdiff_t)g->n[0] * g->n[1] * g->n[2];
     }
     if (room->capacity > INT32_MAX / 8) return DEM_TOO_MANY;
-    room->bytes = (size_t)room->capacity * (4 * sizeof(double) + sizeof(int32_t)) + (size_t)room->cells * sizeof(int32_t);
+    room->bytes =
+        (size_t)room->capacity * (4 * sizeof(double) + sizeof(int32_t)) + (size_t)room->cells * sizeof(int32_t);
     room->centre = (double *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, room->bytes);
     if (!room->centre) return DEM_OUT_OF_MEMORY;
     room->radius = room->centre + 3 * room->capacity;
@@ -11485,12 +12121,13 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     return DEM_OK;
 }
 
-/* Returns whether a sphere of a group is free at x: it overlaps no sphere and no wall, and is not inside a solid wall, beyond an exit or
-   outside a mesh region. */
+/* Returns whether a sphere of a group is free at x: it overlaps no sphere and no wall, and is not inside a solid wall,
+   beyond an exit or outside a mesh region. */
 static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_vec x, double radius, int group) {
     dem__touch touch[DEM__TOUCHES];
     double least;
-    if (room->inside.tree && (!dem__is_inside_wall(&room->inside, x) || dem__touch_wall(&room->inside, x, radius, 0.0, touch, &least) > 0))
+    if (room->inside.tree &&
+        (!dem__is_inside_wall(&room->inside, x) || dem__touch_wall(&room->inside, x, radius, 0.0, touch, &least) > 0))
         return 0;
     for (int k = 0; k < w->walls; k++) {
         const dem_wall *wall = &w->wall[k];
@@ -11505,8 +12142,10 @@ static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_ve
         for (int32_t c = 0; c < cells[0] * cells[1] * cells[2]; c++) {
             const int32_t step[3] = {c % cells[0], c / cells[0] % cells[1], c / cells[0] / cells[1]};
             ptrdiff_t at[3];
-            for (int a = 0; a < 3; a++) at[a] = first[a] + step[a] < g->n[a] ? first[a] + step[a] : first[a] + step[a] - g->n[a];
-            for (int32_t q = room->head[g->first + (at[2] * g->n[1] + at[1]) * g->n[0] + at[0]]; q >= 0; q = room->next[q]) {
+            for (int a = 0; a < 3; a++)
+                at[a] = first[a] + step[a] < g->n[a] ? first[a] + step[a] : first[a] + step[a] - g->n[a];
+            for (int32_t q = room->head[g->first + (at[2] * g->n[1] + at[1]) * g->n[0] + at[0]]; q >= 0;
+                 q = room->next[q]) {
                 const double *p = room->centre + 3 * (ptrdiff_t)q, sum = radius + room->radius[q];
                 const dem_vec d = dem__nearest_image(w, dem_vec3(x.x - p[0], x.y - p[1], x.z - p[2]));
                 if (dem__dot(d, d) < sum * sum) return 0;
@@ -11516,8 +12155,12 @@ static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_ve
     return 1;
 }
 
-/* Draws a place at which a sphere lies within a region; along directions in which the region is flat, its centre does. Returns 0 if the
-   region is too small. */
+/* ------------------------------------------------------------------------------------------------ >>feed/filling.h */
+/* Placing particles without overlap, at once or over time. Owns nothing; writes a world through its public functions.
+ */
+
+/* Draws a place at which a sphere lies within a region; along directions in which the region is flat, its centre does.
+   Returns 0 if the region is too small. */
 static inline int dem__random_place(const dem_region *r, double radius, uint64_t *random, dem_vec *x) {
     if (r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH) { /* of a mesh: in the box around it */
         for (int a = 0; a < 3; a++) {
@@ -11573,14 +12216,16 @@ static inline void dem__sort_sizes(double *radius, ptrdiff_t n) {
     }
 }
 
-/* Draws the particles that are due one after the other, at most `most`. Returns their number; radius: their radii, or NULL. The first that
-   is not due is kept in feed->waiting: to leave it out would favour small ones. -1: stopped. */
-static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double number, double mass, ptrdiff_t most, double *radius) {
+/* Draws the particles that are due one after the other, at most `most`. Returns their number; radius: their radii, or
+   NULL. The first that is not due is kept in feed->waiting: to leave it out would favour small ones. -1: stopped. */
+static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double number, double mass, ptrdiff_t most,
+                                      double *radius) {
     for (ptrdiff_t n = 0; n < most; n++) {
         if (dem__is_stopped(w, n)) return -1;
         if (!(feed->waiting > 0.0)) feed->waiting = dem_draw_size(&feed->sizes, &feed->random);
         const double m = dem__sphere_mass(w, feed->material, 0.5 * feed->waiting);
-        if (!((double)n + 0.5 <= number) || !(0.5 * m <= mass)) return n; /* a source is late or early by half a particle at most */
+        if (!((double)n + 0.5 <= number) || !(0.5 * m <= mass))
+            return n; /* a source is late or early by half a particle at most */
         if (radius) radius[n] = 0.5 * feed->waiting;
         mass -= m;
         feed->waiting = 0.0;
@@ -11594,7 +12239,8 @@ static inline dem_quaternion dem__random_turn(uint64_t *random) {
     for (int tries = 0; tries < 1000; tries++) {
         double u[4], square = 0.0;
         for (int a = 0; a < 4; a++) u[a] = 2.0 * dem__uniform(random) - 1.0, square += u[a] * u[a];
-        if (square <= 1.0 && square > 1e-6 && dem__unit_turn(dem__quaternion(u[0], dem_vec3(u[1], u[2], u[3])), &q)) break;
+        if (square <= 1.0 && square > 1e-6 && dem__unit_turn(dem__quaternion(u[0], dem_vec3(u[1], u[2], u[3])), &q))
+            break;
     }
     return q;
 }
@@ -11606,9 +12252,13 @@ static inline const dem_convex *dem__feed_shape(const dem_world *w, const dem_fe
     return feed->polyhedron > 0 ? &w->engine->convex.shape[feed->polyhedron - 1] : NULL;
 }
 /* Returns the diameter of the sphere with a polyhedron's volume. */
-static inline double dem__convex_diameter(const dem_convex *s) { return 2.0 * riddle_cbrt(s->volume / (4.0 / 3.0 * RIDDLE_PI)); }
+static inline double dem__convex_diameter(const dem_convex *s) {
+    return 2.0 * riddle_cbrt(s->volume / (4.0 / 3.0 * RIDDLE_PI));
+}
 /* Returns the factor of a clump's lengths for a body whose volume is that of a sphere of radius 1. */
-static inline double dem__feed_scale(const dem_feed *feed) { return feed->clump ? 2.0 / dem_clump_diameter(feed->clump) : 1.0; }
+static inline double dem__feed_scale(const dem_feed *feed) {
+    return feed->clump ? 2.0 / dem_clump_diameter(feed->clump) : 1.0;
+}
 /* Returns the radius of such a body about its centre. */
 static inline double dem__feed_reach(const dem_world *w, const dem_feed *feed) {
     const dem_convex *s = dem__feed_shape(w, feed);
@@ -11616,17 +12266,18 @@ static inline double dem__feed_reach(const dem_world *w, const dem_feed *feed) {
     return feed->clump ? dem__feed_scale(feed) * dem__clump_reach(feed->clump) : 1.0;
 }
 
-/* Returns where particle k of a clump is in a body with the volume of a sphere of the given radius; piece: the particle's radius. */
-static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed, dem_vec x, dem_quaternion turn, double radius, int k,
-                                       double *piece) {
+/* Returns where particle k of a clump is in a body with the volume of a sphere of the given radius; piece: the
+   particle's radius. */
+static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed, dem_vec x, dem_quaternion turn,
+                                       double radius, int k, double *piece) {
     const double scale = radius * dem__feed_scale(feed);
     *piece = scale * feed->clump->radius[k];
     return dem__in_box(w, dem__plus(x, scale, dem__to_lab(turn, feed->clump->centre[k])));
 }
 
 /* Returns whether a body of a feed is free at x. */
-static inline int dem__has_room(const dem_world *w, const dem__room *room, const dem_feed *feed, dem_vec x, dem_quaternion turn,
-                                double radius) {
+static inline int dem__has_room(const dem_world *w, const dem__room *room, const dem_feed *feed, dem_vec x,
+                                dem_quaternion turn, double radius) {
     if (!feed->clump) return dem__is_free(w, room, x, radius * dem__feed_reach(w, feed), feed->group);
     for (int k = 0; k < feed->clump->spheres; k++) {
         double piece;
@@ -11637,7 +12288,8 @@ static inline int dem__has_room(const dem_world *w, const dem__room *room, const
 }
 
 /* Finds a free place for a body of a feed, by random tries. Returns 0 if there was none. */
-static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *feed, double radius, dem_vec *x, dem_quaternion *turn) {
+static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *feed, double radius, dem_vec *x,
+                                  dem_quaternion *turn) {
     const double reach = radius * dem__feed_reach(w, feed);
     for (int tries = 0; tries < feed->tries; tries++) {
         if (dem__is_stopped(w, room->looked++)) {
@@ -11653,8 +12305,8 @@ static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *feed,
 }
 
 /* Adds the particles of a body to the lists, in their order. */
-static inline void dem__settle_body(const dem_world *w, dem__room *room, const dem_feed *feed, dem_vec x, dem_quaternion turn,
-                                    double radius) {
+static inline void dem__settle_body(const dem_world *w, dem__room *room, const dem_feed *feed, dem_vec x,
+                                    dem_quaternion turn, double radius) {
     if (!feed->clump) dem__settle_in(room, x, radius * dem__feed_reach(w, feed));
     for (int k = 0; feed->clump && k < feed->clump->spheres; k++) {
         double piece;
@@ -11682,23 +12334,25 @@ static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, pt
 static inline ptrdiff_t dem__most_drawn(int at_once) { return at_once ? INT32_MAX / 8 : 100000; }
 
 /* Draws n radii, and computes those of their particles. Returns the largest radius of a body, or -1: stopped. */
-static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem_feed *feed, double number, double mass, ptrdiff_t n,
-                                     int at_once) {
+static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem_feed *feed, double number, double mass,
+                                     ptrdiff_t n, int at_once) {
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     double widest = 0.0;
     if (dem__draw_due(w, feed, number, mass, dem__most_drawn(at_once), b->radius) < 0) return -1.0;
     if (at_once) dem__sort_sizes(b->radius, n);
     for (ptrdiff_t k = 0; k < n * pieces; k++) {
         const double r = b->radius[k / pieces];
-        b->piece[k] = feed->clump ? r * dem__feed_scale(feed) * feed->clump->radius[k % pieces] : r * dem__feed_reach(w, feed);
+        b->piece[k] =
+            feed->clump ? r * dem__feed_scale(feed) * feed->clump->radius[k % pieces] : r * dem__feed_reach(w, feed);
         widest = r > widest ? r : widest;
     }
     return widest;
 }
 
-/* Finds places for n bodies, and counts them in the feed by number or, with by_mass, by mass. at_once: bodies without a place are counted
-   as missed; otherwise the first of them waits, and with it those after it. */
-static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *feed, dem__batch *b, ptrdiff_t n, int by_mass, int at_once) {
+/* Finds places for n bodies, and counts them in the feed by number or, with by_mass, by mass. at_once: bodies without a
+   place are counted as missed; otherwise the first of them waits, and with it those after it. */
+static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *feed, dem__batch *b, ptrdiff_t n,
+                                    int by_mass, int at_once) {
     ptrdiff_t found = 0;
     for (ptrdiff_t k = 0; k < n; k++) {
         const double radius = b->radius[k], m = dem__sphere_mass(w, feed->material, radius);
@@ -11724,8 +12378,8 @@ static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *fee
     }
 }
 
-/* Lists the placed bodies in the order of the cells of their first particles, so that neighbours in space are neighbours in memory. Returns
-   their number. */
+/* Lists the placed bodies in the order of the cells of their first particles, so that neighbours in space are
+   neighbours in memory. Returns their number. */
 static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t present, dem_feed *feed, dem__batch *b) {
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     ptrdiff_t placed = 0;
@@ -11737,8 +12391,8 @@ static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t presen
             for (int a = 0; a < 4; a++) b->orientation[4 * placed + a] = b->turn[4 * body + a];
             for (int a = 0; a < 3; a++) {
                 b->centre[3 * placed + a] = b->place[3 * body + a];
-                b->velocity[3 * placed + a] =
-                    dem_axis(feed->velocity, a) + dem_axis(feed->scatter, a) * (2.0 * dem__uniform(&feed->random) - 1.0);
+                b->velocity[3 * placed + a] = dem_axis(feed->velocity, a) +
+                                              dem_axis(feed->scatter, a) * (2.0 * dem__uniform(&feed->random) - 1.0);
             }
             placed++;
         }
@@ -11751,9 +12405,11 @@ static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptr
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     dem_status status;
     if (feed->polyhedron)
-        status = w->engine->convex.calls->add(w, feed->polyhedron - 1, n, b->centre, b->orientation, feed->material, feed->group);
+        status = w->engine->convex.calls->add(w, feed->polyhedron - 1, n, b->centre, b->orientation, feed->material,
+                                              feed->group);
     else if (feed->clump)
-        status = feed->clump->add__(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group);
+        status =
+            feed->clump->add__(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group);
     else status = dem_add_spheres(w, n, b->centre, b->diameter, feed->material, feed->group);
     for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
         const dem_vec v = dem_vec3(b->velocity[3 * k], b->velocity[3 * k + 1], b->velocity[3 * k + 2]);
@@ -11763,12 +12419,13 @@ static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptr
 }
 
 /* Draws n bodies, finds places for them, and lists those that have one; *placed: their number. */
-static inline dem_status dem__place_batch(dem_world *w, dem_feed *feed, dem__batch *b, double number, double mass, ptrdiff_t n, int at_once,
-                                          ptrdiff_t *placed) {
+static inline dem_status dem__place_batch(dem_world *w, dem_feed *feed, dem__batch *b, double number, double mass,
+                                          ptrdiff_t n, int at_once, ptrdiff_t *placed) {
     dem__room room;
     const double widest = dem__draw_batch(w, b, feed, number, mass, n, at_once);
     if (widest < 0.0) return DEM_STOPPED;
-    dem_status status = dem__make_room(&room, w, &feed->region, b->piece, n * dem__feed_pieces(feed), widest * dem__feed_reach(w, feed));
+    dem_status status = dem__make_room(&room, w, &feed->region, b->piece, n * dem__feed_pieces(feed),
+                                       widest * dem__feed_reach(w, feed));
     if (status == DEM_OK) {
         const ptrdiff_t present = room.count;
         dem__find_places(w, &room, feed, b, n, mass < HUGE_VAL, at_once);
@@ -11779,8 +12436,8 @@ static inline dem_status dem__place_batch(dem_world *w, dem_feed *feed, dem__bat
     return status;
 }
 
-/* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place are missed; otherwise in
-   the order drawn, up to the first without a place, which waits. */
+/* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place are
+   missed; otherwise in the order drawn, up to the first without a place, which waits. */
 static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number, double mass, int at_once) {
     if (dem__is_running(w)) return DEM_BUSY;
     const dem_allocator memory = w->def.allocator;
@@ -11793,10 +12450,12 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
     double smallest, largest;
     memset(&batch, 0, sizeof batch);
     dem__are_sizes(&after.sizes, &smallest, &largest);
-    if (at_once && number > most && mass > most * dem__sphere_mass(w, feed->material, 0.5 * largest)) return DEM_TOO_MANY;
+    if (at_once && number > most && mass > most * dem__sphere_mass(w, feed->material, 0.5 * largest))
+        return DEM_TOO_MANY;
     w->engine->run.running = 1; /* def.stop finds the world busy */
     const int is_counted = at_once && number >= 1.0 && !(mass < HUGE_VAL);
-    const ptrdiff_t n = is_counted ? (ptrdiff_t)number : dem__draw_due(w, &counted, number, mass, dem__most_drawn(at_once), NULL);
+    const ptrdiff_t n =
+        is_counted ? (ptrdiff_t)number : dem__draw_due(w, &counted, number, mass, dem__most_drawn(at_once), NULL);
     dem_status status = n < 0 ? DEM_STOPPED : n >= INT32_MAX / 8 / dem__feed_pieces(feed) ? DEM_TOO_MANY : DEM_OK;
     if (status == DEM_OK && n > 0) {
         status = DEM_OUT_OF_MEMORY;
@@ -11814,26 +12473,28 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
 
 static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
     double smallest, largest;
-    if (!w || !w->def.allocator.fn || !f || f->material < 0 || f->material >= w->def.materials || f->tries < 1 || f->tries > 1000000)
+    if (!w || !w->def.allocator.fn || !f || f->material < 0 || f->material >= w->def.materials || f->tries < 1 ||
+        f->tries > 1000000)
         return 0;
     if (!dem__is_region(&f->region) || !dem__are_sizes(&f->sizes, &smallest, &largest)) return 0;
     if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
     if (f->clump && !(dem__is_clump(f->clump) && f->clump->add__)) return 0;
     if (f->polyhedron < 0 || f->polyhedron > w->engine->convex.shapes || (f->polyhedron && f->clump)) return 0;
     if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
-    if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) || !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) ||
-        !(f->scatter.z >= 0.0))
+    if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) ||
+        !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) || !(f->scatter.z >= 0.0))
         return 0;
     if (f->placed < 0 || f->missed < 0 || f->placed > PTRDIFF_MAX / 2 || f->missed > PTRDIFF_MAX / 2) return 0;
-    return dem__finite(f->due) && dem__finite(f->due_mass) && dem__finite(f->placed_mass) && dem__finite(f->missed_mass);
+    return dem__finite(f->due) && dem__finite(f->due_mass) && dem__finite(f->placed_mass) &&
+           dem__finite(f->missed_mass);
 }
 
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
     if (!dem__is_feed(world, feed) || count < 0) return DEM_BAD_ARGUMENT;
     return dem__insert(world, feed, (double)count, HUGE_VAL, 1);
 }
-/* Returns a volume [m3] that the bodies placed in a region cannot exceed; of a mesh, that of the box around it. Where the region is flat,
-   bodies stand out of it. */
+/* Returns a volume [m3] that the bodies placed in a region cannot exceed; of a mesh, that of the box around it. Where
+   the region is flat, bodies stand out of it. */
 static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) {
     dem_region r = feed->region;
     double smallest, diameter;
@@ -11843,7 +12504,8 @@ static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) 
     if (r.kind == DEM_REGION_MESH) r.kind = DEM_REGION_BOX;
     if (r.kind == DEM_REGION_CYLINDER && r.length == 0.0) r.length = diameter;
     for (int a = 0; a < 3 && r.kind == DEM_REGION_BOX; a++) {
-        if (!(dem_axis(r.high, a) > dem_axis(r.low, a))) *dem_axis_of(&r.low, a) = 0.0, *dem_axis_of(&r.high, a) = diameter;
+        if (!(dem_axis(r.high, a) > dem_axis(r.low, a)))
+            *dem_axis_of(&r.low, a) = 0.0, *dem_axis_of(&r.high, a) = diameter;
     }
     return dem_region_volume(&r);
 }
@@ -11855,7 +12517,8 @@ DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass) 
 }
 
 DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration) {
-    if (!dem__is_feed(world, feed) || !dem__not_negative(rate) || !dem__not_negative(duration) || !dem__finite(rate * duration))
+    if (!dem__is_feed(world, feed) || !dem__not_negative(rate) || !dem__not_negative(duration) ||
+        !dem__finite(rate * duration))
         return DEM_BAD_ARGUMENT;
     dem_feed due = *feed;
     due.due += rate * duration;
@@ -11864,7 +12527,8 @@ DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate
     return status;
 }
 DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration) {
-    if (!dem__is_feed(world, feed) || !dem__not_negative(mass_flow) || !dem__not_negative(duration) || !dem__finite(mass_flow * duration))
+    if (!dem__is_feed(world, feed) || !dem__not_negative(mass_flow) || !dem__not_negative(duration) ||
+        !dem__finite(mass_flow * duration))
         return DEM_BAD_ARGUMENT;
     dem_feed due = *feed;
     due.due_mass += mass_flow * duration;
@@ -11886,8 +12550,9 @@ static inline double dem__wedge(double b, double c) {
     if (b < 0.0) return dem__cap(c) - dem__wedge(-b, c);
     if (c < 0.0) return dem__cap(b) - dem__wedge(b, -c);
     if (!(b * b + c * c < 1.0)) return 0.0;
-    const double rb = sqrt(1.0 - b * b), rc = sqrt(1.0 - c * c), half = dem__root(1.0 - b * b - c * c); /* half length of the edge inside */
-    const double at_b = dem__acos(c / rb), at_c = dem__acos(b / rc);                                    /* half arcs on the two circles */
+    const double rb = sqrt(1.0 - b * b), rc = sqrt(1.0 - c * c),
+                 half = dem__root(1.0 - b * b - c * c);              /* half length of the edge inside */
+    const double at_b = dem__acos(c / rb), at_c = dem__acos(b / rc); /* half arcs on the two circles */
     const double sphere = 2.0 * (RIDDLE_PI - b * at_b - c * at_c - dem__acos(-b * c / (rb * rc)));
     return (sphere - b * (rb * rb * at_b - c * half) - c * (rc * rc * at_c - b * half)) / 3.0;
 }
@@ -11942,17 +12607,19 @@ static inline int dem__holds(const dem_region *r, const dem_wall *inside, dem_ve
     return r->kind == DEM_REGION_MESH ? dem__is_inside_wall(inside, point) : dem_region_holds(r, point);
 }
 
-/* Returns the volume of a ball within a mesh. If the surface cuts the ball, counts the points of a grid that are inside. */
+/* Returns the volume of a ball within a mesh. If the surface cuts the ball, counts the points of a grid that are
+   inside. */
 static inline double dem__ball_in_mesh(const dem_wall *inside, dem_vec centre, double radius) {
     const int points = 10;
     const double whole = 4.0 / 3.0 * RIDDLE_PI * radius * radius * radius;
     dem__touch touch[DEM__TOUCHES];
     double least;
     int all = 0, in = 0;
-    if (dem__touch_wall(inside, centre, radius, 0.0, touch, &least) == 0) return dem__is_inside_wall(inside, centre) ? whole : 0.0;
+    if (dem__touch_wall(inside, centre, radius, 0.0, touch, &least) == 0)
+        return dem__is_inside_wall(inside, centre) ? whole : 0.0;
     for (int k = 0; k < points * points * points; k++) {
-        const double step = 2.0 * radius / points, x = (k % points + 0.5) * step - radius, y = (k / points % points + 0.5) * step - radius,
-                     z = (k / (points * points) + 0.5) * step - radius;
+        const double step = 2.0 * radius / points, x = (k % points + 0.5) * step - radius,
+                     y = (k / points % points + 0.5) * step - radius, z = (k / (points * points) + 0.5) * step - radius;
         if (x * x + y * y + z * z > radius * radius) continue;
         all++;
         in += dem__is_inside_wall(inside, dem__add(centre, dem_vec3(x, y, z)));
@@ -11982,7 +12649,9 @@ static inline double dem__ball_in(const dem_region *r, const dem_wall *inside, d
     if (r->kind == DEM_REGION_SPHERE) {
         const double apart = dem__length(d), sum = r->radius + radius, deep = sum - apart, less = r->radius - radius;
         if (apart <= fabs(less)) return less > 0.0 ? whole : dem_region_volume(r);
-        return deep > 0.0 ? RIDDLE_PI * deep * deep * (apart * apart + 2.0 * apart * sum - 3.0 * less * less) / (12.0 * apart) : 0.0;
+        return deep > 0.0
+                   ? RIDDLE_PI * deep * deep * (apart * apart + 2.0 * apart * sum - 3.0 * less * less) / (12.0 * apart)
+                   : 0.0;
     }
     dem_vec axis = d;
     dem__unit(r->axis, &axis);
@@ -12008,7 +12677,8 @@ static inline double dem__share_in(const dem_region *r, const dem_wall *inside, 
     double from = 0.0, to = 1.0;
     if (r->kind == DEM_REGION_BOX) {
         for (int k = 0; k < 3; k++) {
-            const double at = dem_axis(a, k), v = dem_axis(way, k), low = dem_axis(r->low, k) - at, high = dem_axis(r->high, k) - at;
+            const double at = dem_axis(a, k), v = dem_axis(way, k), low = dem_axis(r->low, k) - at,
+                         high = dem_axis(r->high, k) - at;
             if (v == 0.0 && !(low <= 0.0 && high >= 0.0)) return 0.0;
             if (v == 0.0) continue;
             const double first = (v > 0.0 ? low : high) / v, last = (v > 0.0 ? high : low) / v;
@@ -12037,8 +12707,8 @@ static inline double dem__share_in(const dem_region *r, const dem_wall *inside, 
     return to > from ? to - from : 0.0;
 }
 
-/* Lists the displacements of the periodic images of the box: itself first, then one on either side along each periodic axis. Returns their
-   number. */
+/* Lists the displacements of the periodic images of the box: itself first, then one on either side along each periodic
+   axis. Returns their number. */
 static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
     int n = 1;
     shift[0] = dem_vec3(0.0, 0.0, 0.0);
@@ -12054,8 +12724,8 @@ static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
     return n;
 }
 
-/* Finds where particle i is counted, and its velocity there. A rigid body counts once, at its centre of mass. Returns 0 for its other
-   particles. */
+/* Finds where particle i is counted, and its velocity there. A rigid body counts once, at its centre of mass. Returns 0
+   for its other particles. */
 static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_vec *v) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r && r->first != i) return 0;
@@ -12064,22 +12734,25 @@ static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_
     return 1;
 }
 
-/* Returns the factor of a particle's volume: 1 for a sphere; the particles of a body, which may overlap, share the body's volume. */
+/* Returns the factor of a particle's volume: 1 for a sphere; the particles of a body, which may overlap, share the
+   body's volume. */
 static inline double dem__filled(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     double sum = 0.0;
-    for (ptrdiff_t k = 0; r && k < r->pieces; k++) sum += dem__sphere_mass(w, w->material[i], w->particle[r->first + k].radius);
+    for (ptrdiff_t k = 0; r && k < r->pieces; k++)
+        sum += dem__sphere_mass(w, w->material[i], w->particle[r->first + k].radius);
     return r ? r->mass / sum : 1.0;
 }
 
 /* Returns the vector from the centre of particle i's body to the particle; 0 for a sphere. */
 static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? dem__to_lab(dem__posture_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i]) : dem_vec3(0.0, 0.0, 0.0);
+    return r ? dem__to_lab(dem__posture_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i])
+             : dem_vec3(0.0, 0.0, 0.0);
 }
 
-/* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's point, to i's centre; of
-   bodies, to their centres of mass. Returns 0 if it carries no force. */
+/* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's
+   point, to i's centre; of bodies, to their centres of mass. Returns 0 if it carries no force. */
 static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, dem_vec *to, dem_vec *force) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_contact_info c = k < contacts->count ? dem_get_contact(w, k) : dem_get_link(w, k - contacts->count);
@@ -12088,11 +12761,12 @@ static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, de
     if (c.j >= 0) *from = dem__sub(*to, dem__nearest_image(w, dem__sub(*to, dem_position(w, c.j))));
     else if (k < contacts->count && dem__shape_of(w, c.i)) {
         const ptrdiff_t slot = dem__slot_of(w, k);
-        *from = dem__add(*to, dem__plus(dem__place_arm(w, slot), -dem__touching_radius(w, c.i) - c.gap, dem__place_normal(w, slot)));
+        *from = dem__add(
+            *to, dem__plus(dem__place_arm(w, slot), -dem__touching_radius(w, c.i) - c.gap, dem__place_normal(w, slot)));
     } else {
         dem__touch touch;
-        dem__touch_place(w, k < contacts->count ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to, w->particle[c.i].radius, c.element,
-                         &touch);
+        dem__touch_place(w, k < contacts->count ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to,
+                         w->particle[c.i].radius, c.element, &touch);
         *from = dem__sub(*to, dem__scale(w->particle[c.i].radius + touch.gap, touch.normal));
     }
     if (w->engine->bodies.rigid) {
@@ -12124,7 +12798,8 @@ static inline void dem__add_solid(const dem_world *w, const dem__measured *q, pt
     const double r = w->particle[i].radius, filled = dem__filled(w, i) * q->share;
     for (int image = 0; image < q->images; image++) {
         const dem_vec x = dem__add(at, q->shift[image]);
-        if (x.x + r >= low.x && x.x - r <= high.x && x.y + r >= low.y && x.y - r <= high.y && x.z + r >= low.z && x.z - r <= high.z)
+        if (x.x + r >= low.x && x.x - r <= high.x && x.y + r >= low.y && x.y - r <= high.y && x.z + r >= low.z &&
+            x.z - r <= high.z)
             m->solid_fraction += dem__ball_in(q->region, &q->inside, x, r) * filled;
     }
 }
@@ -12135,7 +12810,8 @@ static inline int dem__images_in(const dem__measured *q, dem_vec point) {
     int n = 0;
     for (int image = 0; image < q->images; image++) {
         const dem_vec c = dem__add(point, q->shift[image]);
-        if (!(c.x >= low.x && c.x <= high.x && c.y >= low.y && c.y <= high.y && c.z >= low.z && c.z <= high.z)) continue;
+        if (!(c.x >= low.x && c.x <= high.x && c.y >= low.y && c.y <= high.y && c.z >= low.z && c.z <= high.z))
+            continue;
         n += dem__holds(q->region, &q->inside, c);
     }
     return n;
@@ -12178,7 +12854,8 @@ static inline void dem__measure_contacts(const dem_world *w, const dem__measured
         dem_vec from, to, force;
         if (!dem__branch(w, k, &from, &to, &force)) continue;
         for (int image = 0; image < q->images; image++) {
-            const double part = dem__share_in(q->region, &q->inside, dem__add(from, q->shift[image]), dem__add(to, q->shift[image]));
+            const double part =
+                dem__share_in(q->region, &q->inside, dem__add(from, q->shift[image]), dem__add(to, q->shift[image]));
             if (part > 0.0) dem__add_stress(m->contact_stress, part * q->share, force, dem__sub(to, from));
         }
     }
@@ -12209,7 +12886,9 @@ static inline int dem__are_cells(const dem_cells *c) {
     double number = 1.0;
     if (!c || !dem__finite_vec(c->low) || !dem__finite_vec(c->high)) return 0;
     for (int a = 0; a < 3; a++) {
-        if (c->n[a] < 1 || c->n[a] > 100000 || !(dem_axis(c->high, a) > dem_axis(c->low, a)) || !dem__not_negative(c->width[a])) return 0;
+        if (c->n[a] < 1 || c->n[a] > 100000 || !(dem_axis(c->high, a) > dem_axis(c->low, a)) ||
+            !dem__not_negative(c->width[a]))
+            return 0;
         number *= c->n[a];
     }
     return number < 1073741824.0;
@@ -12223,10 +12902,13 @@ DEM_INLINE double dem__up_to(double u) {
 
 /* Finds the cells of an axis in which a point at v counts, from first to last. Returns 0 if there are none. */
 static inline int dem__cells_of(const dem_cells *c, int a, double v, int *first, int *last) {
-    const double low = dem_axis(c->low, a), high = dem_axis(c->high, a), inverse = c->n[a] / (high - low), reach = c->width[a];
+    const double low = dem_axis(c->low, a), high = dem_axis(c->high, a), inverse = c->n[a] / (high - low),
+                 reach = c->width[a];
     if (!(v + reach >= low && v - reach <= high)) return 0;
-    const double from = floor((v - reach - low) * inverse), to = floor((v + reach - low) * inverse), most = (double)(c->n[a] - 1);
-    *first = from > 0.0 ? (int)(from < most ? from : most) : 0, *last = to > 0.0 ? (int)(to < most ? to : most) : 0; /* true for NaN, too */
+    const double from = floor((v - reach - low) * inverse), to = floor((v + reach - low) * inverse),
+                 most = (double)(c->n[a] - 1);
+    *first = from > 0.0 ? (int)(from < most ? from : most) : 0,
+    *last = to > 0.0 ? (int)(to < most ? to : most) : 0; /* true for NaN, too */
     return 1;
 }
 
@@ -12245,7 +12927,8 @@ typedef struct dem__load {
 } dem__load;
 
 /* Adds what a point carries, and what its images carry, to the cells around them. */
-static inline void dem__smear(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at, const dem__load *load) {
+static inline void dem__smear(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at,
+                              const dem__load *load) {
     dem_vec shift[27];
     const int images = dem__images(w, shift);
     for (int image = 0; image < images; image++) {
@@ -12273,7 +12956,8 @@ static inline void dem__smear(const dem_world *w, const dem_cells *c, dem_field 
 
 DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field) {
     static const double node[4] = {0.18343464249564980, 0.52553240991632899, 0.79666647741362674, 0.96028985649753623};
-    static const double weight[4] = {0.36268378337836198, 0.31370664587788729, 0.22238103445337447, 0.10122853629037626};
+    static const double weight[4] = {0.36268378337836198, 0.31370664587788729, 0.22238103445337447,
+                                     0.10122853629037626};
     const dem_world *w = world;
     const dem_cells *c = cells;
     dem__load load;
@@ -12304,15 +12988,18 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         if (f->density > 0.0) dem__add_stress(f->kinetic_stress, -1.0 / f->density, f->momentum, f->momentum);
         f->density /= volume;
         f->momentum = dem__scale(1.0 / volume, f->momentum);
-        for (int a = 0; a < 9; a++) f->contact_stress[a / 3][a % 3] /= volume, f->kinetic_stress[a / 3][a % 3] /= volume;
+        for (int a = 0; a < 9; a++)
+            f->contact_stress[a / 3][a % 3] /= volume, f->kinetic_stress[a / 3][a % 3] /= volume;
     }
     return DEM_OK;
 }
 
-DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins, double *count) {
+DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
+                                double *count) {
     const dem_world *w = world;
     ptrdiff_t outside = 0;
-    if (!w || !w->def.allocator.fn || !count || bins < 1 || !(low < high) || !dem__finite(high - low)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    if (!w || !w->def.allocator.fn || !count || bins < 1 || !(low < high) || !dem__finite(high - low))
+        return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     if (quantity != DEM_CONTACT_FORCE && quantity != DEM_CONTACT_OVERLAP) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     for (int k = 0; k < bins; k++) count[k] = 0.0;
     for (ptrdiff_t k = 0; k < w->engine->contacts.count; k++) {
@@ -12326,9 +13013,11 @@ DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, d
     return outside;
 }
 
-DEM_API dem_status dem_residence(const dem_world *world, const dem_region *region, ptrdiff_t n, double *entered, double *stayed) {
+DEM_API dem_status dem_residence(const dem_world *world, const dem_region *region, ptrdiff_t n, double *entered,
+                                 double *stayed) {
     const dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !dem__is_region(region) || n < 0 || (n > 0 && (!entered || !stayed))) return DEM_BAD_ARGUMENT;
+    if (!w || !w->def.allocator.fn || !dem__is_region(region) || n < 0 || (n > 0 && (!entered || !stayed)))
+        return DEM_BAD_ARGUMENT;
     for (ptrdiff_t k = 0; k < w->passed_count; k++) {
         const dem_passed *p = &w->passed[k];
         if (p->id >= (uint64_t)n || !dem__finite(entered[p->id])) continue;
@@ -12349,7 +13038,8 @@ DEM_API dem_status dem_residence(const dem_world *world, const dem_region *regio
 /* ---------------------------------------------------------------------------------------------- >>measure/mixing.h */
 /* How well groups of particles are mixed. Reads a const world; writes the caller's arrays. */
 
-DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *cells, int group, double *of_group, double *of_all) {
+DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *cells, int group, double *of_group,
+                                      double *of_all) {
     const dem_world *w = world;
     if (!w || !w->def.allocator.fn || !dem__are_cells(cells) || !of_group || !of_all) return DEM_BAD_ARGUMENT;
     dem_cells sharp = *cells;
@@ -12369,8 +13059,8 @@ DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *c
     return DEM_OK;
 }
 
-/* Computes indices of mixing. The variance of a random mixture is that of sampling without replacement: p q (N - n)/(n (N - 1)) for a
-   sample of n out of N. */
+/* Computes indices of mixing. The variance of a random mixture is that of sampling without replacement: p q (N - n)/(n
+   (N - 1)) for a sample of n out of N. */
 DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, const double *of_all) {
     const double none = (double)NAN;
     dem_mixing m = {none, none, none, none, none, none};
@@ -12409,8 +13099,9 @@ DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
 }
 
 /* ------------------------------------------------------------------------------------------------ >>save/records.h */
-/* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows bytes and memory,
-   no physics. Relies on nothing; save/fields.h names what is saved, save/save.h and save/load.h use both. */
+/* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows
+   bytes and memory, no physics. Relies on nothing; save/fields.h names what is saved, save/save.h and save/load.h use
+   both. */
 
 /* A field that becomes a record: its entries, of some numbers each, are `stride` bytes apart in memory. */
 enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
@@ -12420,9 +13111,9 @@ typedef struct dem__saved_field {
     size_t stride;
     int numbers, width; /* numbers of an entry; bytes of a number: 1, 4 or 8 */
 } dem__saved_field;
-#define DEM__DOUBLES(name, first, stride)                                                                                                  \
+#define DEM__DOUBLES(name, first, stride)                                                                              \
     { name, &(first), stride, (int)(sizeof(first) / (sizeof(double))), sizeof(double) }
-#define DEM__INTEGER(name, first, stride)                                                                                                  \
+#define DEM__INTEGER(name, first, stride)                                                                              \
     { name, &(first), stride, 1, (int)sizeof(first) }
 
 /* Bytes that are written, only counted, or read. */
@@ -12477,7 +13168,8 @@ typedef struct dem__record {
     uint64_t bytes, count;
 } dem__record;
 
-/* Reads the head of the record at `at` of a file whose records end at `end`. Returns 0 if the record does not fit there. */
+/* Reads the head of the record at `at` of a file whose records end at `end`. Returns 0 if the record does not fit
+   there. */
 static inline int dem__read_head(const unsigned char *file, size_t end, size_t at, dem__record *r) {
     dem__stream s;
     if (end - at < DEM__HEAD_BYTES) return 0;
@@ -12645,10 +13337,14 @@ static inline void dem__material_fields(dem_material *m, dem__group *g) {
 static inline void dem__pair_fields(dem_pair_def *p, dem__group *g) {
     const size_t s = sizeof *p;
     const dem__saved_field fields[] = {
-        DEM__DOUBLES("pair.stiffness", p->stiffness, s), DEM__DOUBLES("pair.restitution", p->restitution, s),
-        DEM__DOUBLES("pair.friction", p->friction, s),   DEM__DOUBLES("pair.tangential_ratio", p->tangential_ratio, s),
-        DEM__DOUBLES("pair.rolling", p->rolling, s),     DEM__DOUBLES("pair.tangential_damping", p->tangential_damping, s),
-        DEM__INTEGER("pair.mode", p->mode, s),           DEM__INTEGER("pair.given", p->given, s),
+        DEM__DOUBLES("pair.stiffness", p->stiffness, s),
+        DEM__DOUBLES("pair.restitution", p->restitution, s),
+        DEM__DOUBLES("pair.friction", p->friction, s),
+        DEM__DOUBLES("pair.tangential_ratio", p->tangential_ratio, s),
+        DEM__DOUBLES("pair.rolling", p->rolling, s),
+        DEM__DOUBLES("pair.tangential_damping", p->tangential_damping, s),
+        DEM__INTEGER("pair.mode", p->mode, s),
+        DEM__INTEGER("pair.given", p->given, s),
     };
     dem__set_fields(g, fields, sizeof fields, 3);
 }
@@ -12753,7 +13449,8 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
         g->fields += 3;
     }
     if (w->engine->convex.shapes > 0) {
-        const dem__saved_field shape[] = {DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
+        const dem__saved_field shape[] = {
+            DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
         g->field[g->fields++] = shape[0];
     }
     if (!bodies->rigid) return;
@@ -12803,7 +13500,8 @@ static inline void dem__contact_fields(dem_world *w, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 5);
     dem__add_fields(g, "contact.state", contacts->state, contacts->states);
     g->needed = g->fields;
-    const int places = w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_FOOTING; /* a footing is found anew */
+    const int places =
+        w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_FOOTING; /* a footing is found anew */
     if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, places);
     dem__add_fields(g, "contact.wrench", contacts->wrench, 9);
     if (w->engine->ledger.on) {
@@ -12842,7 +13540,8 @@ static inline void dem__chunk_fields(dem__saved_chunk *chunk, dem__group *g) {
 }
 
 /* Lists corners and triangles of the mesh of a wall: two groups of one field each. */
-static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, dem__group *vertices, dem__group *triangles) {
+static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, dem__group *vertices,
+                                    dem__group *triangles) {
     const dem__saved_field corners[] = {{"mesh00.vertex", vertex, sizeof *vertex, 3, sizeof(double)}};
     const dem__saved_field triples[] = {{"mesh00.triangle", corner, 3 * sizeof *corner, 3, sizeof *corner}};
     dem__set_fields(vertices, corners, sizeof corners, 1);
@@ -12852,10 +13551,13 @@ static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, 
 }
 
 /* --------------------------------------------------------------------------------------------------- >>save/save.h */
-/* Saving: writes the groups of save/fields.h as records. Reads a const world and writes nothing of it, so that several threads may save one. */
+/* Saving: writes the groups of save/fields.h as records. Reads a const world and writes nothing of it, so that several
+   threads may save one. */
 
-/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among those present. */
-static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at, int is_body) {
+/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among
+   those present. */
+static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at,
+                                    int is_body) {
     if (!is_body) {
         dem__stream_entry(s, f, at);
         return;
@@ -12990,14 +13692,16 @@ static inline void dem__hash_particle(uint64_t *hash, const dem_world *w, ptrdif
     dem__hash_f64(hash, &p->radius, 1), dem__hash_f64(hash, &p->mass, 1), dem__hash_f64(hash, bodies->load[i], 6);
     dem__hash_i64(hash, p->origin), dem__hash_u64(hash, w->id[i]);
     dem__hash_i64(hash, w->material[i]), dem__hash_i64(hash, w->group[i]);
-    if (dem__is_fixed(w, i)) dem__hash_f64(hash, bodies->fixed[i].load, 6), dem__hash_vec(hash, bodies->fixed[i].impulse);
+    if (dem__is_fixed(w, i))
+        dem__hash_f64(hash, bodies->fixed[i].load, 6), dem__hash_vec(hash, bodies->fixed[i].impulse);
     if (!w->engine->links.on) return;
     dem__hash_f64(hash, bodies->external[i], 6);
     dem__hash_i64(hash, w->engine->links.is_loaded[i]);
 }
 
 static inline void dem__hash_quaternion(uint64_t *hash, dem_quaternion q) {
-    dem__hash_f64(hash, &q.w, 1), dem__hash_f64(hash, &q.x, 1), dem__hash_f64(hash, &q.y, 1), dem__hash_f64(hash, &q.z, 1);
+    dem__hash_f64(hash, &q.w, 1), dem__hash_f64(hash, &q.x, 1), dem__hash_f64(hash, &q.y, 1),
+        dem__hash_f64(hash, &q.z, 1);
 }
 
 static inline void dem__hash_rigid(uint64_t *hash, const dem_world *w, const dem__rigid *r) {
@@ -13034,7 +13738,8 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
     dem__hash_i64(&hash, w->step);
     for (int k = 0; k < w->walls; k++) {
         const dem_wall *a = &w->wall[k];
-        if (a->asked.drive >= DEM_FORCE_CONTROLLED) dem__hash_f64(&hash, &a->coordinate, 1), dem__hash_f64(&hash, &a->rate, 1);
+        if (a->asked.drive >= DEM_FORCE_CONTROLLED)
+            dem__hash_f64(&hash, &a->coordinate, 1), dem__hash_f64(&hash, &a->rate, 1);
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__hash_particle(&hash, w, i);
@@ -13056,7 +13761,8 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
 /* Convex polyhedra: faces from corners, mass properties, erosion. Promises: what is accepted is closed and convex,
    and its tables agree with each other. */
 
-/* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough. */
+/* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough.
+ */
 #define DEM__FLAT 1e-6
 
 /* The hull of a set of points: the planes that have all other points behind them, and the points in each. */
@@ -13073,14 +13779,15 @@ static inline double dem__half_size(const double *x, int n) {
     double size = 0.0;
     for (int a = 0; a < 3; a++) {
         double low = x[a], high = x[a];
-        for (int k = 1; k < n; k++) low = x[3 * k + a] < low ? x[3 * k + a] : low, high = x[3 * k + a] > high ? x[3 * k + a] : high;
+        for (int k = 1; k < n; k++)
+            low = x[3 * k + a] < low ? x[3 * k + a] : low, high = x[3 * k + a] > high ? x[3 * k + a] : high;
         size = 0.5 * (high - low) > size ? 0.5 * (high - low) : size;
     }
     return size;
 }
 
-/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. Returns 0 if there are too
-   many. */
+/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. Returns
+   0 if there are too many. */
 static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, double offset, double area) {
     int f = 0;
     while (f < hull->faces && hull->holds[f] != holds) f++;
@@ -13094,8 +13801,8 @@ static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, doub
 
 /* Adds the face in which three points lie, if no point is in front of it. Returns 0 if there are too many faces. */
 static inline int dem__try_face(dem__hull *hull, const double *x, int n, int a, int b, int c, double flat) {
-    const dem_vec p = dem__point(x + 3 * a), u = dem__sub(dem__point(x + 3 * b), p), v = dem__sub(dem__point(x + 3 * c), p),
-                  cross = dem__cross(u, v);
+    const dem_vec p = dem__point(x + 3 * a), u = dem__sub(dem__point(x + 3 * b), p),
+                  v = dem__sub(dem__point(x + 3 * c), p), cross = dem__cross(u, v);
     const double area = dem__length(cross), longest = dem__dot(u, u) > dem__dot(v, v) ? dem__dot(u, u) : dem__dot(v, v);
     double lowest = 0.0, highest = 0.0;
     uint32_t holds = 0;
@@ -13107,7 +13814,8 @@ static inline int dem__try_face(dem__hull *hull, const double *x, int n, int a, 
         if (fabs(height) <= flat) holds |= (uint32_t)1 << k;
     }
     if (highest <= flat && lowest < -flat) return dem__add_face(hull, holds, normal, dem__dot(normal, p), area);
-    if (lowest >= -flat && highest > flat) return dem__add_face(hull, holds, dem__scale(-1.0, normal), -dem__dot(normal, p), area);
+    if (lowest >= -flat && highest > flat)
+        return dem__add_face(hull, holds, dem__scale(-1.0, normal), -dem__dot(normal, p), area);
     return 1;
 }
 
@@ -13124,7 +13832,8 @@ static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double
     return 1;
 }
 
-/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they are no polygon. */
+/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they are no
+   polygon. */
 static inline int dem__go_round(const dem__hull *hull, int f, const double *x, int n, uint8_t *corner, int count) {
     const dem_vec normal = dem__point(hull->plane[f]);
     const int begin = count;
@@ -13139,15 +13848,17 @@ static inline int dem__go_round(const dem__hull *hull, int f, const double *x, i
         for (int k = 0; k < n; k++) {
             if (k == at || !(hull->holds[f] >> k & 1)) continue;
             const dem_vec u = dem__sub(dem__point(x + 3 * k), dem__point(x + 3 * at));
-            if (next < 0 || dem__dot(normal, dem__cross(dem__sub(dem__point(x + 3 * next), dem__point(x + 3 * at)), u)) < 0.0) next = k;
+            if (next < 0 ||
+                dem__dot(normal, dem__cross(dem__sub(dem__point(x + 3 * next), dem__point(x + 3 * at)), u)) < 0.0)
+                next = k;
         }
         at = next;
     } while (at != first);
     return count - begin == total && total > 2 ? count : 0;
 }
 
-/* Finds the edges from the corners of faces. Returns 0 if an edge has not two faces or is too short, or the surface is not that of a
-   ball. */
+/* Finds the edges from the corners of faces. Returns 0 if an edge has not two faces or is too short, or the surface is
+   not that of a ball. */
 static inline int dem__find_edges(dem_convex *s, double shortest) {
     s->edges = 0;
     for (int f = 0; f < s->faces; f++) {
@@ -13209,13 +13920,15 @@ static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
             bulk->volume += six / 6.0;
             bulk->first = dem__plus(bulk->first, six / 24.0, dem__point(sum));
             for (int p = 0; p < 3; p++) {
-                for (int q = 0; q < 3; q++) bulk->second[p][q] += six / 120.0 * (sum[p] * sum[q] + a[p] * a[q] + b[p] * b[q] + c[p] * c[q]);
+                for (int q = 0; q < 3; q++)
+                    bulk->second[p][q] += six / 120.0 * (sum[p] * sum[q] + a[p] * a[q] + b[p] * b[q] + c[p] * c[q]);
             }
         }
     }
 }
 
-/* Turns a symmetric matrix to its principal axes (Jacobi); axis[k][a]: component a of axis k. A diagonal matrix is left as it is. */
+/* Turns a symmetric matrix to its principal axes (Jacobi); axis[k][a]: component a of axis k. A diagonal matrix is left
+   as it is. */
 static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
     const double size = m[0][0] + m[1][1] + m[2][2];
     for (int p = 0; p < 3; p++) {
@@ -13226,7 +13939,8 @@ static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
             for (int q = p + 1; q < 3; q++) {
                 if (fabs(m[p][q]) <= 1e-13 * size) continue;
                 const double theta = 0.5 * (m[q][q] - m[p][p]) / m[p][q], root = sqrt(theta * theta + 1.0);
-                const double t = theta < 0.0 ? -1.0 / (root - theta) : 1.0 / (root + theta), c = 1.0 / sqrt(t * t + 1.0), s = t * c;
+                const double t = theta < 0.0 ? -1.0 / (root - theta) : 1.0 / (root + theta),
+                             c = 1.0 / sqrt(t * t + 1.0), s = t * c;
                 for (int a = 0; a < 3; a++) {
                     const double old = m[a][p];
                     m[a][p] = c * old - s * m[a][q], m[a][q] = s * old + c * m[a][q];
@@ -13242,8 +13956,8 @@ static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
     }
 }
 
-/* Sets volume, centroid and moments; moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what is
-   wrong. */
+/* Sets volume, centroid and moments; moves the corners to the centroid and turns them to the principal axes. Returns
+   NULL, or what is wrong. */
 static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
     dem__moments bulk;
     double second[3][3], axis[3][3];
@@ -13259,7 +13973,8 @@ static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
     for (int a = 0; a < 3; a++) {
         s->axis[a] = dem__point(axis[a]);
         s->moment[a] = second[(a + 1) % 3][(a + 1) % 3] + second[(a + 2) % 3][(a + 2) % 3];
-        if (!(s->moment[a] > 0.0 && s->moment[a] < HUGE_VAL)) return "it is too small or too large for its inertia to be a number";
+        if (!(s->moment[a] > 0.0 && s->moment[a] < HUGE_VAL))
+            return "it is too small or too large for its inertia to be a number";
     }
     for (int k = 0; k < s->corners; k++) {
         const dem_vec d = dem__sub(dem__point(s->corner[k]), c);
@@ -13273,13 +13988,15 @@ static inline double dem__meet(const double *p, const double *q, const double *r
     const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
     const double det = dem__dot(a, bc);
     if (fabs(det) < 1e-6) return 0.0;
-    const dem_vec sum = dem__add(dem__scale(p[3] - inwards, bc),
-                                 dem__add(dem__scale(q[3] - inwards, dem__cross(c, a)), dem__scale(r[3] - inwards, dem__cross(a, b))));
+    const dem_vec sum =
+        dem__add(dem__scale(p[3] - inwards, bc),
+                 dem__add(dem__scale(q[3] - inwards, dem__cross(c, a)), dem__scale(r[3] - inwards, dem__cross(a, b))));
     *at = dem__scale(1.0 / det, sum);
     return fabs(det);
 }
 
-/* Adds a corner of the core unless it is there; of two equal ones the better determined one stays. Returns 0 if there are too many. */
+/* Adds a corner of the core unless it is there; of two equal ones the better determined one stays. Returns 0 if there
+   are too many. */
 static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, double det, double same) {
     int k = 0;
     while (k < core->corners && !(dem__length(dem__sub(x, dem__point(core->corner[k]))) <= same)) k++;
@@ -13291,8 +14008,8 @@ static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, dou
     return 1;
 }
 
-/* Finds the corners of a shape whose faces have moved inwards by a radius: where three of the planes meet, behind all others. Returns 0 if
-   there are too many. */
+/* Finds the corners of a shape whose faces have moved inwards by a radius: where three of the planes meet, behind all
+   others. Returns 0 if there are too many. */
 static inline int dem__erode(const dem_convex *s, dem_convex *core, double radius, double flat) {
     double sure[DEM_CORNERS_MAX];
     core->corners = 0;
@@ -13303,7 +14020,8 @@ static inline int dem__erode(const dem_convex *s, dem_convex *core, double radiu
                 int f = 0;
                 const double det = dem__meet(s->plane[a], s->plane[b], s->plane[c], radius, &x);
                 if (det == 0.0) continue;
-                while (f < s->faces && dem__dot(dem__point(s->plane[f]), x) <= s->plane[f][3] - radius + 0.1 * flat) f++;
+                while (f < s->faces && dem__dot(dem__point(s->plane[f]), x) <= s->plane[f][3] - radius + 0.1 * flat)
+                    f++;
                 if (f == s->faces && !dem__add_corner(core, sure, x, det, flat)) return 0;
             }
         }
@@ -13325,8 +14043,8 @@ static inline double dem__least_width(const dem_convex *s) {
     return least;
 }
 
-/* Finds whether the core is a box along the axes, with its middle at the centroid. Sets its corners to the half lengths to the last bit,
-   because its distances are computed from these. */
+/* Finds whether the core is a box along the axes, with its middle at the centroid. Sets its corners to the half lengths
+   to the last bit, because its distances are computed from these. */
 static inline void dem__find_box(dem_convex *s) {
     const double *h = s->corner[0];
     s->half = dem_vec3(fabs(h[0]), fabs(h[1]), fabs(h[2]));
@@ -13335,22 +14053,25 @@ static inline void dem__find_box(dem_convex *s) {
         for (int a = 0; a < 3; a++) s->is_box &= fabs(fabs(s->corner[k][a]) - dem_axis(s->half, a)) <= 1e-9 * s->reach;
     }
     for (int k = 0; k < s->corners && s->is_box; k++) {
-        for (int a = 0; a < 3; a++) s->corner[k][a] = s->corner[k][a] < 0.0 ? -dem_axis(s->half, a) : dem_axis(s->half, a);
+        for (int a = 0; a < 3; a++)
+            s->corner[k][a] = s->corner[k][a] < 0.0 ? -dem_axis(s->half, a) : dem_axis(s->half, a);
     }
 }
 
-/* Returns the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), as a mean over all
-   directions. Weight: the energy that this corner takes up in an impact, which is proportional to the share. Directions: the middles of 8 x
-   8 squares on each side of a cube. */
+/* Returns the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), as
+   a mean over all directions. Weight: the energy that this corner takes up in an impact, which is proportional to the
+   share. Directions: the middles of 8 x 8 squares on each side of a cube. */
 static inline double dem__mean_share(const dem_convex *s) {
     double sum = 0.0, weights = 0.0;
     for (int k = 0; k < 6 * 64; k++) {
-        const double a = 0.25 * (double)(k % 8) - 0.875, b = 0.25 * (double)(k / 8 % 8) - 0.875, c = k % 128 < 64 ? 1.0 : -1.0;
+        const double a = 0.25 * (double)(k % 8) - 0.875, b = 0.25 * (double)(k / 8 % 8) - 0.875,
+                     c = k % 128 < 64 ? 1.0 : -1.0;
         const int side = k / 128;
         const double length = sqrt(1.0 + a * a + b * b), weight = 1.0 / (length * length * length);
         double farthest = -HUGE_VAL, turned = 0.0;
         dem_vec n;
-        *dem_axis_of(&n, side) = c / length, *dem_axis_of(&n, (side + 1) % 3) = a / length, *dem_axis_of(&n, (side + 2) % 3) = b / length;
+        *dem_axis_of(&n, side) = c / length, *dem_axis_of(&n, (side + 1) % 3) = a / length,
+                         *dem_axis_of(&n, (side + 2) % 3) = b / length;
         for (int q = 0; q < s->corners; q++) {
             const dem_vec r = dem__point(s->corner[q]), t = dem__cross(r, n);
             if (dem__dot(r, n) <= farthest) continue;
@@ -13374,8 +14095,10 @@ static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double 
     if ((reason = dem__find_surface(s, flat)) != NULL) return reason; /* planes in the new frame */
     core = *s;
     core.radius = rounding * dem__least_width(s);
-    if (!dem__erode(s, &core, core.radius, flat)) return "its core has more than DEM_CORNERS_MAX corners: where over three faces meet";
-    if ((reason = dem__find_surface(&core, 0.1 * flat)) != NULL) return "its core is no polyhedron: a smaller rounding leaves one";
+    if (!dem__erode(s, &core, core.radius, flat))
+        return "its core has more than DEM_CORNERS_MAX corners: where over three faces meet";
+    if ((reason = dem__find_surface(&core, 0.1 * flat)) != NULL)
+        return "its core is no polyhedron: a smaller rounding leaves one";
     core.reach = 0.0;
     for (int k = 0; k < core.corners; k++) {
         const double far = dem__length(dem__point(core.corner[k])) + core.radius;
@@ -13387,7 +14110,8 @@ static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double 
     return NULL;
 }
 
-DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding, const char **reason) {
+DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding,
+                                   const char **reason) {
     const char *wrong = NULL;
     dem_vec middle = dem_vec3(0.0, 0.0, 0.0);
     if (!shape || !corners) wrong = "there is no place for the shape, or there are no corners";
@@ -13451,15 +14175,19 @@ static inline int dem__is_convex(const dem_mesh *mesh) {
 DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason) {
     const char *wrong = NULL;
     if (!mesh || !mesh->vertex || !mesh->triangle) wrong = "there is no mesh";
-    else if (mesh->vertices < 4 || mesh->vertices > DEM_CORNERS_MAX) wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
-    else if (mesh->triangles < 4 || mesh->triangles > DEM_FACES_MAX) wrong = "the number of triangles is not 4 .. DEM_FACES_MAX";
+    else if (mesh->vertices < 4 || mesh->vertices > DEM_CORNERS_MAX)
+        wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
+    else if (mesh->triangles < 4 || mesh->triangles > DEM_FACES_MAX)
+        wrong = "the number of triangles is not 4 .. DEM_FACES_MAX";
     for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->triangles; k++) {
-        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices) wrong = "a triangle has a corner that is not there";
+        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices)
+            wrong = "a triangle has a corner that is not there";
     }
     for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->vertices; k++) {
         if (!dem__moderate(mesh->vertex[k])) wrong = "a corner is not finite";
     }
-    if (!wrong && !dem__is_closed(mesh)) wrong = "the surface is not closed: an edge has not two triangles that run along it both ways";
+    if (!wrong && !dem__is_closed(mesh))
+        wrong = "the surface is not closed: an edge has not two triangles that run along it both ways";
     if (!wrong && !dem__is_convex(mesh)) wrong = "the surface is not convex, or its triangles face inwards";
     if (!wrong) return dem_make_convex(shape, (int)mesh->vertices, mesh->vertex, rounding, reason);
     if (reason) *reason = wrong;
@@ -13467,9 +14195,9 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
 }
 
 /* ------------------------------------------------------------------------------------------ >>polyhedra/distance.h */
-/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Promises: a separation that is
-   returned is never more than the true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge) and a
-   triangle (3 corners, 3 edges, 2 faces) are cores like any other. */
+/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Promises: a separation that is returned
+   is never more than the true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge)
+   and a triangle (3 corners, 3 edges, 2 faces) are cores like any other. */
 
 DEM_INLINE dem_vec dem__from_core_frame(const dem__placed *p, dem_vec v) {
     return dem__add(dem__scale(v.x, p->axis[0]), dem__plus(dem__scale(v.y, p->axis[1]), v.z, p->axis[2]));
@@ -13492,7 +14220,8 @@ DEM_INLINE int dem__farthest(const dem_convex *s, dem_vec u) {
     return best;
 }
 
-/* A simplex of corners of the difference of two cores: the corners of each, their places, and their weights in the nearest point. */
+/* A simplex of corners of the difference of two cores: the corners of each, their places, and their weights in the
+   nearest point. */
 typedef struct dem__simplex {
     int n;
     uint8_t a[4], b[4];
@@ -13508,7 +14237,8 @@ DEM_INLINE void dem__keep_corners(dem__simplex *s, int n, const int *kept, const
     s->n = n;
 }
 
-/* Returns the point of segment i, j of a simplex that is nearest to the origin, and keeps the corners between which it lies. */
+/* Returns the point of segment i, j of a simplex that is nearest to the origin, and keeps the corners between which it
+   lies. */
 static inline dem_vec dem__near_segment(dem__simplex *s, int i, int j) {
     const dem_vec p = s->at[i], u = dem__sub(s->at[j], p);
     const double along = -dem__dot(p, u), length = dem__dot(u, u);
@@ -13528,7 +14258,8 @@ static inline dem_vec dem__near_segment(dem__simplex *s, int i, int j) {
 static inline dem_vec dem__near_triangle(dem__simplex *s, int i, int j, int k) {
     const dem_vec a = s->at[i], ab = dem__sub(s->at[j], a), ac = dem__sub(s->at[k], a);
     const double d1 = -dem__dot(ab, a), d2 = -dem__dot(ac, a);
-    const double d3 = -dem__dot(ab, s->at[j]), d4 = -dem__dot(ac, s->at[j]), d5 = -dem__dot(ab, s->at[k]), d6 = -dem__dot(ac, s->at[k]);
+    const double d3 = -dem__dot(ab, s->at[j]), d4 = -dem__dot(ac, s->at[j]), d5 = -dem__dot(ab, s->at[k]),
+                 d6 = -dem__dot(ac, s->at[k]);
     const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4, all = va + vb + vc;
     if (!(all > 0.0) || vc <= 0.0 || vb <= 0.0 || va <= 0.0) { /* on the border: the nearest of three segments */
         const int pair[3][2] = {{i, j}, {i, k}, {j, k}};
@@ -13556,7 +14287,8 @@ static inline dem_vec dem__near_tetrahedron(dem__simplex *s) {
     dem_vec least = dem_vec3(0.0, 0.0, 0.0);
     double shortest = HUGE_VAL;
     for (int f = 0; f < 4; f++) {
-        const dem_vec p = s->at[face[f][0]], n = dem__cross(dem__sub(s->at[face[f][1]], p), dem__sub(s->at[face[f][2]], p));
+        const dem_vec p = s->at[face[f][0]],
+                      n = dem__cross(dem__sub(s->at[face[f][1]], p), dem__sub(s->at[face[f][2]], p));
         const double inner = dem__dot(n, dem__sub(s->at[face[f][3]], p)), origin = -dem__dot(n, p);
         if (inner * origin > 0.0) continue; /* on the side of the fourth corner */
         dem__simplex side = *s;
@@ -13577,13 +14309,14 @@ static inline dem_vec dem__near_simplex(dem__simplex *s) {
 /* Distance of two cores. */
 typedef struct dem__gap_of_cores {
     dem_vec normal;      /* from b to a, a unit vector */
-    double separation;   /* of the two cores along it: their distance, or a lower limit of it; less than 0 where they overlap */
+    double separation;   /* of the two cores along it: their distance, or a lower limit of it; less than 0 where they
+                            overlap */
     dem_vec at_a, at_b;  /* the points nearest to each other, where they do not overlap */
     int overlap, rounds; /* whether they overlap; number of iterations */
 } dem__gap_of_cores;
 
-DEM_INLINE void dem__add_corners(dem__simplex *s, const dem_convex *a, const dem__placed *pa, int i, const dem_convex *b,
-                                 const dem__placed *pb, int j) {
+DEM_INLINE void dem__add_corners(dem__simplex *s, const dem_convex *a, const dem__placed *pa, int i,
+                                 const dem_convex *b, const dem__placed *pb, int j) {
     const int k = s->n++;
     s->a[k] = (uint8_t)i, s->b[k] = (uint8_t)j;
     s->at[k] = dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j));
@@ -13596,7 +14329,8 @@ static inline void dem__begin_simplex(dem__simplex *s, const dem_convex *a, cons
     for (int k = 0; cache && k < cache->n; k++) dem__add_corners(s, a, pa, cache->a[k], b, pb, cache->b[k]);
     if (s->n > 0) return;
     const dem_vec d = dem__sub(pa->x, pb->x);
-    dem__add_corners(s, a, pa, dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, d))), b, pb, dem__farthest(b, dem__into_core(pb, d)));
+    dem__add_corners(s, a, pa, dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, d))), b, pb,
+                     dem__farthest(b, dem__into_core(pb, d)));
 }
 
 /* Returns how far a core extends from its centre in the direction n [m]. */
@@ -13605,29 +14339,34 @@ DEM_INLINE double dem__reach_along(const dem_convex *s, const dem__placed *p, de
     if (s->is_box) return fabs(u.x) * s->half.x + fabs(u.y) * s->half.y + fabs(u.z) * s->half.z;
     return dem__dot(u, dem__point(s->corner[dem__farthest(s, u)]));
 }
-/* Returns a lower limit of the distance of two cores [m]: that along n, a unit vector from b to a. A negative value says nothing: they may
-   be apart in another direction. */
-DEM_INLINE double dem__apart_along(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec n) {
+/* Returns a lower limit of the distance of two cores [m]: that along n, a unit vector from b to a. A negative value
+   says nothing: they may be apart in another direction. */
+DEM_INLINE double dem__apart_along(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                   const dem__placed *pb, dem_vec n) {
     if (n.x == 0.0 && n.y == 0.0 && n.z == 0.0) return -HUGE_VAL;
-    return dem__dot(n, dem__sub(pa->x, pb->x)) - dem__reach_along(a, pa, dem__scale(-1.0, n)) - dem__reach_along(b, pb, n);
+    return dem__dot(n, dem__sub(pa->x, pb->x)) - dem__reach_along(a, pa, dem__scale(-1.0, n)) -
+           dem__reach_along(b, pb, n);
 }
-/* Two boxes, seen from the first one: where the other one's centre is not, but whence it is seen (from b to a), and its axes. */
+/* Two boxes, seen from the first one: where the other one's centre is not, but whence it is seen (from b to a), and its
+   axes. */
 typedef struct dem__two_boxes {
     const dem_convex *a, *b;
-    double from[3], turn[3][3], size[3][3]; /* along a's axes; turn[i][m]: cosine of a's axis i and b's axis m; size: without sign */
+    double from[3], turn[3][3],
+        size[3][3]; /* along a's axes; turn[i][m]: cosine of a's axis i and b's axis m; size: without sign */
 } dem__two_boxes;
 
-/* Finds the axis k < 3 of a, or k - 3 of b, along which two boxes are farthest apart. Returns how far, as dem__apart_along; along: k, and
-   the component of the distance along it. */
+/* Finds the axis k < 3 of a, or k - 3 of b, along which two boxes are farthest apart. Returns how far, as
+   dem__apart_along; along: k, and the component of the distance along it. */
 static inline double dem__apart_along_faces(const dem__two_boxes *q, int *k, double *along) {
     double most = -HUGE_VAL;
     for (int n = 0; n < 6; n++) {
         const int i = n % 3, of_a = n < 3;
         const double *u = q->size[i];
         const dem_vec half = of_a ? q->b->half : q->a->half;
-        const double d = of_a ? q->from[i] : q->from[0] * q->turn[0][i] + q->from[1] * q->turn[1][i] + q->from[2] * q->turn[2][i];
-        const double reach =
-            of_a ? half.x * u[0] + half.y * u[1] + half.z * u[2] : half.x * q->size[0][i] + half.y * q->size[1][i] + half.z * q->size[2][i];
+        const double d =
+            of_a ? q->from[i] : q->from[0] * q->turn[0][i] + q->from[1] * q->turn[1][i] + q->from[2] * q->turn[2][i];
+        const double reach = of_a ? half.x * u[0] + half.y * u[1] + half.z * u[2]
+                                  : half.x * q->size[0][i] + half.y * q->size[1][i] + half.z * q->size[2][i];
         const double apart = fabs(d) - dem_axis(of_a ? q->a->half : q->b->half, i) - reach;
         if (apart > most) most = apart, *k = n, *along = d;
     }
@@ -13640,8 +14379,9 @@ static inline double dem__apart_along_edges(const dem__two_boxes *q, int *k, dou
         const int i = n / 3, m = n % 3, j = (i + 1) % 3, l = (i + 2) % 3, r = (m + 1) % 3, s = (m + 2) % 3;
         const double square = 1.0 - q->turn[i][m] * q->turn[i][m];
         const double d = q->from[l] * q->turn[j][m] - q->from[j] * q->turn[l][m];
-        const double apart = fabs(d) - dem_axis(q->a->half, j) * q->size[l][m] - dem_axis(q->a->half, l) * q->size[j][m] -
-                             dem_axis(q->b->half, r) * q->size[i][s] - dem_axis(q->b->half, s) * q->size[i][r];
+        const double apart = fabs(d) - dem_axis(q->a->half, j) * q->size[l][m] -
+                             dem_axis(q->a->half, l) * q->size[j][m] - dem_axis(q->b->half, r) * q->size[i][s] -
+                             dem_axis(q->b->half, s) * q->size[i][r];
         if (!(apart > 0.0) || !(square > 1e-6)) continue;
         const double distance = apart / sqrt(square);
         if (distance > most) most = distance, *k = n, *along = d;
@@ -13649,10 +14389,11 @@ static inline double dem__apart_along_edges(const dem__two_boxes *q, int *k, dou
     return most;
 }
 
-/* Looks for a direction along which two boxes are farther apart than `enough`, a unit vector from b to a, among the normals of faces, then
-   the products of edges (separating axes). Returns how far, as dem__apart_along; if it is not enough, the direction is not set. */
-static inline double dem__part_boxes(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
-                                     dem_vec *normal) {
+/* Looks for a direction along which two boxes are farther apart than `enough`, a unit vector from b to a, among the
+   normals of faces, then the products of edges (separating axes). Returns how far, as dem__apart_along; if it is not
+   enough, the direction is not set. */
+static inline double dem__part_boxes(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                     const dem__placed *pb, double enough, dem_vec *normal) {
     dem__two_boxes q;
     int k = 0;
     double along = 0.0;
@@ -13660,7 +14401,8 @@ static inline double dem__part_boxes(const dem_convex *a, const dem__placed *pa,
     q.a = a, q.b = b;
     q.from[0] = d.x, q.from[1] = d.y, q.from[2] = d.z;
     for (int i = 0; i < 3; i++) {
-        for (int m = 0; m < 3; m++) q.turn[i][m] = dem__dot(pa->axis[i], pb->axis[m]), q.size[i][m] = fabs(q.turn[i][m]);
+        for (int m = 0; m < 3; m++)
+            q.turn[i][m] = dem__dot(pa->axis[i], pb->axis[m]), q.size[i][m] = fabs(q.turn[i][m]);
     }
     double apart = dem__apart_along_faces(&q, &k, &along);
     dem_vec n = k < 3 ? pa->axis[k] : pb->axis[k - 3];
@@ -13674,10 +14416,10 @@ static inline double dem__part_boxes(const dem_convex *a, const dem__placed *pa,
     return apart;
 }
 
-/* Finds the direction of least overlap of two overlapping cores, among the normals of faces and the products of edges (separating axis
-   theorem). */
-static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
-                                      dem__gap_of_cores *gap) {
+/* Finds the direction of least overlap of two overlapping cores, among the normals of faces and the products of edges
+   (separating axis theorem). */
+static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                      const dem__placed *pb, dem__gap_of_cores *gap) {
     const int axes = a->faces + b->faces + a->edges * b->edges;
     gap->separation = -HUGE_VAL, gap->normal = dem_vec3(0.0, 0.0, 1.0);
     for (int m = 0; m < axes; m++) {
@@ -13701,8 +14443,8 @@ static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa
 }
 
 /* Computes the points of the two cores that are nearest to each other, from a simplex. */
-static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
-                                       const dem__placed *pb, dem__gap_of_cores *gap) {
+static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *a, const dem__placed *pa,
+                                       const dem_convex *b, const dem__placed *pb, dem__gap_of_cores *gap) {
     gap->at_a = gap->at_b = dem_vec3(0.0, 0.0, 0.0);
     for (int k = 0; k < s->n; k++) {
         gap->at_a = dem__plus(gap->at_a, s->part[k], dem__corner_at(a, pa, s->a[k]));
@@ -13710,13 +14452,15 @@ static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *
     }
 }
 
-/* A direction is good enough to find the points of two cores if they are as far apart along it as this share of the radii. */
+/* A direction is good enough to find the points of two cores if they are as far apart along it as this share of the
+   radii. */
 #define DEM__GOOD_AXIS 0.9
 
-/* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart than `enough`, or
-   certainly nearer and apart along a good direction. cache: of this pair, read and written, or NULL. */
-static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
-                                 dem__nearest_cache *cache, dem__gap_of_cores *gap) {
+/* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart
+   than `enough`, or certainly nearer and apart along a good direction. cache: of this pair, read and written, or NULL.
+   */
+static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
+                                 double enough, dem__nearest_cache *cache, dem__gap_of_cores *gap) {
     dem__simplex s;
     const double tiny = 1e-12 * (a->reach + b->reach);
     gap->separation = -HUGE_VAL, gap->overlap = 0;
@@ -13729,7 +14473,8 @@ static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, con
             break;
         }
         const dem_vec n = dem__scale(1.0 / distance, v);
-        const int i = dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, n))), j = dem__farthest(b, dem__into_core(pb, n));
+        const int i = dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, n))),
+                  j = dem__farthest(b, dem__into_core(pb, n));
         const double along = dem__dot(n, dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j)));
         int known = s.n == 4;
         if (along > gap->separation) gap->separation = along, gap->normal = n;
@@ -13750,7 +14495,8 @@ static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, con
 static inline void dem__segment_core(dem_convex *s, dem__placed *p, dem_vec from, dem_vec to, double radius) {
     const dem_vec u = dem__sub(to, from);
     memset(s, 0, sizeof *s);
-    p->x = from, p->axis[0] = dem_vec3(1.0, 0.0, 0.0), p->axis[1] = dem_vec3(0.0, 1.0, 0.0), p->axis[2] = dem_vec3(0.0, 0.0, 1.0);
+    p->x = from, p->axis[0] = dem_vec3(1.0, 0.0, 0.0), p->axis[1] = dem_vec3(0.0, 1.0, 0.0),
+    p->axis[2] = dem_vec3(0.0, 0.0, 1.0);
     s->corners = 2, s->edges = 1, s->radius = radius, s->reach = dem__length(u) + radius;
     s->corner[1][0] = u.x, s->corner[1][1] = u.y, s->corner[1][2] = u.z;
     s->edge[0][1] = 1;
@@ -13775,14 +14521,19 @@ static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, dou
 }
 
 /* -------------------------------------------------------------------------------------------- >>polyhedra/points.h */
-/* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Promises: a point depends on its own two features alone; weight times overlap along the normals
-   is the gradient of a potential (of a linear law), and continuous in the motion. */
+/* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Promises: a
+   point depends on its own two features alone; weight times overlap along the normals is the gradient of a potential
+   (of a linear law), and continuous in the motion. */
 
-enum { DEM__POINTS_MAX = 256 }; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
-#define DEM__WINDOW 1.000001    /* features are tested up to this multiple of the radii, so that rounding of directions does not decide */
+enum {
+    DEM__POINTS_MAX = 256
+}; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
+#define DEM__WINDOW                                                                                                    \
+    1.000001 /* features are tested up to this multiple of the radii, so that rounding of directions does not decide   \
+              */
 
-/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. Beyond `enough`, any larger value
-   without a direction. */
+/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. Beyond `enough`,
+   any larger value without a direction. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, double enough, dem_vec *n) {
     const dem_vec out = dem_vec3(fabs(p.x) - half.x, fabs(p.y) - half.y, fabs(p.z) - half.z);
     const dem_vec d = dem_vec3(out.x > 0.0 ? out.x : 0.0, out.y > 0.0 ? out.y : 0.0, out.z > 0.0 ? out.z : 0.0);
@@ -13827,8 +14578,10 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
     }
     const dem_vec outward = *n;
     for (int e = 0; e < s->edges || e == 0; e++) { /* a point has a corner, but no edge */
-        const dem_vec from = dem__point(s->corner[s->edge[e][0]]), u = dem__sub(dem__point(s->corner[s->edge[e][1]]), from);
-        const double length = dem__dot(u, u), t = length > 0.0 ? dem__clamp(dem__dot(dem__sub(p, from), u) / length, 0.0, 1.0) : 0.0;
+        const dem_vec from = dem__point(s->corner[s->edge[e][0]]),
+                      u = dem__sub(dem__point(s->corner[s->edge[e][1]]), from);
+        const double length = dem__dot(u, u),
+                     t = length > 0.0 ? dem__clamp(dem__dot(dem__sub(p, from), u) / length, 0.0, 1.0) : 0.0;
         const dem_vec d = dem__sub(p, dem__plus(from, t, u));
         const double distance = dem__length(d);
         if (!(distance < least)) continue;
@@ -13838,7 +14591,8 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
     return least;
 }
 
-/* Returns the signed distance of a point p from a core; n: the direction away from it. Beyond `enough`, any larger value. */
+/* Returns the signed distance of a point p from a core; n: the direction away from it. Beyond `enough`, any larger
+   value. */
 DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, double enough, dem_vec *n) {
     const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
     dem_vec m = dem_vec3(0.0, 0.0, 1.0);
@@ -13847,13 +14601,14 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
     return distance;
 }
 
-/* An edge in the world: where it begins, its direction, its length; in each of its two faces the direction away from it; the sum of their
-   normals. */
+/* An edge in the world: where it begins, its direction, its length; in each of its two faces the direction away from
+   it; the sum of their normals. */
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
-    double length, middle, half; /* [m]; the middle of the part that is near the other core, along it, and half the length of that */
-    int number, ends;            /* ends: bits of the ends that are corners, which have points of their own */
-    int sided;                   /* of a wall's edge: whether it is touched only from the side of `outward` */
+    double length, middle,
+        half; /* [m]; the middle of the part that is near the other core, along it, and half the length of that */
+    int number, ends; /* ends: bits of the ends that are corners, which have points of their own */
+    int sided;        /* of a wall's edge: whether it is touched only from the side of `outward` */
 } dem__placed_edge;
 
 /* Heights of corners along a direction, and which corners are near the other core. */
@@ -13879,13 +14634,15 @@ DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, do
 /* Chooses the corners whose height times sign is below `low`. */
 DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
     side->n = 0, side->limit = low, side->sign = sign;
-    for (int k = 0; k < side->shape->corners; k++) { /* without branches, as is all that follows: they could not be predicted */
+    for (int k = 0; k < side->shape->corners;
+         k++) { /* without branches, as is all that follows: they could not be predicted */
         side->corner[side->n] = (uint8_t)k;
         side->n += side->is_near[k] = sign * side->height[k] < low;
     }
 }
 
-/* Finds the part of an edge that is near the other core: all of it, or from its near end to the limit. a, b: heights of its ends [m]. */
+/* Finds the part of an edge that is near the other core: all of it, or from its near end to the limit. a, b: heights of
+   its ends [m]. */
 DEM_INLINE void dem__find_near_part(const dem__side *side, double a, double b, dem__placed_edge *p) {
     a *= side->sign, b *= side->sign;
     const double at_limit = p->length * ((side->limit - a) / (b != a ? b - a : 1.0));
@@ -13924,7 +14681,8 @@ static inline void dem__place_edge(const dem__side *side, int e, int apart, dem_
     if (dem__dot(p->outward, p->outward) < 1e-6) p->outward = dem__scale(-1.0, p->in[0]); /* the rim of a sheet */
 }
 
-/* Returns how much the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals. */
+/* Returns how much the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals.
+ */
 DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
     double lean = 0.0;
     for (int f = 0; f < 2; f++) {
@@ -13952,16 +14710,18 @@ DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *
     return distance;
 }
 
-/* Finds where two edges cross: s along p, the unit vector from q to p, and the signed distance. Returns 0 if they do not cross. apart: the
-   cores do not overlap, so that nearest points tell the direction. */
-static inline int dem__find_crossing(const dem__placed_edge *p, const dem__placed_edge *q, int apart, double *s, dem_vec *normal,
-                                     double *distance) {
+/* Finds where two edges cross: s along p, the unit vector from q to p, and the signed distance. Returns 0 if they do
+   not cross. apart: the cores do not overlap, so that nearest points tell the direction. */
+static inline int dem__find_crossing(const dem__placed_edge *p, const dem__placed_edge *q, int apart, double *s,
+                                     dem_vec *normal, double *distance) {
     const dem_vec d = dem__sub(p->from, q->from), product = dem__cross(p->along, q->along);
     const double c = dem__dot(p->along, q->along), square = dem__dot(product, product);
     if (!(square > 1e-12)) return 0; /* parallel: corners suffice */
-    const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), s_square = c * on_q - on_p, t_square = on_q - c * on_p;
+    const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), s_square = c * on_q - on_p,
+                 t_square = on_q - c * on_p;
     const double wide = DEM__WINDOW * square; /* most do not cross, which is seen without a division */
-    if (!((s_square > 0.0) & (s_square < p->length * wide) & (t_square > 0.0) & (t_square < q->length * wide))) return 0;
+    if (!((s_square > 0.0) & (s_square < p->length * wide) & (t_square > 0.0) & (t_square < q->length * wide)))
+        return 0;
     const double t = t_square / square;
     *s = s_square / square;
     if (!(*s > 0.0 && *s < p->length && t > 0.0 && t < q->length)) return 0;
@@ -13976,12 +14736,13 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
     return apart || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
 }
 
-/* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the crossing counts only
-   beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2. It is 0 with slope 0
-   where the crossing reaches an end, and that corner's own point continues. Forces are its gradient: D at the crossing and D_i at the ends,
-   with weights. The point of the crossing gets `key`, those of the ends the next four. */
-static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, int32_t key,
-                                   dem__convex_point *out) {
+/* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the
+   crossing counts only beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1
+   - (D_i/D)^2) k/2. It is 0 with slope 0 where the crossing reaches an end, and that corner's own point continues.
+   Forces are its gradient: D at the crossing and D_i at the ends, with weights. The point of the crossing gets `key`,
+   those of the ends the next four. */
+static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart,
+                                   int32_t key, dem__convex_point *out) {
     double s, distance, rest[4], left = 1.0, share[4];
     if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
     const double overlap = radii - distance;
@@ -14023,9 +14784,10 @@ DEM_INLINE int dem__passes_box(const dem__side *box, dem_vec x, double distance)
     return passes;
 }
 
-/* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if above 0, a and b have
-   changed places. */
-static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out, int n) {
+/* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if above 0,
+   a and b have changed places. */
+static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out,
+                                          int n) {
     const double radii = a->shape->radius + b->shape->radius;
     for (int m = 0; m < a->n && n < DEM__POINTS_MAX; m++) {
         const int k = a->corner[m];
@@ -14045,19 +14807,22 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
     return n;
 }
 
-/* Returns which sides of a box the near part of edge e of another core comes near to: bits 2 k and 2 k + 1 for the lower and the upper side
-   across axis k; 0 if it is not near to two sides that meet, where an edge of the box could be. seen: the core's place in the box's
-   frame. */
-DEM_INLINE unsigned dem__sides_near(const dem__side *side, const dem__placed *seen, int e, const dem_convex *box, double radii) {
+/* Returns which sides of a box the near part of edge e of another core comes near to: bits 2 k and 2 k + 1 for the
+   lower and the upper side across axis k; 0 if it is not near to two sides that meet, where an edge of the box could
+   be. seen: the core's place in the box's frame. */
+DEM_INLINE unsigned dem__sides_near(const dem__side *side, const dem__placed *seen, int e, const dem_convex *box,
+                                    double radii) {
     const uint8_t *end = side->shape->edge[e];
     const double a = side->sign * side->height[end[0]], b = side->sign * side->height[end[1]];
     const double at_limit = (side->limit - a) / (b != a ? b - a : 1.0);
     const double begins = a < side->limit ? 0.0 : at_limit, ends = b < side->limit ? 1.0 : at_limit;
-    const dem_vec from = dem__corner_at(side->shape, seen, end[0]), u = dem__sub(dem__corner_at(side->shape, seen, end[1]), from);
+    const dem_vec from = dem__corner_at(side->shape, seen, end[0]),
+                  u = dem__sub(dem__corner_at(side->shape, seen, end[1]), from);
     const dem_vec at = dem__plus(from, 0.5 * (begins + ends), u);
     const double half_part = 0.5 * (ends - begins);
     const double x[3] = {at.x, at.y, at.z}, half[3] = {box->half.x, box->half.y, box->half.z};
-    const double reach[3] = {half_part * fabs(u.x) + radii, half_part * fabs(u.y) + radii, half_part * fabs(u.z) + radii};
+    const double reach[3] = {half_part * fabs(u.x) + radii, half_part * fabs(u.y) + radii,
+                             half_part * fabs(u.z) + radii};
     unsigned sides = 0, across = 0, passes = 0;
     for (int k = 0; k < 3; k++) {
         const unsigned low = fabs(x[k] + half[k]) < reach[k], high = fabs(x[k] - half[k]) < reach[k];
@@ -14077,7 +14842,8 @@ DEM_INLINE unsigned dem__sides_of(const dem_convex *box, int corner) {
 typedef struct dem__edge_list {
     int n;
     uint8_t number[DEM_EDGES_MAX];
-    uint8_t sides[DEM_EDGES_MAX]; /* of a box: those at which an edge lies; or those of the other box that it is not near to */
+    uint8_t sides[DEM_EDGES_MAX]; /* of a box: those at which an edge lies; or those of the other box that it is not
+                                     near to */
 } dem__edge_list;
 
 /* Lists the edges that end at a near corner. */
@@ -14092,7 +14858,9 @@ static inline void dem__list_near_edges(const dem__side *side, dem__edge_list *l
 static inline void dem__find_sides(const dem__side *side, dem__edge_list *list) {
     for (int m = 0; m < list->n; m++) {
         const uint8_t *end = side->shape->edge[list->number[m]];
-        list->sides[m] = side->shape->is_box ? (uint8_t)(dem__sides_of(side->shape, end[0]) & dem__sides_of(side->shape, end[1])) : 0;
+        list->sides[m] = side->shape->is_box
+                             ? (uint8_t)(dem__sides_of(side->shape, end[0]) & dem__sides_of(side->shape, end[1]))
+                             : 0;
     }
 }
 /* Keeps the edges of a list that can cross one of the other core. */
@@ -14112,9 +14880,11 @@ static inline void dem__keep_edges(const dem__side *side, const dem__side *other
     list->n = kept;
 }
 
-/* Appends the points where edges cross to a list of n. Returns the new number. The core with fewer near edges is looked at first: if none
-   of these can cross one of the other core, nothing else is done. Edges are placed as soon as they are needed. */
-static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out, int n) {
+/* Appends the points where edges cross to a list of n. Returns the new number. The core with fewer near edges is looked
+   at first: if none of these can cross one of the other core, nothing else is done. Edges are placed as soon as they
+   are needed. */
+static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out,
+                                        int n) {
     const double radii = a->shape->radius + b->shape->radius, window = DEM__WINDOW * radii;
     uint8_t is_placed[DEM_EDGES_MAX], other[DEM_EDGES_MAX];
     dem__placed_edge p, edge[DEM_EDGES_MAX]; /* of a, and all of b: a second table would make the frame too large */
@@ -14143,10 +14913,10 @@ static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, 
     return n;
 }
 
-/* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. Returns their number. If a
-   core is a point, only its own corner counts; otherwise it would be counted twice. */
-static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec normal,
-                                   dem__convex_point *out) {
+/* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. Returns
+   their number. If a core is a point, only its own corner counts; otherwise it would be counted twice. */
+static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                   const dem__placed *pb, dem_vec normal, dem__convex_point *out) {
     dem__side sa, sb;
     const double radii = DEM__WINDOW * (a->radius + b->radius);
     double low_a, high_a, low_b, high_b;
@@ -14166,7 +14936,8 @@ static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, c
 /* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. The
    table is made once for each mesh, in a world with polyhedra. */
 
-#define DEM__FLAT_EDGE 1e-3 /* edges: sine of the angle of two triangles, up to which they are flat; corners: the same for two edges */
+#define DEM__FLAT_EDGE                                                                                                 \
+    1e-3 /* edges: sine of the angle of two triangles, up to which they are flat; corners: the same for two edges */
 
 /* Flags of entry `at`: of an edge, and of the corner at which it begins. */
 enum {
@@ -14212,7 +14983,8 @@ DEM_INLINE dem_vec dem__into_face(const dem__tree *t, int32_t at) {
 }
 
 /* Finds the sharp edges. */
-static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same, dem__keyed *items) {
+static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same,
+                                        dem__keyed *items) {
     const ptrdiff_t n = 3 * (ptrdiff_t)t->triangles;
     for (int32_t at = 0; at < (int32_t)n; at++) {
         int32_t from, to;
@@ -14226,7 +14998,8 @@ static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edg
         for (next = k + 1; next < n && items[next].key == items[k].key;) next++;
         edges->kind[at] = next - k == 2 ? 0 : DEM__EDGE | DEM__RIM;
         if (next - k != 2) continue;
-        const dem_vec in = dem__into_face(t, at), other = dem__into_face(t, items[k + 1].index), out = dem__add(in, other);
+        const dem_vec in = dem__into_face(t, at), other = dem__into_face(t, items[k + 1].index),
+                      out = dem__add(in, other);
         if (!(fabs(dem__dot(t->normal[at / 3], other)) > DEM__FLAT_EDGE)) continue;
         edges->kind[at] = DEM__EDGE;
         edges->outward[at] = dem__scale(-1.0, out);
@@ -14234,7 +15007,8 @@ static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edg
 }
 
 /* Finds the sharp corners: ends of sharp edges, except where only two of these meet in one line. */
-static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same, dem__keyed *items) {
+static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same,
+                                          dem__keyed *items) {
     ptrdiff_t n = 0;
     for (int32_t at = 0; at < 3 * t->triangles; at++) {
         int32_t end[2];
@@ -14256,7 +15030,8 @@ static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *e
             rims |= edges->kind[at] & DEM__RIM;
         }
         if (next - k == 2 && !(dem__length(sum) > DEM__FLAT_EDGE)) continue;
-        for (ptrdiff_t q = k; q < next; q++) edges->kind[items[q].index / 2] |= items[q].index % 2 ? DEM__TO_END : DEM__FROM_END;
+        for (ptrdiff_t q = k; q < next; q++)
+            edges->kind[items[q].index / 2] |= items[q].index % 2 ? DEM__TO_END : DEM__FROM_END;
         const int32_t at = items[k].index / 2, keeper = items[k].index % 2 == 0 ? at : at % 3 < 2 ? at + 1 : at - 2;
         edges->kind[keeper] |= DEM__CORNER;
         edges->tip[keeper] = rims ? dem_vec3(0.0, 0.0, 0.0) : sum;
@@ -14289,8 +15064,9 @@ static inline int dem__make_mesh_edges(const dem_allocator *a, dem__tree *t) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/walls.h */
-/* Contacts of a polyhedron with a wall: its corners are spheres, its edges capsules, and its faces touch the wall's own corners. Reads a
-   wall, a shape and its place. Promises: a point depends on these alone; forces are the gradient of a potential, as between polyhedra. */
+/* Contacts of a polyhedron with a wall: its corners are spheres, its edges capsules, and its faces touch the wall's own
+   corners. Reads a wall, a shape and its place. Promises: a point depends on these alone; forces are the gradient of a
+   potential, as between polyhedra. */
 
 /* A polyhedron at a wall, seen from its centre, and the points found so far. */
 typedef struct dem__at_wall {
@@ -14315,8 +15091,8 @@ enum {
     DEM__CROSSINGS_MAX = 4 /* of an edge with a cone, at most */
 };
 
-/* Returns the key of a corner at an element of a wall: a bar of a screen by its number, a place of a mesh by the direction of its normal in
-   the wall's frame. */
+/* Returns the key of a corner at an element of a wall: a bar of a screen by its number, a place of a mesh by the
+   direction of its normal in the wall's frame. */
 static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
     if (wall->kind == DEM_SCREEN) return corner + DEM__BAR_KEYS * (touch->element + DEM__BARS_FROM);
     if (wall->kind != DEM_MESH) return corner;
@@ -14346,8 +15122,10 @@ static inline void dem__list_edges(dem__at_wall *q) {
     for (int e = 0; e < q->shape->edges; e++) dem__place_edge(&side, e, 0, &q->edge[q->edges++]);
 }
 
-/* Sets an edge of a wall between two places, given from the polyhedron's centre. Returns 0 if it is too far away to touch. */
-DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec to, double radius, int ends, dem__placed_edge *e) {
+/* Sets an edge of a wall between two places, given from the polyhedron's centre. Returns 0 if it is too far away to
+   touch. */
+DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec to, double radius, int ends,
+                                  dem__placed_edge *e) {
     const dem_vec u = dem__sub(to, from);
     dem_vec n;
     memset(e, 0, sizeof *e);
@@ -14359,7 +15137,8 @@ DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec t
 
 /* Returns whether an edge of a wall lies wholly beyond a face of the core, by more than a distance. */
 static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_edge *e, double distance) {
-    const dem_vec from = dem__into_core(&q->core, e->from), to = dem__plus(from, e->length, dem__into_core(&q->core, e->along));
+    const dem_vec from = dem__into_core(&q->core, e->from),
+                  to = dem__plus(from, e->length, dem__into_core(&q->core, e->along));
     for (int f = 0; f < q->shape->faces; f++) {
         const dem_vec n = dem__point(q->shape->plane[f]);
         const double limit = q->shape->plane[f][3] + distance;
@@ -14368,21 +15147,23 @@ static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_e
     return 0;
 }
 
-/* Adds the points of all edges of the polyhedron at an edge of a wall with a radius. sign: 1 or -1 takes only those whose normals are on
-   that side, 0 all. */
-static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge *e, double radius, int32_t key, dem_vec side, double sign) {
+/* Adds the points of all edges of the polyhedron at an edge of a wall with a radius. sign: 1 or -1 takes only those
+   whose normals are on that side, 0 all. */
+static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge *e, double radius, int32_t key,
+                                        dem_vec side, double sign) {
     if (dem__is_beyond_face(q, e, DEM__WINDOW * (q->shape->radius + radius))) return;
     dem__list_edges(q);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
-        const int n = dem__cross_edges(&q->edge[k], e, q->shape->radius + radius, !e->sided, key + 5 * q->edge[k].number, q->out + q->n);
+        const int n = dem__cross_edges(&q->edge[k], e, q->shape->radius + radius, !e->sided,
+                                       key + 5 * q->edge[k].number, q->out + q->n);
         if (n == 0) continue;
         const double up = dem__dot(q->out[q->n].normal, side);
         if (sign == 0.0 || (sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
     }
 }
 
-/* Adds the point of a wall's corner, a sphere with a radius at x, at the polyhedron's core. tip: its outward direction; 0: it can be
-   touched from all sides. */
+/* Adds the point of a wall's corner, a sphere with a radius at x, at the polyhedron's core. tip: its outward direction;
+   0: it can be touched from all sides. */
 static inline void dem__touch_wall_corner(dem__at_wall *q, dem_vec x, double radius, dem_vec tip, int32_t key) {
     dem__convex_point *point = &q->out[q->n];
     dem_vec n;
@@ -14424,13 +15205,15 @@ static inline int dem__bar_ends(const dem_wall *w, int family, double index, dem
 }
 /* Finds the first and the last bar of a family near a polyhedron at d from the screen's origin; reach: its own [m]. */
 DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double reach, double *first, double *last) {
-    const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]), half = family ? w->half_x : w->half_y;
+    const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]),
+                 half = family ? w->half_x : w->half_y;
     const double low = dem__clamp(across - reach - 0.5 * w->wire, -half, half);
     const double high = dem__clamp(across + reach + 0.5 * w->wire, -half, half);
     *first = floor(low / pitch + 0.5), *last = floor(high / pitch + 0.5);
 }
 
-/* Adds the points of edges at a bar. A half-round bar is a capsule when touched from above, and two sharp edges when touched from below. */
+/* Adds the points of edges at a bar. A half-round bar is a capsule when touched from above, and two sharp edges when
+   touched from below. */
 static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double index, dem_vec d) {
     const dem_wall *w = q->wall;
     const double half = 0.5 * w->wire;
@@ -14456,7 +15239,8 @@ static inline void dem__touch_screen_with_edges(dem__at_wall *q) {
     double first, last;
     for (int family = 0; family < 2; family++) {
         dem__bars_near(w, family, d, q->shape->reach, &first, &last);
-        for (double index = first; index <= last && q->n < DEM__POINTS_MAX; index += 1.0) dem__touch_bar_with_edges(q, family, index, d);
+        for (double index = first; index <= last && q->n < DEM__POINTS_MAX; index += 1.0)
+            dem__touch_bar_with_edges(q, family, index, d);
     }
 }
 
@@ -14466,11 +15250,13 @@ static inline void dem__touch_cylinder_with_edges(dem__at_wall *q) {
     const dem_vec d = dem__sub(w->position, q->centre), foot = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
     const double far_off = 4.0 * (q->shape->reach + w->radius);
     dem__placed_edge e;
-    if (dem__set_wall_edge(q, dem__plus(foot, -far_off, w->axis[2]), dem__plus(foot, far_off, w->axis[2]), w->radius, 0, &e))
+    if (dem__set_wall_edge(q, dem__plus(foot, -far_off, w->axis[2]), dem__plus(foot, far_off, w->axis[2]), w->radius, 0,
+                           &e))
         dem__cross_wall_edge(q, &e, w->radius, DEM_CORNERS_MAX, w->axis[2], 0.0);
 }
 
-/* Returns the key of an edge of a mesh. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the order of the tree. */
+/* Returns the key of an edge of a mesh. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the
+   order of the tree. */
 DEM_INLINE int32_t dem__mesh_key(int32_t at) {
     return DEM_CORNERS_MAX * DEM__MESH_PLACES + (int32_t)((int64_t)(at % DEM__MESH_EDGES_MAX) * DEM__MESH_KEYS);
 }
@@ -14530,8 +15316,8 @@ static inline double dem__nearest_between(const dem__at_wall *q, const dem__plac
     return 0.5 * (low + high);
 }
 
-/* Finds the places at which an edge touches a cone between its ends, by steps along it: long ones where no contact is possible, otherwise
-   short ones. Returns their number. */
+/* Finds the places at which an edge touches a cone between its ends, by steps along it: long ones where no contact is
+   possible, otherwise short ones. Returns their number. */
 static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_edge *e, double *at) {
     const double step = 0.25 * q->shape->radius, least = 0.0625 * step;
     dem__touch was = dem__touch_cone_along(q, e, 0.0);
@@ -14590,14 +15376,17 @@ static inline void dem__touch_cone_with_edges(dem__at_wall *q) {
         const dem_vec middle = dem__plus(dem__sub(w->position, q->centre), ring ? w->length : 0.0, w->axis[2]);
         if (!(dem__length(middle) < radius + q->shape->reach)) continue;
         for (int k = 0; k < (radius > 0.0 ? DEM__RING_POINTS : 1); k++) {
-            const dem_vec out = dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI / (double)DEM__RING_POINTS * (double)k);
-            dem__touch_wall_corner(q, dem__plus(middle, radius, out), 0.0, dem_vec3(0.0, 0.0, 0.0), rings + DEM__RING_POINTS * ring + k);
+            const dem_vec out =
+                dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI / (double)DEM__RING_POINTS * (double)k);
+            dem__touch_wall_corner(q, dem__plus(middle, radius, out), 0.0, dem_vec3(0.0, 0.0, 0.0),
+                                   rings + DEM__RING_POINTS * ring + k);
         }
     }
 }
 
 /* Finds the points of a polyhedron at a wall, both at the end of the step. Returns their number. */
-static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place, dem__convex_point *out) {
+static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
+                                             dem__convex_point *out) {
     dem__touch touch[DEM__TOUCHES];
     dem__at_wall q;
     double least;
@@ -14617,9 +15406,11 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     return q.n;
 }
 
-/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that along the normal of
-   the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart in another direction. */
-static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t, int32_t k, double enough) {
+/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that
+   along the normal of the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart
+   in another direction. */
+static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t,
+                                              int32_t k, double enough) {
     const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
     const double height = dem__dot(d, up);
     double most = fabs(height) - dem__reach_along(s, core, dem__scale(height > 0.0 ? -1.0 : 1.0, up));
@@ -14662,7 +15453,8 @@ static inline double dem__clear_of_wall(const dem_wall *wall, const dem_convex *
     dem__touch touch[DEM__TOUCHES];
     double least = HUGE_VAL, gap;
     if (wall->kind == DEM_MESH) return dem__clear_of_mesh(wall, s, place) - s->radius;
-    if (wall->kind != DEM_PLANE && !(wall->inside && (wall->kind == DEM_CYLINDER || wall->kind == DEM_SPHERE))) return 0.0;
+    if (wall->kind != DEM_PLANE && !(wall->inside && (wall->kind == DEM_CYLINDER || wall->kind == DEM_SPHERE)))
+        return 0.0;
     for (int k = 0; k < s->corners; k++) { /* nothing of it is nearer than a corner */
         dem__touch_wall(wall, dem__corner_at(s, place, k), s->radius, 0.0, touch, &gap);
         least = gap < least ? gap : least;
@@ -14677,25 +15469,30 @@ static inline int dem__passes_triangle(dem_vec p, dem_vec q, dem_vec a, dem_vec 
     const dem_vec n = dem__cross(dem__sub(b, a), dem__sub(c, a)), u = dem__sub(q, p);
     const dem_vec pa = dem__sub(a, p), pb = dem__sub(b, p), pc = dem__sub(c, p);
     if (!(dem__dot(n, pa) * dem__dot(n, dem__sub(a, q)) < 0.0)) return 0;
-    const double ab = dem__dot(u, dem__cross(pa, pb)), bc = dem__dot(u, dem__cross(pb, pc)), ca = dem__dot(u, dem__cross(pc, pa));
+    const double ab = dem__dot(u, dem__cross(pa, pb)), bc = dem__dot(u, dem__cross(pb, pc)),
+                 ca = dem__dot(u, dem__cross(pc, pa));
     return (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
 }
 /* Returns whether the line from p to q, given from a cone's lower end, passes through the cone. */
 static inline int dem__passes_cone(const dem_wall *w, dem_vec p, dem_vec q) {
     const dem_vec u = dem__sub(q, p);
-    const double slope = (w->high_radius - w->radius) / w->length, z = dem__dot(p, w->axis[2]), along = dem__dot(u, w->axis[2]);
+    const double slope = (w->high_radius - w->radius) / w->length, z = dem__dot(p, w->axis[2]),
+                 along = dem__dot(u, w->axis[2]);
     const double r = w->radius + slope * z, dr = slope * along; /* radius of the cone at p, and its change to q */
     const double a = dem__dot(u, u) - along * along - dr * dr, b = dem__dot(p, u) - z * along - r * dr;
     const double c = dem__dot(p, p) - z * z - r * r, root = sqrt(b * b > a * c ? b * b - a * c : 0.0);
     const double t[2] = {b > 0.0 ? c / (-b - root) : (root - b) / a, b > 0.0 ? (-b - root) / a : c / (root - b)};
     if (b * b < a * c) return 0;
     for (int k = 0; k < 2; k++) {
-        if (t[k] >= 0.0 && t[k] <= 1.0 && z + t[k] * along >= 0.0 && z + t[k] * along <= w->length && r + t[k] * dr >= 0.0) return 1;
+        if (t[k] >= 0.0 && t[k] <= 1.0 && z + t[k] * along >= 0.0 && z + t[k] * along <= w->length &&
+            r + t[k] * dr >= 0.0)
+            return 1;
     }
     return 0;
 }
 /* Returns whether an edge of a core, whose corners are given in a mesh's frame, passes through the mesh. */
-static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s, const dem_vec *corner, dem_vec centre) {
+static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s, const dem_vec *corner,
+                                        dem_vec centre) {
     for (int32_t b = 0; b < t->nodes;) {
         const dem__node *node = &t->node[b];
         if (dem__is_far(node, centre, s->reach)) {
@@ -14707,7 +15504,8 @@ static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s,
             const dem_vec *v = t->vertex;
             const int32_t *c = t->corner + k;
             for (int e = 0; e < s->edges; e++) {
-                if (dem__passes_triangle(corner[s->edge[e][0]], corner[s->edge[e][1]], v[c[0]], v[c[1]], v[c[2]])) return 1;
+                if (dem__passes_triangle(corner[s->edge[e][0]], corner[s->edge[e][1]], v[c[0]], v[c[1]], v[c[2]]))
+                    return 1;
             }
         }
     }
@@ -14739,7 +15537,8 @@ static inline int dem__core_passes_screen(const dem_wall *w, const dem_convex *s
     }
     return 0;
 }
-/* Returns whether a core has passed into a sheet, a mesh or a cone, or into the axis of a bar: beyond them its corners touch nothing. */
+/* Returns whether a core has passed into a sheet, a mesh or a cone, or into the axis of a bar: beyond them its corners
+   touch nothing. */
 static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
     dem_vec corner[DEM_CORNERS_MAX];
     if (w->kind == DEM_SCREEN) return dem__core_passes_screen(w, s, place);
@@ -14753,8 +15552,9 @@ static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const
 }
 
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/idle.h */
-/* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that cannot touch for some steps. Reads bodies and walls; writes pairs.
-   Promises: a pair is left alone only while both of its bodies fly on, and cannot touch in that time. */
+/* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that cannot touch for some steps. Reads bodies and
+   walls; writes pairs. Promises: a pair is left alone only while both of its bodies fly on, and cannot touch in that
+   time. */
 
 /* Returns whether particle i still is in the flight that began at a step. */
 DEM_INLINE int dem__flies_on(const dem_world *w, ptrdiff_t i, int64_t origin) {
@@ -14784,7 +15584,8 @@ DEM_INLINE double dem__swing_of(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
     return r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
 }
-/* Returns how fast the surface of particle i, or a clump's sphere, moves relative to the centre of its body, at most [m/s]. */
+/* Returns how fast the surface of particle i, or a clump's sphere, moves relative to the centre of its body, at most
+   [m/s]. */
 DEM_INLINE double dem__stir_of(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
     return s ? w->engine->bodies.calls->swing(dem__rigid_of(w, i), s->reach) : dem__swing_of(w, i);
@@ -14793,7 +15594,8 @@ DEM_INLINE double dem__stir_of(const dem_world *w, ptrdiff_t i) {
 DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step) {
     return (double)(step - w->particle[i].origin) * w->engine->run.dt;
 }
-/* Returns the centre of particle i at a step. That of a polyhedron that flies needs no orientation; others have been placed. */
+/* Returns the centre of particle i at a step. That of a polyhedron that flies needs no orientation; others have been
+   placed. */
 DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step) {
     const double tau = dem__flown_until(w, i, step);
     if (!dem__shape_of(w, i)) return dem__at(w, i, tau);
@@ -14806,7 +15608,8 @@ DEM_INLINE int dem__may_rest(const dem_world *w, const dem__convex_pair *p) {
 }
 /* Returns the velocity of particle i relative to j, of their centres [m/s]. */
 DEM_INLINE dem_vec dem__drift_between(const dem_world *w, const dem__convex_pair *p, int64_t step) {
-    return dem__sub(dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)), dem__drift_at(w, p->j, dem__flown_until(w, p->j, step)));
+    return dem__sub(dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)),
+                    dem__drift_at(w, p->j, dem__flown_until(w, p->j, step)));
 }
 /* Returns how fast their relative velocity changes [m/s2]. */
 DEM_INLINE double dem__pull_between(const dem_world *w, const dem__convex_pair *p) {
@@ -14821,10 +15624,12 @@ static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p,
     p->is_close = dem__dot(d, d) < reach * reach;
     if (p->is_close || !dem__may_rest(w, p)) return;
     const double speed = dem__length(dem__drift_between(w, p, step)) + dem__swing_of(w, p->i) + dem__swing_of(w, p->j);
-    dem__leave_alone(w, p, step, dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, dem__pull_between(w, p))));
+    dem__leave_alone(w, p, step,
+                     dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, dem__pull_between(w, p))));
 }
 
-/* Returns a lower limit of the distance to the images of j that are not the nearest one of i, which is at d from j [m]. */
+/* Returns a lower limit of the distance to the images of j that are not the nearest one of i, which is at d from j [m].
+ */
 DEM_INLINE double dem__far_images(const dem_world *w, dem_vec d) {
     double least = HUGE_VAL;
     for (int a = 0; a < 3; a++) {
@@ -14834,9 +15639,10 @@ DEM_INLINE double dem__far_images(const dem_world *w, dem_vec d) {
     return least;
 }
 
-/* Leaves two particles alone, if both fly, that do not touch although the spheres around them do. d: from j to i; gap: between their
-   surfaces along n, a direction from j to i, in which nothing of them is nearer. */
-static inline void dem__rest_apart(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec d, double gap, dem_vec n) {
+/* Leaves two particles alone, if both fly, that do not touch although the spheres around them do. d: from j to i; gap:
+   between their surfaces along n, a direction from j to i, in which nothing of them is nearer. */
+static inline void dem__rest_apart(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec d, double gap,
+                                   dem_vec n) {
     const double slack = 2.0 * w->engine->pairs.position_tolerance;
     if (!(gap > slack) || !dem__may_rest(w, p)) return;
     const dem_vec v = dem__drift_between(w, p, step);
@@ -14854,17 +15660,20 @@ typedef struct dem__approach {
     int most;           /* number of steps for which they hold */
 } dem__approach;
 /* Returns this for a particle at x with velocity v and acceleration a. */
-static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall *wall, dem_vec x, dem_vec v, dem_vec a) {
+static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall *wall, dem_vec x, dem_vec v,
+                                             dem_vec a) {
     const double turn = DEM__RETEST_STEPS * w->engine->run.dt;
     dem__approach q;
     q.speed = dem__length(v) + wall->speed_bound, q.pull = dem__length(a), q.most = DEM__STEPS_MAX;
     if (!(wall->spin_bound > 0.0)) return q;
     q.most = DEM__RETEST_STEPS;
-    if (wall->asked.drive == DEM_KINEMATIC && wall->speed_bound == 0.0 && wall->spin_bound * turn < 0.02) { /* it turns evenly */
+    if (wall->asked.drive == DEM_KINEMATIC && wall->speed_bound == 0.0 &&
+        wall->spin_bound * turn < 0.02) { /* it turns evenly */
         const dem_vec arm = dem__sub(x, wall->asked.spin_centre), spin = dem__scale(wall->spin, wall->spin_axis);
         const double bound = wall->spin_bound;
         q.speed = dem__length(dem__sub(v, dem__cross(spin, arm)));
-        q.pull = 1.05 * (q.pull + bound * (bound * dem__length(arm) + 2.02 * q.speed)); /* with what they gain meanwhile, 5 % at most */
+        q.pull = 1.05 * (q.pull + bound * (bound * dem__length(arm) +
+                                           2.02 * q.speed)); /* with what they gain meanwhile, 5 % at most */
         return q;
     }
     const double out = turn * (q.speed + turn * q.pull); /* as in dem__test_wall */
@@ -14873,17 +15682,22 @@ static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall 
 }
 
 /* Returns whether particle i may be left alone at walls. */
-DEM_INLINE int dem__may_rest_at_wall(const dem_world *w, ptrdiff_t i) { return (w->def.skip & DEM_SKIP_SPACE) && dem__is_in_flight(w, i); }
+DEM_INLINE int dem__may_rest_at_wall(const dem_world *w, ptrdiff_t i) {
+    return (w->def.skip & DEM_SKIP_SPACE) && dem__is_in_flight(w, i);
+}
 
-/* Leaves a particle at x alone that flies and has a gap to a wall. reach: of what turns with it, 0 for the sphere around it [m]. */
-static inline void dem__rest_from_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec x, double gap, double reach) {
+/* Leaves a particle at x alone that flies and has a gap to a wall. reach: of what turns with it, 0 for the sphere
+   around it [m]. */
+static inline void dem__rest_from_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec x, double gap,
+                                       double reach) {
     const dem_wall *wall = &w->wall[-1 - p->j];
     const double slack = w->engine->pairs.position_tolerance;
     if (!(gap > slack)) return;
     const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
     const dem_vec v = dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)), a = dem__centre_pull(w, p->i);
     const dem__approach q = dem__approach_to(w, wall, x, v, a);
-    const double stir = reach > 0.0 ? w->engine->bodies.calls->swing(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound : 0.0;
+    const double stir =
+        reach > 0.0 ? w->engine->bodies.calls->swing(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound : 0.0;
     const double touch = dem__time_to_cover(gap - slack, q.speed + stir, q.pull),
                  cross = dem__time_to_cover(crossing - slack, dem__length(v), dem__length(a));
     const int steps = dem__steps_until(w, cross < touch ? cross : touch);
@@ -14892,7 +15706,8 @@ static inline void dem__rest_from_wall(const dem_world *w, dem__convex_pair *p, 
     p->is_close = 0;
 }
 
-/* Finds whether the sphere around a particle touches a wall, which has been moved to the step. If not, and it flies, it is left alone. */
+/* Finds whether the sphere around a particle touches a wall, which has been moved to the step. If not, and it flies, it
+   is left alone. */
 static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step) {
     const int may_rest = dem__may_rest_at_wall(w, p->i);
     const dem_vec x = dem__in_box(w, dem__centre_in(w, p->i, step));
@@ -14901,15 +15716,17 @@ static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, in
     p->is_close = 0;
     if (!dem__is_at_wall(w, p->i, -1 - p->j)) return;
     const double slack = w->engine->pairs.position_tolerance;
-    dem__touch_wall(&w->wall[-1 - p->j], x, w->particle[p->i].radius, may_rest ? w->engine->pairs.wall_reach : slack, touch, &least);
+    dem__touch_wall(&w->wall[-1 - p->j], x, w->particle[p->i].radius, may_rest ? w->engine->pairs.wall_reach : slack,
+                    touch, &least);
     p->is_close = least < slack;
     if (!p->is_close && may_rest) dem__rest_from_wall(w, p, step, x, least, 0.0);
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/pairs.h */
-/* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin and end. Reads bodies,
-   walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact depends on its own pair and step alone,
-   never on earlier tests or on threads. A contact of pair q has near = -2 - q. */
+/* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin
+   and end. Reads bodies, walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact
+   depends on its own pair and step alone, never on earlier tests or on threads. A contact of pair q has near = -2 - q.
+   */
 
 /* Places a polyhedron at a step. */
 static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
@@ -14918,7 +15735,8 @@ static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step
     const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
     dem__placed *place = &w->engine->convex.place[i];
     place->x = dem__in_box(w, p.x);
-    place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn), place->axis[2] = dem__third_axis(turn);
+    place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn),
+    place->axis[2] = dem__third_axis(turn);
 }
 /* Places those among particles first .. end-1 that take steps. */
 static inline void dem__place_active(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -14973,10 +15791,10 @@ static inline void dem__place_close(dem_world *w, int64_t step) {
 
 /* ---- points ---- */
 
-/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch: then only its gap and normal
-   are set. sphere_first: the sphere is a, the polyhedron b. */
-static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius, int sphere_first,
-                                        dem__convex_point *out) {
+/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch: then
+   only its gap and normal are set. sphere_first: the sphere is a, the polyhedron b. */
+static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius,
+                                        int sphere_first, dem__convex_point *out) {
     dem_vec n;
     const double distance = dem__from_core(s, place, x, HUGE_VAL, &n);
     out->gap = distance - radius - s->radius;
@@ -14988,7 +15806,8 @@ static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *
 }
 
 /* Finds the points of two particles; `at` is measured from the centre of i. Returns their number. */
-static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out, int64_t *overlaps) {
+static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
+                                      int64_t *overlaps) {
     const dem_convex *a = dem__shape_of(w, p->i), *b = dem__shape_of(w, p->j);
     const dem__convex_state *convex = &w->engine->convex;
     const dem_particle *particle = w->particle;
@@ -15001,16 +15820,16 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     pa.x = pb.x = dem_vec3(0.0, 0.0, 0.0);
     if (!a || !b) {
         const double radius = particle[a ? p->j : p->i].radius;
-        const int n =
-            a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out) : dem__points_of_sphere(b, &pb, d, radius, 1, out);
+        const int n = a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out)
+                        : dem__points_of_sphere(b, &pb, d, radius, 1, out);
         *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
         if (n == 0) dem__rest_apart(w, p, step, d, out->gap, out->normal);
         return n;
     }
     const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
     pb.x = dem__scale(-1.0, d);
-    /* A direction only decides which features are tested. That of an earlier step can be used as long as the cores are nearly as far apart
-       along it. */
+    /* A direction only decides which features are tested. That of an earlier step can be used as long as the cores are
+       nearly as far apart along it. */
     double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
     if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
     if (!(apart > good)) {
@@ -15030,7 +15849,8 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
     const dem_convex *s = dem__shape_of(w, p->i);
     const dem__placed *place = &w->engine->convex.place[p->i];
     const int n = dem__touch_with_polyhedron(wall, s, place, out);
-    if (n == 0 && dem__may_rest_at_wall(w, p->i)) dem__rest_from_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
+    if (n == 0 && dem__may_rest_at_wall(w, p->i))
+        dem__rest_from_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
     return n;
 }
 
@@ -15102,8 +15922,8 @@ DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_poin
     place[DEM__PLACE_GAP][c] = p->gap, place[DEM__PLACE_WEIGHT][c] = p->weight;
 }
 
-/* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall, which the contact
-   keeps. */
+/* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall,
+   which the contact keeps. */
 static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
@@ -15119,8 +15939,8 @@ static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__co
     dem__set_place_vec(w, DEM__PLACE_BEFORE, c, p->normal);
 }
 
-/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap above 0, and so
-   ends. */
+/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap
+   above 0, and so ends. */
 static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__contacts *contacts = &w->engine->contacts;
     (void)part, (void)context;
@@ -15147,10 +15967,12 @@ static inline void dem__follow_polyhedra(dem_world *w, int64_t step) {
         w->status = DEM_OUT_OF_MEMORY;
         return;
     }
-    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count, dem__follow_points, NULL);
+    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count,
+                  dem__follow_points, NULL);
     for (ptrdiff_t q = 0; q < convex->pairs; q++) {
         const dem__convex_pair *p = &convex->pair[q];
-        for (const dem__convex_point *point = convex->point + p->first; point < convex->point + p->first + p->count; point++) {
+        for (const dem__convex_point *point = convex->point + p->first; point < convex->point + p->first + p->count;
+             point++) {
             if (point->taken) continue;
             if (!dem__new_contact(w, p->i, p->j, point->key, (int32_t)(-2 - q))) return;
             dem__set_first_place(w, dem__next_slot(w) - 1, point);
@@ -15199,7 +16021,8 @@ static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pa
     return n;
 }
 
-/* Lists the pairs anew, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of memory. */
+/* Lists the pairs anew, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of memory.
+ */
 static inline int dem__list_convex_pairs(dem_world *w) {
     dem__convex_state *convex = &w->engine->convex;
     dem__contacts *contacts = &w->engine->contacts;
@@ -15228,17 +16051,19 @@ static inline int dem__list_convex_pairs(dem_world *w) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/block.h */
-/* Contacts of polyhedra in a block of the kernel: they are contacts of spheres about their points, with torques about the centres of the
-   bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are left as they are. */
+/* Contacts of polyhedra in a block of the kernel: they are contacts of spheres about their points, with torques about
+   the centres of the bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are
+   left as they are. */
 
-/* Returns particle i's mass over the mass that it has at a point of contact: 1 for a sphere; for a polyhedron, which turns aside, the
-   mean. */
+/* Returns particle i's mass over the mass that it has at a point of contact: 1 for a sphere; for a polyhedron, which
+   turns aside, the mean. */
 DEM_INLINE double dem__per_share(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
     return s ? 1.0 / s->share : 1.0;
 }
 
-/* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre. */
+/* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre.
+ */
 DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, double half, dem_vec *v, dem_vec *a) {
     const dem_particle *p = &w->particle[i];
     const dem_vec round = dem__cross(p->spin, arm);
@@ -15249,12 +16074,13 @@ DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, 
 /* Returns the arm at the other body, from that at i, the distance of the bodies and the row's normal and gap. */
 DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, int k, dem_vec arm) {
     const double reach = t->sum[k] + b->gap[k];
-    return dem_vec3(arm.x + b->dx[k] - reach * b->nx[k], arm.y + b->dy[k] - reach * b->ny[k], arm.z + b->dz[k] - reach * b->nz[k]);
+    return dem_vec3(arm.x + b->dx[k] - reach * b->nx[k], arm.y + b->dy[k] - reach * b->ny[k],
+                    arm.z + b->dz[k] - reach * b->nz[k]);
 }
 
 /* Fills row k of a polyhedron's contact with another body or a wall. */
-static inline void dem__fill_convex_row(const dem_world *w, dem__rows *b, const dem__type_rows *t, int k, ptrdiff_t c, double half,
-                                        dem__wall_row *at) {
+static inline void dem__fill_convex_row(const dem_world *w, dem__rows *b, const dem__type_rows *t, int k, ptrdiff_t c,
+                                        double half, dem__wall_row *at) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const dem_vec n = dem__place_normal(w, c), arm = dem__place_arm(w, c), before = dem__place_before(w, c);
     dem_vec v, a, other_v, other_a, spin;
@@ -15273,24 +16099,27 @@ static inline void dem__fill_convex_row(const dem_world *w, dem__rows *b, const 
         at->velocity = other_v;
         other_v = dem__plus(other_v, -half, other_a);
     }
-    const dem_vec dv = dem__sub(v, other_v), da = dem__sub(a, other_a), turned = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
+    const dem_vec dv = dem__sub(v, other_v), da = dem__sub(a, other_a),
+                  turned = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
     b->vx[k] = dv.x, b->vy[k] = dv.y, b->vz[k] = dv.z, b->ax[k] = da.x, b->ay[k] = da.y, b->az[k] = da.z;
     b->wi[0][k] = w->particle[i].spin.x, b->wi[1][k] = w->particle[i].spin.y, b->wi[2][k] = w->particle[i].spin.z;
     b->wj[0][k] = spin.x, b->wj[1][k] = spin.y, b->wj[2][k] = spin.z;
     b->tx[k] = turned.x, b->ty[k] = turned.y, b->tz[k] = turned.z;
 }
-static DEM__NOINLINE void dem__fill_convex_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, ptrdiff_t base, int n,
-                                                double half, dem__wall_row *wall) {
+static DEM__NOINLINE void dem__fill_convex_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t,
+                                                ptrdiff_t base, int n, double half, dem__wall_row *wall) {
     for (int k = 0, q = 0; k < n; k++) {
         const int at_wall = w->engine->contacts.j[base + k] < 0;
-        if (dem__is_convex_contact(w, base + k)) dem__fill_convex_row(w, b, t, k, base + k, half, at_wall ? &wall[q] : NULL);
+        if (dem__is_convex_contact(w, base + k))
+            dem__fill_convex_row(w, b, t, k, base + k, half, at_wall ? &wall[q] : NULL);
         q += at_wall;
     }
 }
 
 /* Multiplies a block's forces by their weights, and adds torques about the centres of its bodies. */
-static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem__rows *b, const dem__type_rows *t, ptrdiff_t base, int n,
-                                                  const dem__columns *at, const double *before, double half, int features) {
+static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem__rows *b, const dem__type_rows *t,
+                                                  ptrdiff_t base, int n, const dem__columns *at, const double *before,
+                                                  double half, int features) {
     const dem__contacts *contacts = &w->engine->contacts;
     double *const *out = at->out;
     for (int k = 0; k < n; k++) {
@@ -15299,11 +16128,12 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
         const double weight = contacts->touch[DEM__PLACE_WEIGHT][c];
         const dem_vec arm = dem__place_arm(w, c), other = dem__other_arm(b, t, k, arm);
         for (int a = 0; a < 9; a++) out[a][k] *= weight;
-        const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f), on_j = dem__cross(other, f);
+        const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f),
+                      on_j = dem__cross(other, f);
         for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
         if (!(features & DEM_ENERGY) || weight == 1.0) continue;
-        /* losses by powers are means of the power before, which has its weight, and of the power now; without a force, the energy of the
-           spring is lost */
+        /* losses by powers are means of the power before, which has its weight, and of the power now; without a force,
+           the energy of the spring is lost */
         if (fabs(before[k]) + fabs(at->force[k]) == 0.0) at->loss[0][k] -= (weight - 1.0) * at->elastic[k];
         else at->loss[0][k] += (weight - 1.0) * half * at->power[0][k];
         at->loss[2][k] += (weight - 1.0) * half * at->power[1][k];
@@ -15312,8 +16142,8 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
     }
 }
 
-/* Excludes polyhedra from the correction of edge steps, among the last `marked` contacts that a chunk has listed: the mass at a corner is
-   not the pair's. */
+/* Excludes polyhedra from the correction of edge steps, among the last `marked` contacts that a chunk has listed: the
+   mass at a corner is not the pair's. */
 static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
     dem__contacts *contacts = &w->engine->contacts;
     for (ptrdiff_t m = in->marked - marked; m < in->marked; m++) {
@@ -15333,8 +16163,8 @@ static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birt
 }
 
 /* ----------------------------------------------------------------------------------------------- >>polyhedra/add.h */
-/* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them (dem__convex_calls). Reads shapes;
-   writes the world through dem__add_body. */
+/* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them
+   (dem__convex_calls). Reads shapes; writes the world through dem__add_body. */
 
 static const dem__convex_calls dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
                                                  dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
@@ -15345,14 +16175,15 @@ static inline int dem__is_sound_shape(const dem_convex *c) {
     if (c->corners < 4 || c->corners > DEM_CORNERS_MAX || c->edges < 6 || c->edges > DEM_EDGES_MAX || c->faces < 4 ||
         c->faces > DEM_FACES_MAX)
         return 0;
-    int sound = dem__positive(c->radius) && dem__positive(c->reach) && dem__positive(c->volume) && c->share > 0.0 && c->share <= 1.0 &&
-                c->face_start[0] == 0 && c->face_start[c->faces] == 2 * c->edges;
+    int sound = dem__positive(c->radius) && dem__positive(c->reach) && dem__positive(c->volume) && c->share > 0.0 &&
+                c->share <= 1.0 && c->face_start[0] == 0 && c->face_start[c->faces] == 2 * c->edges;
     for (int k = 0; k < 3; k++) sound &= dem__positive(c->moment[k]);
     for (int k = 0; k < 3 * c->corners; k++) sound &= fabs(c->corner[k / 3][k % 3]) <= c->reach;
     for (int k = 0; k < 4 * c->faces; k++) sound &= fabs(c->plane[k / 4][k % 4]) <= (k % 4 < 3 ? 1.0 + 1e-9 : c->reach);
     for (int k = 0; k < c->faces; k++) sound &= c->face_start[k] < c->face_start[k + 1];
     for (int k = 0; k < 2 * c->edges; k++) {
-        sound &= c->face_corner[k] < c->corners && c->edge[k / 2][k % 2] < c->corners && c->edge_face[k / 2][k % 2] < c->faces;
+        sound &= c->face_corner[k] < c->corners && c->edge[k / 2][k % 2] < c->corners &&
+                 c->edge_face[k / 2][k % 2] < c->faces;
     }
     return sound;
 }
@@ -15372,7 +16203,9 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     convex->shape[convex->shapes++] = *shape;
     if (convex->shapes > 1) return convex->shapes - 1;
     dem__bodies *bodies = &w->engine->bodies;
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + 1)) return 0;
+    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
+                        w->count + 1))
+        return 0;
     dem__release(a, convex->shape, size);
     convex->shape = NULL, convex->shapes = 0, convex->calls = NULL;
     return -(int)DEM_OUT_OF_MEMORY;
@@ -15388,12 +16221,12 @@ static inline int dem__are_turns(ptrdiff_t n, const double *orientations) {
     return 1;
 }
 
-DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
-                                  int group) {
+DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres,
+                                  const double *orientations, int material, int group) {
     dem_world *w = world;
     if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials || shape < 0 ||
-        shape >= w->engine->convex.shapes)
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials ||
+        shape < 0 || shape >= w->engine->convex.shapes)
         return DEM_BAD_ARGUMENT;
     if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     const dem_convex *s = &w->engine->convex.shape[shape];
@@ -15402,7 +16235,8 @@ DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, cons
     for (ptrdiff_t k = 0; k < 3 * n; k++) {
         if (!dem__finite(centres[k])) return DEM_BAD_ARGUMENT;
     }
-    if (!dem__are_turns(n, orientations) || !dem__positive(density * s->moment[0] * s->moment[1])) return DEM_BAD_ARGUMENT;
+    if (!dem__are_turns(n, orientations) || !dem__positive(density * s->moment[0] * s->moment[1]))
+        return DEM_BAD_ARGUMENT;
     if (!dem__reserve_bodies(w, n, n)) return DEM_OUT_OF_MEMORY;
     dem__body_def body;
     memset(&body, 0, sizeof body);
@@ -15423,7 +16257,9 @@ DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i) {
     return world->engine->convex.shape_of[i] - 1;
 }
 DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape) {
-    return world && world->engine && shape >= 0 && shape < world->engine->convex.shapes ? &world->engine->convex.shape[shape] : NULL;
+    return world && world->engine && shape >= 0 && shape < world->engine->convex.shapes
+               ? &world->engine->convex.shape[shape]
+               : NULL;
 }
 /* Returns whether a wall cuts the core of the particle that it is listed with, in the last step. */
 static inline int dem__is_cut(const dem_world *w, const dem__convex_pair *p) {
@@ -15438,13 +16274,14 @@ static inline int dem__is_cut(const dem_world *w, const dem__convex_pair *p) {
 DEM_API int64_t dem_core_overlaps(const dem_world *world) {
     const dem__convex_state *convex = world && world->engine ? &world->engine->convex : NULL;
     int64_t n = convex ? convex->overlaps : 0;
-    for (ptrdiff_t q = convex ? convex->of_particles : 0; convex && q < convex->pairs; q++) n += dem__is_cut(world, &convex->pair[q]);
+    for (ptrdiff_t q = convex ? convex->of_particles : 0; convex && q < convex->pairs; q++)
+        n += dem__is_cut(world, &convex->pair[q]);
     return n;
 }
 
 /* --------------------------------------------------------------------------------------------------- >>save/load.h */
-/* Loading: makes a world from the records that save/save.h writes, and trusts none of them: every index, count and number that the engine
-   relies on is checked here. */
+/* Loading: makes a world from the records that save/save.h writes, and trusts none of them: every index, count and
+   number that the engine relies on is checked here. */
 
 /* A file that is read: its bytes, and where its records begin and end. */
 typedef struct dem__file {
@@ -15470,10 +16307,13 @@ static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first
     dem__record r;
     memset(name, 0, sizeof name);
     memcpy(name, first, strlen(first));
-    return dem__find_record(file->bytes, file->first, file->end, name, &r) && r.count < INT32_MAX / 4 ? (ptrdiff_t)r.count : 0;
+    return dem__find_record(file->bytes, file->first, file->end, name, &r) && r.count < INT32_MAX / 4
+               ? (ptrdiff_t)r.count
+               : 0;
 }
 
-/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of another kind. */
+/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of
+   another kind. */
 static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
     const dem__saved_field *f = &g->field[field];
     dem__record r;
@@ -15517,26 +16357,32 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     dem__material_fields(w->def.material, g);
     if (!dem__read_group(file, g, DEM_MATERIALS_MAX)) return 0;
     /* older files do not say which pairs were set */
-    for (int k = 0; k < DEM_MATERIALS_MAX * DEM_MATERIALS_MAX; k++) w->def.pair[k / DEM_MATERIALS_MAX][k % DEM_MATERIALS_MAX].given = 1;
+    for (int k = 0; k < DEM_MATERIALS_MAX * DEM_MATERIALS_MAX; k++)
+        w->def.pair[k / DEM_MATERIALS_MAX][k % DEM_MATERIALS_MAX].given = 1;
     dem__pair_fields(&w->def.pair[0][0], g);
     if (!dem__read_group(file, g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX)) return 0;
-    const int64_t counts[] = {w->step, e->run.start_step, w->particle_steps, w->contact_steps, w->looks, w->rebuilds, w->passed_total};
+    const int64_t counts[] = {w->step,  e->run.start_step, w->particle_steps, w->contact_steps,
+                              w->looks, w->rebuilds,       w->passed_total};
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
     }
-    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) || !dem__is_flag(e->bodies.has_fixed) ||
-        !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
+    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) ||
+        !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
         return 0;
-    if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 || e->links.states > DEM_STATE_MAX) return 0;
+    if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 ||
+        e->links.states > DEM_STATE_MAX)
+        return 0;
     if (!dem__not_negative(e->links.near) || !dem__not_negative(e->links.interval)) return 0;
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
-    if (!dem__is_thread_count(w->def.threads)) w->def.threads = 1; /* the caller of the saved world had set it to something else */
+    if (!dem__is_thread_count(w->def.threads))
+        w->def.threads = 1; /* the caller of the saved world had set it to something else */
     return dem__bad_field(&w->def) == NULL;
 }
 
 /* Reads the triangles of a mesh, and builds its tree anew. */
-static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocator *memory, int wall, dem_wall *a, dem__group *g) {
+static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocator *memory, int wall, dem_wall *a,
+                                        dem__group *g) {
     dem__group triangles;
     dem_status status = DEM_OK;
     dem__mesh_fields(NULL, NULL, wall, g, &triangles);
@@ -15582,7 +16428,8 @@ static inline dem_status dem__read_walls(const dem__file *file, dem_world *w, de
     for (w->walls = 0; w->walls < n; w->walls++) {
         dem_wall *a = &w->wall[w->walls];
         if (!dem__is_sound_wall(w, a)) return DEM_BAD_DATA;
-        const dem_status status = a->kind == DEM_MESH ? dem__read_mesh(file, &w->def.allocator, w->walls, a, g) : DEM_OK;
+        const dem_status status =
+            a->kind == DEM_MESH ? dem__read_mesh(file, &w->def.allocator, w->walls, a, g) : DEM_OK;
         if (status != DEM_OK) return status;
         if (a->kind == DEM_MESH) dem__count_mesh(w);
         walls->touch_keepers += a->kind == DEM_MESH || a->kind == DEM_CONE;
@@ -15606,7 +16453,8 @@ static inline int dem__read_chunks(const dem__file *file, dem_world *w, dem__gro
         const int is_last = q == n - 1;
         if (count < 0 || count > left || capacity < 0 || capacity > 64 * (all + DEM__BLOCK + present)) return 0;
         if (!is_last && count > capacity) return 0;
-        contacts->chunk[q].first = first, contacts->chunk[q].count = (ptrdiff_t)count, contacts->chunk[q].capacity = (ptrdiff_t)capacity;
+        contacts->chunk[q].first = first, contacts->chunk[q].count = (ptrdiff_t)count,
+        contacts->chunk[q].capacity = (ptrdiff_t)capacity;
         contacts->chunk[q].first_particle = is_last ? 0 : chunk[q].first_particle;
         first += (ptrdiff_t)capacity, left -= (ptrdiff_t)count;
     }
@@ -15620,7 +16468,8 @@ static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, d
     dem__convex_state *convex = &w->engine->convex;
     const ptrdiff_t n = dem__entries_of(file, "shape.corners");
     if (n == 0) return DEM_OK;
-    convex->shape = (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
+    convex->shape =
+        (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
     if (!convex->shape) return DEM_OUT_OF_MEMORY;
     memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
     convex->shapes = (int)n, convex->calls = &dem__polyhedra;
@@ -15639,13 +16488,16 @@ static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff
     dem__array list[DEM__ARRAYS_MAX];
     const ptrdiff_t live = e->contacts.count;
     e->contacts.count = 0; /* growing has nothing to keep yet */
-    if (!dem__grow_group(w, list, dem__particle_arrays(w, list), &e->bodies.block, &e->bodies.bytes, &e->bodies.capacity, present + 1))
+    if (!dem__grow_group(w, list, dem__particle_arrays(w, list), &e->bodies.block, &e->bodies.bytes,
+                         &e->bodies.capacity, present + 1))
         return 0;
     if (!dem__grow_contacts(w, dem__next_slot(w) + 1)) return 0;
-    if (links > 0 && !dem__grow_group(w, list, dem__link_arrays(w, list), &e->links.block, &e->links.bytes, &e->links.capacity, links))
+    if (links > 0 && !dem__grow_group(w, list, dem__link_arrays(w, list), &e->links.block, &e->links.bytes,
+                                      &e->links.capacity, links))
         return 0;
     if (passed > 0) {
-        w->passed = (dem_passed *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)passed * sizeof *w->passed);
+        w->passed =
+            (dem_passed *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)passed * sizeof *w->passed);
         if (!w->passed) return 0;
         memset(w->passed, 0, (size_t)passed * sizeof *w->passed);
         e->bodies.passed_capacity = passed;
@@ -15655,7 +16507,8 @@ static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff
     return 1;
 }
 
-/* Reads rigid bodies, for which there is room, and assigns their particles to them. Returns 0 if the file is not valid. */
+/* Reads rigid bodies, for which there is room, and assigns their particles to them. Returns 0 if the file is not valid.
+ */
 static inline int dem__read_bodies(const dem__file *file, dem_world *w, dem__group *g, ptrdiff_t n) {
     dem__bodies *bodies = &w->engine->bodies;
     if (n == 0) return 1;
@@ -15666,12 +16519,14 @@ static inline int dem__read_bodies(const dem__file *file, dem_world *w, dem__gro
         const dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
         const dem_quaternion t = r->turn;
         if (r->first < 0 || r->pieces < 1 || r->first > w->count - r->pieces) return 0;
-        if (!dem__positive(r->moments.x) || !dem__positive(r->moments.y) || !dem__positive(r->moments.z) || !dem__positive(r->mass))
+        if (!dem__positive(r->moments.x) || !dem__positive(r->moments.y) || !dem__positive(r->moments.z) ||
+            !dem__positive(r->mass))
             return 0;
         if (!(fabs(t.w * t.w + t.x * t.x + t.y * t.y + t.z * t.z - 1.0) < 1e-6)) return 0;
         for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
             if (dem__is_fixed(w, i) != dem__is_fixed(w, r->first)) return 0;
-            if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin || w->particle[i].mass != r->mass)
+            if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin ||
+                w->particle[i].mass != r->mass)
                 return 0;
             bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
         }
@@ -15692,7 +16547,8 @@ static inline dem_status dem__read_state(const dem__file *file, dem_world *w, de
         w->engine->bodies.number[i] = (int32_t)i;
         w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
     }
-    if (!dem__read_group(file, g, present) || !dem__read_bodies(file, w, g, bodies) || !dem__read_contacts(file, w, g)) return DEM_BAD_DATA;
+    if (!dem__read_group(file, g, present) || !dem__read_bodies(file, w, g, bodies) || !dem__read_contacts(file, w, g))
+        return DEM_BAD_DATA;
     if (links > 0) {
         dem__link_fields(w, g);
         if (!dem__read_group(file, g, links)) return DEM_BAD_DATA;
@@ -15797,7 +16653,8 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
 /* ------------------------------------------------------------------------------------------ >>contacts/time_step.h */
 /* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. */
 
-/* Returns half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007), in one form for any damping. */
+/* Returns half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007), in one form for any damping.
+ */
 DEM_INLINE double dem__half_duration(double zeta) {
     double d = zeta - 1.0;
     if (fabs(d) < 1e-3) return 1.0 - d * (1.0 / 3.0 - d * (2.0 / 15.0 - d * (2.0 / 35.0 - d * 8.0 / 315.0)));
@@ -15830,9 +16687,11 @@ DEM_API double dem_damping_ratio(double e, dem_restitution mode) {
 }
 
 DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitution mode) {
-    if (!(k > 0.0 && mass > 0.0 && zeta >= 0.0) || !(zeta <= DBL_MAX) || (mode == DEM_NAIVE && !(zeta < 1.0))) return (double)NAN;
+    if (!(k > 0.0 && mass > 0.0 && zeta >= 0.0) || !(zeta <= DBL_MAX) || (mode == DEM_NAIVE && !(zeta < 1.0)))
+        return (double)NAN;
     double period = sqrt(mass / k);
-    return mode == DEM_CLIPPED ? 2.0 * dem__half_duration(zeta) * period : RIDDLE_PI * period / sqrt((1.0 - zeta) * (1.0 + zeta));
+    return mode == DEM_CLIPPED ? 2.0 * dem__half_duration(zeta) * period
+                               : RIDDLE_PI * period / sqrt((1.0 - zeta) * (1.0 + zeta));
 }
 
 DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed) {
@@ -15842,18 +16701,19 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
     return 2.943275175395 * overlap / speed; /* 2 sqrt(pi) Gamma(7/5)/Gamma(9/10) */
 }
 
-/* Returns the least effective mass of particle i in a contact [kg]. That of a particle of a body is less than the body's mass, because the
-   body turns. */
+/* Returns the least effective mass of particle i in a contact [kg]. That of a particle of a body is less than the
+   body's mass, because the body turns. */
 static inline double dem__least_mass(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) return w->particle[i].mass;
     const double arm = dem__shape_of(w, i) ? w->particle[i].radius : dem__length(w->engine->bodies.offset[i]);
-    const double two = r->moments.x < r->moments.y ? r->moments.x : r->moments.y, least = two < r->moments.z ? two : r->moments.z;
+    const double two = r->moments.x < r->moments.y ? r->moments.x : r->moments.y,
+                 least = two < r->moments.z ? two : r->moments.z;
     return 1.0 / (1.0 / r->mass + arm * arm / least);
 }
 
-/* What is present of a material: the least radius of its free and of its fixed particles, and the least effective mass of a particle of a
-   body. */
+/* What is present of a material: the least radius of its free and of its fixed particles, and the least effective mass
+   of a particle of a body. */
 typedef struct dem__present {
     double smallest, fixed, lightest; /* [m], [m], [kg]; infinite if there is none */
     int is_wall;
@@ -15875,7 +16735,8 @@ static inline void dem__list_present(const dem_world *w, dem__present *of) {
     for (int k = 0; k < w->walls; k++) of[w->wall[k].material].is_wall |= w->wall[k].kind != DEM_EXIT;
 }
 
-/* Returns the mass of the smallest sphere of a material, or the effective mass of a particle of a body if that is less [kg]. */
+/* Returns the mass of the smallest sphere of a material, or the effective mass of a particle of a body if that is less
+   [kg]. */
 static inline double dem__mass_of(const dem_world *w, const dem__present *of, int m) {
     const double r = of[m].smallest, sphere = 4.0 / 3.0 * RIDDLE_PI * r * r * r * w->def.material[m].density;
     return sphere < of[m].lightest ? sphere : of[m].lightest;
@@ -15909,7 +16770,8 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
         if (!(of[m].smallest < HUGE_VAL)) continue;
         const dem_material *mat = &w->def.material[m];
         const double mass_m = dem__mass_of(w, of, m), shear = 0.5 * mat->young_modulus / (1.0 + mat->poisson_ratio);
-        const double rayleigh = RIDDLE_PI * of[m].smallest * sqrt(mat->density / shear) / (0.1631 * mat->poisson_ratio + 0.8766);
+        const double rayleigh =
+            RIDDLE_PI * of[m].smallest * sqrt(mat->density / shear) / (0.1631 * mat->poisson_ratio + 0.8766);
         a.rayleigh = rayleigh < a.rayleigh ? rayleigh : a.rayleigh;
         for (int q = 0; q < w->def.materials; q++) {
             for (int side = 0; side < 3; side++) { /* 0: a sphere of material q, 1: a wall of it, 2: a fixed sphere */

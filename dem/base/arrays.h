@@ -31,7 +31,9 @@ static inline int dem__field_arrays(dem_world *w, dem__array *list) {
 }
 
 /* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
-DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) { return w->engine->bodies.has_fixed && w->engine->bodies.fixed[i].on != 0; }
+DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) {
+    return w->engine->bodies.has_fixed && w->engine->bodies.fixed[i].on != 0;
+}
 
 /* Returns the shape of particle i, or NULL if it is a sphere. */
 DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
@@ -101,12 +103,15 @@ static inline int dem__may_postpone(const dem_world *w) { return w->engine->cont
 static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
-    int32_t **integers[] = {&contacts->i, &contacts->j, &contacts->element, &contacts->near, &contacts->wall_next, &contacts->type};
+    int32_t **integers[] = {&contacts->i,    &contacts->j,         &contacts->element,
+                            &contacts->near, &contacts->wall_next, &contacts->type};
     double **own[DEM__OWN_ARRAYS] = {&contacts->predict, &contacts->mass, &contacts->sum, &contacts->part};
-    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
+    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++)
+        list[n].address = integers[k], list[n].size = sizeof(int32_t);
     list[n].address = &contacts->gap, list[n++].size = sizeof(double);
     list[n].address = &contacts->force, list[n++].size = sizeof(double);
-    for (int k = 0; k < contacts->states; k++, n++) list[n].address = &contacts->state[k], list[n].size = sizeof(double);
+    for (int k = 0; k < contacts->states; k++, n++)
+        list[n].address = &contacts->state[k], list[n].size = sizeof(double);
     for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) {
         list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
     }
@@ -118,9 +123,11 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     list[n].address = &contacts->ended, list[n++].size = 1;
     /* ... with constants of their own, ... */
     for (int k = 0; k < DEM__OWN_ARRAYS; k++, n++) list[n].address = own[k], list[n].size = sizeof(double);
-    for (int k = 0; k < contacts->constants; k++, n++) list[n].address = &contacts->constant[k], list[n].size = sizeof(double);
+    for (int k = 0; k < contacts->constants; k++, n++)
+        list[n].address = &contacts->constant[k], list[n].size = sizeof(double);
     /* ... after the last step of a run, ... */
-    for (int k = 0; k < DEM__OUT_ARRAYS; k++, n++) list[n].address = &contacts->wrench[k], list[n].size = sizeof(double);
+    for (int k = 0; k < DEM__OUT_ARRAYS; k++, n++)
+        list[n].address = &contacts->wrench[k], list[n].size = sizeof(double);
     /* ... within a step */
     list[n].address = &contacts->correction, list[n++].size = sizeof(dem__correction);
     list[n].address = &contacts->edge, list[n++].size = 1;
@@ -129,19 +136,23 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* Lists the arrays of contacts, and returns the number of the first ones: those that move with a contact to another slot. */
+/* Lists the arrays of contacts, and returns the number of the first ones: those that move with a contact to another
+   slot. */
 static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
-    const int with_out = dem__contact_arrays(w, list) - dem__may_postpone(w) - DEM__STEP_ARRAYS, with_own = with_out - DEM__OUT_ARRAYS;
-    return w->engine->run.keeps_wrenches                     ? with_out
-           : w->engine->contacts.type_count > DEM__TYPES_MAX ? with_own
-                                                             : with_own - DEM__OWN_ARRAYS - w->engine->contacts.constants;
+    const int with_out = dem__contact_arrays(w, list) - dem__may_postpone(w) - DEM__STEP_ARRAYS,
+              with_own = with_out - DEM__OUT_ARRAYS;
+    return w->engine->run.keeps_wrenches ? with_out
+           : w->engine->contacts.type_count > DEM__TYPES_MAX
+               ? with_own
+               : with_own - DEM__OWN_ARRAYS - w->engine->contacts.constants;
 }
 
-/* Grows a group of arrays. All lie in one block, so that growing works for all or changes nothing; each begins with a cache line. Returns 0
-   when out of memory. */
-static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes, ptrdiff_t *capacity,
-                                  ptrdiff_t wanted) {
-    ptrdiff_t larger = wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* more arrays alone need no more entries */
+/* Grows a group of arrays. All lie in one block, so that growing works for all or changes nothing; each begins with a
+   cache line. Returns 0 when out of memory. */
+static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes,
+                                  ptrdiff_t *capacity, ptrdiff_t wanted) {
+    ptrdiff_t larger =
+        wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* more arrays alone need no more entries */
     size_t total = 64;
     if (larger < wanted) larger = wanted;
     for (int k = 0; k < n; k++) {
@@ -171,7 +182,8 @@ static inline int dem__link_arrays(dem_world *w, dem__array *list) {
     dem__links *links = &w->engine->links;
     int n = 0;
     int32_t **integers[] = {&links->i, &links->j, &links->element, &links->next_i, &links->next_j};
-    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
+    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++)
+        list[n].address = integers[k], list[n].size = sizeof(int32_t);
     for (int k = 0; k < links->states; k++, n++) list[n].address = &links->state[k], list[n].size = sizeof(double);
     for (int k = 0; k < 9; k++, n++) list[n].address = &links->wrench[k], list[n].size = sizeof(double);
     list[n].address = &links->gap, list[n++].size = sizeof(double);

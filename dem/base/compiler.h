@@ -22,10 +22,11 @@
 #define DEM__BODIES
 #endif
 
-/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built with. Clang fuses
-   only if told to by -ffp-contract=fast. Without these options gcc leaves a loop scalar if a root in it may set errno or arithmetic may
-   trap, and most loops at -O2. The loops of a step (DEM__FAST) are compiled as with -O3, all else as with -O2: that takes a quarter off the
-   time of a compiler, and nothing off the speed. With the address sanitizer the command line decides. */
+/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built
+   with. Clang fuses only if told to by -ffp-contract=fast. Without these options gcc leaves a loop scalar if a root in
+   it may set errno or arithmetic may trap, and most loops at -O2. The loops of a step (DEM__FAST) are compiled as with
+   -O3, all else as with -O2: that takes a quarter off the time of a compiler, and nothing off the speed. With the
+   address sanitizer the command line decides. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__NO_MATH_ERRNO__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wredundant-decls"
@@ -65,17 +66,18 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__CHOICE DEM_API
 #endif
 
-/* Particles are scattered in memory: those needed soon are prefetched into the second cache, because the first is full of the current
-   block. */
+/* Particles are scattered in memory: those needed soon are prefetched into the second cache, because the first is full
+   of the current block. */
 #if defined(__GNUC__)
 #define DEM__PREFETCH(address) __builtin_prefetch(address, 0, 2)
 #else
 #define DEM__PREFETCH(address) ((void)(address))
 #endif
 
-/* gcc: the law's loop writes its results directly to the contacts; ivdep tells that no iteration reads what another one writes. Clang's
-   pragma would also promise that arrays do not alias within an iteration, which is wrong here. With clang the loop writes to rows, which
-   are copied afterwards. gcc unrolls a short loop before it tries to vectorise it; `unroll 1` stops that. */
+/* gcc: the law's loop writes its results directly to the contacts; ivdep tells that no iteration reads what another one
+   writes. Clang's pragma would also promise that arrays do not alias within an iteration, which is wrong here. With
+   clang the loop writes to rows, which are copied afterwards. gcc unrolls a short loop before it tries to vectorise it;
+   `unroll 1` stops that. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define DEM__INDEPENDENT _Pragma("GCC ivdep")
 #define DEM__NO_UNROLL _Pragma("GCC unroll 1")
@@ -86,16 +88,17 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__COPY_ROWS 1
 #endif
 
-/* x86-64: the loops that vectorise are compiled twice, with AVX2 and without. The bits are the same, because neither fuses. Not on Windows,
-   where gcc does not align the stack for wide vectors (its bug 54412): there -mavx2 for the whole program gives the speed. */
+/* x86-64: the loops that vectorise are compiled twice, with AVX2 and without. The bits are the same, because neither
+   fuses. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412): there -mavx2 for the
+   whole program gives the speed. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
-#define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                                                 \
-    __attribute__((target("avx2"))) DEM__FAST static void name##_wide parameters { call; }                                                 \
-    DEM__FAST static void name parameters {                                                                                                \
-        if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                                         \
-        else call;                                                                                                                         \
+#define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
+    __attribute__((target("avx2"))) DEM__FAST static void name##_wide parameters { call; }                             \
+    DEM__FAST static void name parameters {                                                                            \
+        if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                     \
+        else call;                                                                                                     \
     }
 #else
-#define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                                                 \
+#define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
     DEM__FAST static void name parameters { call; }
 #endif

@@ -5,7 +5,7 @@
 
 DEM_API const char *dem_status_text(dem_status status) {
     switch (status) {
-#define DEM__CASE(name, text)                                                                                                              \
+#define DEM__CASE(name, text)                                                                                          \
     case name: return text;
         DEM_STATUSES(DEM__CASE)
 #undef DEM__CASE
@@ -64,10 +64,12 @@ static inline int dem__finite_vec(dem_vec v) { return dem__finite(v.x) && dem__f
 static inline int dem__positive(double v) { return v > 0.0 && v <= DBL_MAX; }
 static inline int dem__not_negative(double v) { return v >= 0.0 && v <= DBL_MAX; }
 
-/* Returns whether an acceleration, a velocity or a spin is small enough that products of three, as in energies, stay finite. False for
-   NaN. */
+/* Returns whether an acceleration, a velocity or a spin is small enough that products of three, as in energies, stay
+   finite. False for NaN. */
 static inline int dem__moderate(double v) { return fabs(v) <= 1e80; }
-static inline int dem__moderate_vec(dem_vec v) { return dem__moderate(v.x) && dem__moderate(v.y) && dem__moderate(v.z); }
+static inline int dem__moderate_vec(dem_vec v) {
+    return dem__moderate(v.x) && dem__moderate(v.y) && dem__moderate(v.z);
+}
 /* Returns whether squares of distances to a place stay finite. */
 static inline int dem__is_place(dem_vec v) { return fabs(v.x) <= 1e150 && fabs(v.y) <= 1e150 && fabs(v.z) <= 1e150; }
 
@@ -76,8 +78,9 @@ static inline int dem__is_time_step(double dt) { return dt >= 1e-60 && dt < 1e6;
 
 /* Returns whether a world has room for the numbers of a law. */
 static inline int dem__is_law(const dem_law *law) {
-    return law && law->force && law->states >= 0 && law->states <= DEM_STATE_MAX && law->vectors >= 0 && law->history <= law->states &&
-           law->vectors <= law->history / 3 && law->constants >= 0 && law->constants <= DEM_CONSTANTS_MAX;
+    return law && law->force && law->states >= 0 && law->states <= DEM_STATE_MAX && law->vectors >= 0 &&
+           law->history <= law->states && law->vectors <= law->history / 3 && law->constants >= 0 &&
+           law->constants <= DEM_CONSTANTS_MAX;
 }
 
 DEM_INLINE int dem__is_thread_count(int threads) { return threads >= 1 && threads <= 4096; }
@@ -113,7 +116,8 @@ static const char *dem__bad_field(const dem_def *def) {
     for (int a = 0; a < def->materials; a++) {
         if (!dem__positive(def->material[a].density)) return "material.density";
         if (!dem__positive(def->material[a].young_modulus)) return "material.young_modulus";
-        if (!(def->material[a].poisson_ratio >= 0.0 && def->material[a].poisson_ratio <= 0.5)) return "material.poisson_ratio";
+        if (!(def->material[a].poisson_ratio >= 0.0 && def->material[a].poisson_ratio <= 0.5))
+            return "material.poisson_ratio";
         for (int b = a; b < def->materials; b++) {
             const char *bad = dem__bad_pair(&def->pair[a][b]);
             if (bad) return bad;
@@ -155,8 +159,8 @@ static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
     return 1;
 }
 
-/* Makes the private state of an empty world, with room for the first walls, so that the array moves in few scenes. Returns 0 when out of
-   memory. */
+/* Makes the private state of an empty world, with room for the first walls, so that the array moves in few scenes.
+   Returns 0 when out of memory. */
 static inline int dem__make_engine(dem_world *w) {
     dem__engine *e = (dem__engine *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, sizeof *e);
     if (!e) return 0;

@@ -3,22 +3,28 @@
 #include "api.h"
 #include "../../base/portable_math.h"
 
-/* Rounds to multiples of 2e-100, which changes only numbers below 1e-68. Speeds that decay thus end at 0; neither they nor their squares
-   become subnormal numbers, which make a processor slow. Two additions cost less than a comparison. */
+/* Rounds to multiples of 2e-100, which changes only numbers below 1e-68. Speeds that decay thus end at 0; neither they
+   nor their squares become subnormal numbers, which make a processor slow. Two additions cost less than a comparison.
+   */
 DEM_INLINE double dem__flushed(double v) { return (v + DEM__LEAST) - DEM__LEAST; }
-DEM_INLINE dem_vec dem__flushed_vec(dem_vec v) { return dem_vec3(dem__flushed(v.x), dem__flushed(v.y), dem__flushed(v.z)); }
+DEM_INLINE dem_vec dem__flushed_vec(dem_vec v) {
+    return dem_vec3(dem__flushed(v.x), dem__flushed(v.y), dem__flushed(v.z));
+}
 
 DEM_INLINE dem_vec dem__add(dem_vec a, dem_vec b) { return dem_vec3(a.x + b.x, a.y + b.y, a.z + b.z); }
 DEM_INLINE dem_vec dem__sub(dem_vec a, dem_vec b) { return dem_vec3(a.x - b.x, a.y - b.y, a.z - b.z); }
 DEM_INLINE dem_vec dem__scale(double s, dem_vec a) { return dem_vec3(s * a.x, s * a.y, s * a.z); }
-DEM_INLINE dem_vec dem__plus(dem_vec a, double s, dem_vec b) { return dem_vec3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z); }
+DEM_INLINE dem_vec dem__plus(dem_vec a, double s, dem_vec b) {
+    return dem_vec3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
+}
 DEM_INLINE double dem__dot(dem_vec a, dem_vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 DEM_INLINE dem_vec dem__cross(dem_vec a, dem_vec b) {
     return dem_vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 DEM_INLINE double dem__length(dem_vec a) { return sqrt(dem__dot(a, a)); }
 
-/* Returns the sine of an angle, and its cosine: the bits of riddle_sin and riddle_cos, which both find the quarter turn. */
+/* Returns the sine of an angle, and its cosine: the bits of riddle_sin and riddle_cos, which both find the quarter
+   turn. */
 static DEM__NOINLINE double dem__sine(double angle, double *cosine) {
     int quarter;
     const double r = riddle__within_quarter(angle, &quarter);
@@ -30,13 +36,14 @@ static DEM__NOINLINE double dem__sine(double angle, double *cosine) {
 static DEM__NOINLINE dem_vec dem__rotated(dem_vec v, dem_vec axis, double angle) {
     double turns = angle / (2.0 * RIDDLE_PI), phase = 2.0 * RIDDLE_PI * (turns - floor(turns));
     double c, s = dem__sine(phase, &c);
-    return dem__add(dem__add(dem__scale(c, v), dem__scale(s, dem__cross(axis, v))), dem__scale((1.0 - c) * dem__dot(axis, v), axis));
+    return dem__add(dem__add(dem__scale(c, v), dem__scale(s, dem__cross(axis, v))),
+                    dem__scale((1.0 - c) * dem__dot(axis, v), axis));
 }
 
-/* Returns the displacement of a harmonic vibration from its start [m], and its velocity and acceleration. start: sine of the phase; angle:
-   2 pi times frequency and time. */
-DEM_INLINE double dem__vibration(double amplitude, double phase, double start, double angle, double rate, double *velocity,
-                                 double *acceleration) {
+/* Returns the displacement of a harmonic vibration from its start [m], and its velocity and acceleration. start: sine
+   of the phase; angle: 2 pi times frequency and time. */
+DEM_INLINE double dem__vibration(double amplitude, double phase, double start, double angle, double rate,
+                                 double *velocity, double *acceleration) {
     if (amplitude == 0.0) {
         *velocity = *acceleration = 0.0;
         return 0.0;
@@ -50,7 +57,8 @@ DEM_INLINE double dem__vibration(double amplitude, double phase, double start, d
 /* Sets the sines of a vibration's phases, which do not change while it lasts. */
 static inline void dem__set_phase_sine(dem_wall *w) {
     const dem_vec phase = w->asked.phase;
-    w->phase_sine = dem_vec3(riddle_sin(phase.x) + 0.0, riddle_sin(phase.y) + 0.0, riddle_sin(phase.z) + 0.0); /* no -0 */
+    w->phase_sine =
+        dem_vec3(riddle_sin(phase.x) + 0.0, riddle_sin(phase.y) + 0.0, riddle_sin(phase.z) + 0.0); /* no -0 */
 }
 
 /* Displacement, velocity and acceleration of a wall by vibration. */
@@ -71,8 +79,8 @@ static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
 /* Returns whether two walls vibrate alike, as a deck and its side wall do. */
 DEM_INLINE int dem__sways_like(const dem_wall *a, const dem_wall *b) {
     return memcmp(&a->asked.amplitude, &b->asked.amplitude, sizeof a->asked.amplitude) == 0 &&
-           memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 && a->asked.frequency == b->asked.frequency &&
-           a->asked.motion_start == b->asked.motion_start;
+           memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 &&
+           a->asked.frequency == b->asked.frequency && a->asked.motion_start == b->asked.motion_start;
 }
 
 /* Returns the position of a wall in a pose; axis: its axes in the pose. */
@@ -119,7 +127,8 @@ static inline void dem__rated_wall(dem_wall *w, double rate) {
     const dem_vec arm = dem__sub(w->position, w->asked.spin_centre), across = dem__cross(w->spin_axis, arm);
     w->spin = rate, w->spin_rate = w->rate_change;
     w->velocity = dem__scale(rate, across);
-    w->acceleration = dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
+    w->acceleration =
+        dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
 }
 
 /* Moves a controlled wall to its place at a time: predicted from the last step, as a particle is. */
@@ -170,26 +179,31 @@ typedef struct dem__touch {
     int32_t face; /* mesh: the triangle that has the nearest point inside its edges; -1: none */
 } dem__touch;
 
-/* The face on which a contact with a mesh rests. It is the only place touched as long as the centre is within `slack` of `at`, and a
-   contact opens by less than that in a step. */
+/* The face on which a contact with a mesh rests. It is the only place touched as long as the centre is within `slack`
+   of `at`, and a contact opens by less than that in a step. */
 typedef struct dem__footing {
     dem_vec at;   /* in the wall's own frame */
     double slack; /* [m]; 0: search */
     int32_t face;
 } dem__footing;
 
-enum { DEM__TOUCHES = 4, DEM__NUMBERS = 16 }; /* NUMBERS: contacts of a particle with a mesh, including those that end in this step */
-#define DEM__SMOOTH 0.9                       /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides is round */
+enum {
+    DEM__TOUCHES = 4,
+    DEM__NUMBERS = 16
+};                      /* NUMBERS: contacts of a particle with a mesh, including those that end in this step */
+#define DEM__SMOOTH 0.9 /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides is round */
 
 DEM_INLINE double dem__clamp(double v, double low, double high) { return v < low ? low : (v > high ? high : v); }
 
-/* Computes the vector `from`, in (along, across, up), from the nearest point of the axis of bar `index` of a family, at (index - 1/2)
-   pitch, to a centre. along: the centre's coordinate parallel to the bars; across: in the deck, perpendicular to them. Returns how far the
-   surface is from that point [m]; < 0 if there is no such bar. */
-DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, double along, double across, double up, dem_vec *from) {
+/* Computes the vector `from`, in (along, across, up), from the nearest point of the axis of bar `index` of a family, at
+   (index - 1/2) pitch, to a centre. along: the centre's coordinate parallel to the bars; across: in the deck,
+   perpendicular to them. Returns how far the surface is from that point [m]; < 0 if there is no such bar. */
+DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, double along, double across, double up,
+                                 dem_vec *from) {
     const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire);
     const double side = family ? w->half_x : w->half_y, length = family ? w->half_y : w->half_x;
-    const double end2 = w->circular ? (w->half_x - bar) * (w->half_x + bar) : length * length; /* square of its half length */
+    const double end2 =
+        w->circular ? (w->half_x - bar) * (w->half_x + bar) : length * length; /* square of its half length */
     const int beyond = !(along * along <= end2);
     const double da = !beyond ? 0.0 : along < 0.0 ? along + sqrt(end2) : along - sqrt(end2), dc = across - bar;
     *from = dem_vec3(da, dc, up);
@@ -205,15 +219,17 @@ DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, do
     return 0.0;
 }
 
-/* Computes the touch with bar `index` of a family; its normal is in (along, across, up). Returns 0 if there is no such bar. */
-DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up, double radius,
-                              dem__touch *out) {
+/* Computes the touch with bar `index` of a family; its normal is in (along, across, up). Returns 0 if there is no such
+   bar. */
+DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up,
+                              double radius, dem__touch *out) {
     dem_vec from;
     const double inner = dem__reach_bar(w, family, index, along, across, up, &from);
     if (!(inner >= 0.0)) return 0;
     const double distance = dem__length(from);
     out->gap = distance - inner - radius;
-    out->curvature = 1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on where it begins */
+    out->curvature =
+        1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on where it begins */
     out->normal = dem__scale(1.0 / distance, from);
     out->element = 2 * (int32_t)index + family;
     return distance > 0.0;
@@ -221,31 +237,37 @@ DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, doubl
 
 /* Converts a vector from (along, across, up) of a family to the world's axes. */
 DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
-    const dem_vec a = dem__scale(v.x, w->axis[family]), c = dem__scale(v.y, w->axis[1 - family]), u = dem__scale(v.z, w->axis[2]);
+    const dem_vec a = dem__scale(v.x, w->axis[family]), c = dem__scale(v.y, w->axis[1 - family]),
+                  u = dem__scale(v.z, w->axis[2]);
     return dem__add(dem__add(a, c), u);
 }
 
-/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck they are the last two. */
+/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck they
+   are the last two. */
 DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across) {
-    const double pitch = w->aperture + w->wire, half = family ? w->half_x : w->half_y, nearest = floor(across / pitch + 0.5);
+    const double pitch = w->aperture + w->wire, half = family ? w->half_x : w->half_y,
+                 nearest = floor(across / pitch + 0.5);
     if (fabs(across) < half - pitch) return nearest;
     const double last = floor(half / pitch + 0.5);
     return dem__clamp(nearest, 1.0 - last, last - 1.0);
 }
 
-/* Returns a lower limit of the gap of all other bars [m]. lowest: the smallest gap found, which counts where it is negative. */
+/* Returns a lower limit of the gap of all other bars [m]. lowest: the smallest gap found, which counts where it is
+   negative. */
 DEM_INLINE double dem__third_bar(const dem_wall *w, double radius, double lowest) {
     const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, near = lowest < 0.0 ? sum + lowest : sum;
     return sqrt(near * near + 0.75 * pitch * pitch) - sum;
 }
 
-/* Computes the touch with a frustum. Its nearest point lies in the plane of axis and centre, on a segment. d: the centre, from the low end;
-   up: along the axis. Returns 0 if the gap is not below `limit`; least: the gap. */
-static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, double radius, double limit, dem__touch *out, double *least) {
+/* Computes the touch with a frustum. Its nearest point lies in the plane of axis and centre, on a segment. d: the
+   centre, from the low end; up: along the axis. Returns 0 if the gap is not below `limit`; least: the gap. */
+static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, double radius, double limit, dem__touch *out,
+                                  double *least) {
     const dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
-    const double rho = dem__length(radial), rise = w->high_radius - w->radius, slant = sqrt(rise * rise + w->length * w->length);
-    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is nearest: any point of
-                                                                                       it */
+    const double rho = dem__length(radial), rise = w->high_radius - w->radius,
+                 slant = sqrt(rise * rise + w->length * w->length);
+    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is
+                                                                                       nearest: any point of it */
     const double along = dem__clamp(((rho - w->radius) * rise + up * w->length) / (slant * slant), 0.0, 1.0);
     const double x = rho - (w->radius + along * rise), y = up - along * w->length;
     double distance = sqrt(x * x + y * y), nx = w->length / slant, ny = -rise / slant;

@@ -8,10 +8,10 @@ static inline void dem__run_alone(int tasks, void (*task)(void *context, int ind
 }
 
 #ifdef _OPENMP
-/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer than the work
-   takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task that was interrupted counts as at
-   most three times the first, which the waiting thread ran itself. After a loss of 2 ms, loops run on one thread for 20 ms, and for twice
-   as long each time that threads lose again soon after. */
+/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer
+   than the work takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task
+   that was interrupted counts as at most three times the first, which the waiting thread ran itself. After a loss of 2
+   ms, loops run on one thread for 20 ms, and for twice as long each time that threads lose again soon after. */
 static inline void dem__judge_threads(dem__pace *pace, double start, double end, const double *spent, int tasks) {
     double alone = 0.0;
     for (int q = 0; q < tasks; q++) alone += spent[q] < 3.0 * spent[0] ? spent[q] : 3.0 * spent[0];
@@ -43,7 +43,8 @@ static inline void dem__run_openmp(dem__pace *pace, int tasks, void (*task)(void
 }
 #endif
 
-/* Runs task(context, index) for every index below `tasks`: on the host's threads, on OpenMP's, or one after the other. */
+/* Runs task(context, index) for every index below `tasks`: on the host's threads, on OpenMP's, or one after the other.
+ */
 static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *context, int index), void *context) {
     if (tasks == 1) task(context, 0); /* a parallel region would cost more than the work of a dilute step */
     else if (w->def.parallel) w->def.parallel(w->def.parallel_user, tasks, task, context);
@@ -56,7 +57,8 @@ static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *con
     }
 }
 
-/* Returns the number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for waking a thread. */
+/* Returns the number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for
+   waking a thread. */
 DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
     const int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
 #ifndef _OPENMP
@@ -72,9 +74,12 @@ DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
 }
 
 /* Returns the first of n items that belongs to a part. */
-DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / parts * part + (n % parts < part ? n % parts : part); }
+DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) {
+    return n / parts * part + (n % parts < part ? n % parts : part);
+}
 
-/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no long lead. */
+/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no
+   long lead. */
 DEM_INLINE ptrdiff_t dem__prefetch_from(ptrdiff_t n, ptrdiff_t ahead) { return n < ahead ? -n : -ahead; }
 
 /* Runs a loop over the items first .. end - 1 of part `part`. context: what the loop needs. */

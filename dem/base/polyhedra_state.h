@@ -7,12 +7,14 @@ typedef struct dem__placed {
     dem_vec x, axis[3];
 } dem__placed;
 
-/* The corners that were nearest at the last test of a pair: 12 bytes that change how fast a distance is found, not what it is. */
+/* The corners that were nearest at the last test of a pair: 12 bytes that change how fast a distance is found, not what
+   it is. */
 typedef struct dem__nearest_cache {
     uint8_t n, a[4], b[4], unused[3];
 } dem__nearest_cache;
 
-/* A point where two rounded cores a and b touch: a sphere of a's radius about `at` touches one of b's about at - (gap + radii) normal. */
+/* A point where two rounded cores a and b touch: a sphere of a's radius about `at` touches one of b's about at - (gap +
+   radii) normal. */
 typedef struct dem__convex_point {
     int32_t key;        /* 0 .. 31: corner of a; 32 .. 63: corner of b; from 64 on: a pair of edges, or its ends */
     int32_t taken;      /* a contact uses it */
@@ -32,35 +34,40 @@ typedef struct dem__convex_pair {
     dem_vec axis; /* a direction in which the cores were apart at the last test; 0: none */
 } dem__convex_pair;
 
-/* The functions that the engine calls for polyhedra, in the order of a step; they are in polyhedra/add.h. The first shape of a world sets the
-   table, so that a program that adds no shape and loads no world compiles none of them. */
+/* The functions that the engine calls for polyhedra, in the order of a step; they are in polyhedra/add.h. The first
+   shape of a world sets the table, so that a program that adds no shape and loads no world compiles none of them. */
 struct dem__rows;
 struct dem__type_rows;
 struct dem__wall_row;
 struct dem__columns;
 struct dem__chunk;
 typedef struct dem__convex_calls {
-    int (*list_pairs)(dem_world *w);                                /* lists pairs for a new list of near pairs; 0: out of memory */
-    void (*follow)(dem_world *w, int64_t step);                     /* finds points of contact at a step; moves and begins contacts */
+    int (*list_pairs)(dem_world *w);            /* lists pairs for a new list of near pairs; 0: out of memory */
+    void (*follow)(dem_world *w, int64_t step); /* finds points of contact at a step; moves and begins contacts */
     void (*prepare)(const dem_world *w, ptrdiff_t c, dem_birth *b); /* sets sizes and mass of the contact in slot c */
-    void (*fill_rows)(const dem_world *w, struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n, double half,
-                      struct dem__wall_row *wall); /* fills rows of a block before the law */
-    void (*finish_rows)(const dem_world *w, const struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n,
-                        const struct dem__columns *at, const double *before, double half, int features); /* forces and torques after the
-                                                                                                            law; before: contact forces */
-    dem_status (*add)(dem_world *w, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
-                      int group);                                                     /* adds polyhedra: dem_add_convex, for feeds */
-    void (*leave_edges)(dem_world *w, const struct dem__chunk *in, ptrdiff_t marked); /* excludes polyhedra from edge steps */
+    void (*fill_rows)(const dem_world *w, struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n,
+                      double half, struct dem__wall_row *wall); /* fills rows of a block before the law */
+    void (*finish_rows)(const dem_world *w, const struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base,
+                        int n, const struct dem__columns *at, const double *before, double half,
+                        int features); /* forces and torques after the
+                                                                                                            law; before:
+                                          contact forces */
+    dem_status (*add)(dem_world *w, int shape, ptrdiff_t n, const double *centres, const double *orientations,
+                      int material, int group); /* adds polyhedra: dem_add_convex, for feeds */
+    void (*leave_edges)(dem_world *w, const struct dem__chunk *in,
+                        ptrdiff_t marked); /* excludes polyhedra from edge steps */
 } dem__convex_calls;
 
-/* Polyhedra. polyhedra/add.h adds shapes, polyhedra/pairs.h lists pairs and finds their points. Without any shape all of it is zero. */
+/* Polyhedra. polyhedra/add.h adds shapes, polyhedra/pairs.h lists pairs and finds their points. Without any shape all
+   of it is zero. */
 typedef struct dem__convex_state {
     const dem__convex_calls *calls; /* NULL without shapes */
     dem_convex *shape;
     int shapes;
     int32_t *shape_of;      /* of a particle: its shape's number + 1, or 0 for a sphere; NULL without shapes */
     dem__placed *place;     /* of a particle that is a polyhedron: its place at the end of the present step */
-    dem__convex_pair *pair; /* those of particles in the order of near pairs, then those with walls in the order of particles and walls */
+    dem__convex_pair *pair; /* those of particles in the order of near pairs, then those with walls in the order of
+                               particles and walls */
     ptrdiff_t pairs, of_particles, pair_capacity;
     dem__convex_point *point;
     ptrdiff_t point_capacity;

@@ -1,45 +1,26 @@
-/* Public types, and the constants that tune the engine: what a host can see of a world. */
+/* Public types: what a host can see of a world. */
 #pragma once
 #include "compiler.h"
+#include "constants.h"
 
-/* Tuning constants, each with its reason. */
-#define DEM_MATERIALS_MAX 8               /* a pair table of 64 entries stays in the definition */
-#define DEM_WALLS_MAX 32                  /* every particle near a wall is tested with it; a mesh counts as one */
-#define DEM_CONSTANTS_MAX 16              /* constants of a law, computed when a contact begins */
-#define DEM_STATE_MAX 16                  /* doubles that a law may keep for each contact */
-#define DEM__TYPES_MAX 32                 /* sets of constants that contacts share: enough for a few sizes and materials */
-#define DEM__BLOCK 64                     /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
-#define DEM__STEPS_MAX (1 << 20)          /* longest life of a list, and longest delay of a test, in steps: rounding errors grow with it */
-#define DEM__RETEST_STEPS 1024            /* longest delay of a test at turning walls, in steps: beyond it another test costs little */
-#define DEM__FLIGHTS 8.0                  /* flights in a field that a bound should last: with more of them neighbours are tested sooner */
-#define DEM__AHEAD 16                     /* entries ahead for which memory is prefetched */
-#define DEM__LINE 16                      /* timers of a line, which are compared together: a cache line */
-#define DEM__PAGE (DEM__LINE * DEM__LINE) /* timers of a page: as many lines as a line has timers */
-#define DEM__REORDER_STEPS 256            /* steps between two reorderings of contacts */
-#define DEM__LIST_STEPS 100               /* steps that a list should last: building it takes as long as about thirty steps of a gas */
-#define DEM__FEW_PAIRS 3   /* near pairs a sphere: with fewer a wide margin costs little, and lists should last four times as long */
-#define DEM__CHUNKS 16     /* chunks of contacts, if they are many: more threads than that do not share them */
-#define DEM__PARTS_MAX 256 /* threads that share a step: arrays of this size lie on the stack */
-#define DEM__LEAST 1e-84   /* speeds, spins and histories of contacts are rounded to 2^-52 of this: what decays ends at 0 */
-#define DEM__MAGIC 0x0a1a64656d52u /* first bytes of a saved world */
-#define DEM__FORMAT 11u            /* version of its records: new fields do not change it */
-
-#define DEM_STATUSES(X)                                                                                                                    \
-    X(DEM_OK, "ok")                                                                                                                        \
-    X(DEM_BAD_ARGUMENT, "an argument is outside its range")                                                                                \
-    X(DEM_BAD_DEFINITION, "a field of the definition is outside its range")                                                                \
-    X(DEM_OUT_OF_MEMORY, "out of memory")                                                                                                  \
-    X(DEM_NOT_FINITE, "a particle's force or position is not finite")                                                                      \
-    X(DEM_TOO_FAST, "a particle moves more than half its radius, or a body turns by a hundred radians, in one step")                       \
-    X(DEM_TOO_MANY, "more walls, materials or particles than this header counts, or more mass than a region can hold")                     \
-    X(DEM_BAD_DATA, "neither a whole saved world of this version nor an STL file with triangles")                                          \
-    X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or links have no law: call "  \
-                        "dem_set_links after dem_load")                                                                                    \
-    X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")                                   \
-    X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")                          \
-    X(DEM_BUSY, "the world is running: a law's hooks may read it, set states of contacts and (born) add links, nothing else")              \
-    X(DEM_POLYHEDRON, "polyhedra take no links, and run with DEM_FRICTION only (a coefficient of 0 takes it out)")                         \
-    X(DEM_PAIR_NOT_SET, "two different materials touch whose pair was never set: call dem_pair() or dem_set_pair()")                       \
+#define DEM_STATUSES(X)                                                                                                \
+    X(DEM_OK, "ok")                                                                                                    \
+    X(DEM_BAD_ARGUMENT, "an argument is outside its range")                                                            \
+    X(DEM_BAD_DEFINITION, "a field of the definition is outside its range")                                            \
+    X(DEM_OUT_OF_MEMORY, "out of memory")                                                                              \
+    X(DEM_NOT_FINITE, "a particle's force or position is not finite")                                                  \
+    X(DEM_TOO_FAST, "a particle moves more than half its radius, or a body turns by a hundred radians, in one step")   \
+    X(DEM_TOO_MANY, "more walls, materials or particles than this header counts, or more mass than a region can hold") \
+    X(DEM_BAD_DATA, "neither a whole saved world of this version nor an STL file with triangles")                      \
+    X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or "      \
+                        "links have no law: call "                                                                     \
+                        "dem_set_links after dem_load")                                                                \
+    X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")               \
+    X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")      \
+    X(DEM_BUSY,                                                                                                        \
+      "the world is running: a law's hooks may read it, set states of contacts and (born) add links, nothing else")    \
+    X(DEM_POLYHEDRON, "polyhedra take no links, and run with DEM_FRICTION only (a coefficient of 0 takes it out)")     \
+    X(DEM_PAIR_NOT_SET, "two different materials touch whose pair was never set: call dem_pair() or dem_set_pair()")   \
     X(DEM_STOPPED, "stopped by the definition's function stop; nothing has changed")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
@@ -79,19 +60,20 @@ typedef enum dem_restitution {
 struct dem_world;
 #define DEM_CLUMP_MAX 64 /* spheres of a clump, at most */
 
-/* A shape of spheres that are fixed to each other, overlapping or not. Made by dem_make_clump(). Volume, moments and axes may be replaced
-   by better ones; the centres are then from the true centre of mass. */
+/* A shape of spheres that are fixed to each other, overlapping or not. Made by dem_make_clump(). Volume, moments and
+   axes may be replaced by better ones; the centres are then from the true centre of mass. */
 typedef struct dem_clump {
     int spheres;                   /* 1 .. DEM_CLUMP_MAX; only those that can touch something */
     dem_vec centre[DEM_CLUMP_MAX]; /* from the centre of mass, in the frame in which the shape was given [m] */
     double radius[DEM_CLUMP_MAX];  /* [m] */
     dem_vec origin;                /* the centre of mass, in the frame in which the shape was given [m] */
     double volume;                 /* of the union [m3] */
-    dem_vec moments;               /* principal moments of inertia over the density [m5]; the two that differ least first */
-    dem_quaternion axes;           /* from the principal axes to the frame in which the shape was given */
-    /* private: dem_add_clumps, which feeds call through it, so that a program without clumps does not compile rigid bodies */
-    dem_status (*add__)(struct dem_world *world, ptrdiff_t n, const struct dem_clump *clump, const double *centres, const double *diameters,
-                        const double *orientations, int material, int group);
+    dem_vec moments;     /* principal moments of inertia over the density [m5]; the two that differ least first */
+    dem_quaternion axes; /* from the principal axes to the frame in which the shape was given */
+    /* private: dem_add_clumps, which feeds call through it, so that a program without clumps does not compile rigid
+       bodies */
+    dem_status (*add__)(struct dem_world *world, ptrdiff_t n, const struct dem_clump *clump, const double *centres,
+                        const double *diameters, const double *orientations, int material, int group);
 } dem_clump;
 
 typedef struct dem_material {
@@ -100,21 +82,22 @@ typedef struct dem_material {
     double poisson_ratio; /* [-] 0 .. 0.5 */
 } dem_material;
 
-/* Parameters of contacts between two materials. For two different materials no defaults would suit: if they touch and their pair was never
-   set, the run gives DEM_PAIR_NOT_SET. */
+/* Parameters of contacts between two materials. For two different materials no defaults would suit: if they touch and
+   their pair was never set, the run gives DEM_PAIR_NOT_SET. */
 typedef struct dem_pair_def {
-    double stiffness;          /* k_n [N/m] > 0; DEM_LINEAR only; default 1e5 */
-    double tangential_ratio;   /* k_t / k_n [-] 0 .. 1; DEM_LINEAR only; default 2/7 */
-    double restitution;        /* coefficient of restitution e [-] 0 < e <= 1; default 0.8 */
-    double friction;           /* Coulomb coefficient [-] >= 0; default 0.3 */
-    double rolling;            /* lever arm of rolling resistance [m] >= 0; default 0. On a slope below this limit a ball creeps at 5 g
-                                  sin(slope) dt; the law contact_epsd in dem_laws.h holds it by a spring */
+    double stiffness;        /* k_n [N/m] > 0; DEM_LINEAR only; default 1e5 */
+    double tangential_ratio; /* k_t / k_n [-] 0 .. 1; DEM_LINEAR only; default 2/7 */
+    double restitution;      /* coefficient of restitution e [-] 0 < e <= 1; default 0.8 */
+    double friction;         /* Coulomb coefficient [-] >= 0; default 0.3 */
+    double rolling; /* lever arm of rolling resistance [m] >= 0; default 0. On a slope below this limit a ball creeps at
+                       5 g sin(slope) dt; the law contact_epsd in dem_laws.h holds it by a spring */
     double tangential_damping; /* tangential dashpot over the normal one [-] >= 0; default 0 */
     dem_restitution mode;      /* DEM_LINEAR only; default DEM_CLIPPED */
     int given;                 /* 1: the pair counts as set; dem_pair() and dem_set_pair() set it; default 0 */
 } dem_pair_def;
 
-/* Memory hook: fn(user, old, old_size, new_size). new_size 0 frees; old NULL allocates. Returns NULL when out of memory. */
+/* Memory hook: fn(user, old, old_size, new_size). new_size 0 frees; old NULL allocates. Returns NULL when out of
+   memory. */
 typedef struct dem_allocator {
     void *(*fn)(void *user, void *old, size_t old_size, size_t new_size);
     void *user;
@@ -122,25 +105,27 @@ typedef struct dem_allocator {
 
 /* Everything that does not change in time. Made by dem_default_def(). */
 typedef struct dem_def {
-    uint32_t cookie;         /* set by dem_default_def(); a definition without it is refused */
-    int materials;           /* number of materials, by dem_add_material() */
-    int threads;             /* number of threads >= 1; default 1; world->def.threads may be changed between runs */
-    int skip;                /* DEM_SKIP_*; default DEM_SKIP_ALL */
-    double dt;               /* time step [s] 1e-60 .. 1e6; default 1e-6; dem_advise() gives a good one */
-    double skin;             /* margin of the neighbour list, over the smallest diameter [-] > 0; default 0.35. Where lists last under 100
-                                steps (400 where pairs are few) the engine takes up to three times as much, in a narrow periodic box less */
-    dem_vec gravity;         /* [m/s2]; default (0, 0, -9.81) */
-    int periodic[3];         /* 1: the axis is periodic from low to high, over more than 2.2 of the largest diameters; default 0. Walls are
-                                not repeated: extend them a diameter past the box */
+    uint32_t cookie; /* set by dem_default_def(); a definition without it is refused */
+    int materials;   /* number of materials, by dem_add_material() */
+    int threads;     /* number of threads >= 1; default 1; world->def.threads may be changed between runs */
+    int skip;        /* DEM_SKIP_*; default DEM_SKIP_ALL */
+    double dt;       /* time step [s] 1e-60 .. 1e6; default 1e-6; dem_advise() gives a good one */
+    double skin;     /* margin of the neighbour list, over the smallest diameter [-] > 0; default 0.35. Where lists last
+                        under 100 steps (400 where pairs are few) the engine takes up to three times as much, in a narrow
+                        periodic box less */
+    dem_vec gravity; /* [m/s2]; default (0, 0, -9.81) */
+    int periodic[3]; /* 1: the axis is periodic from low to high, over more than 2.2 of the largest diameters; default
+                        0. Walls are not repeated: extend them a diameter past the box */
     dem_vec low, high;       /* [m]; used on periodic axes only; default 0 and 1 */
     dem_allocator allocator; /* default: realloc and free */
-    /* Runs task(context, index) for every index below tasks, in any order and on any thread, and returns when all are done. At most
-       `threads` tasks run at a time. Default NULL: OpenMP where the compiler has it, otherwise one after the other. Not saved. */
+    /* Runs task(context, index) for every index below tasks, in any order and on any thread, and returns when all are
+       done. At most `threads` tasks run at a time. Default NULL: OpenMP where the compiler has it, otherwise one after
+       the other. Not saved. */
     void (*parallel)(void *user, int tasks, void (*task)(void *context, int index), void *context);
     void *parallel_user;
-    /* Asked now and then, on the calling thread, while dem_fill, dem_fill_mass and the feeds look for places: other than 0 ends the call
-       with DEM_STOPPED, and nothing has changed. It may read the world. Default NULL: never asked. dem_run needs none: call it with short
-       durations. Not saved. */
+    /* Asked now and then, on the calling thread, while dem_fill, dem_fill_mass and the feeds look for places: other
+       than 0 ends the call with DEM_STOPPED, and nothing has changed. It may read the world. Default NULL: never asked.
+       dem_run needs none: call it with short durations. Not saved. */
     int (*stop)(void *user);
     void *stop_user;
     dem_material material[DEM_MATERIALS_MAX];
@@ -160,22 +145,32 @@ typedef struct dem_screen {
     double wire;         /* width of a bar [m] > 0; default 2e-3 */
     dem_profile profile; /* default DEM_SEMICIRCLE */
     int circular;        /* 1: disc of radius half_x; 0: rectangle; default 1 */
-    double half_x;       /* radius, or half length along x [m] > 0; default 0.095. With (n + 1/2) pitches a bar runs along the edge */
-    double half_y;       /* half length along y [m] > 0 if rectangular */
-    dem_vec centre;      /* centre of the deck, in the plane of the wire axes and at the centre of an aperture [m]; default 0 */
-    dem_vec normal;      /* up; default (0, 0, 1) */
-    dem_vec direction;   /* along one family of bars, made perpendicular to the normal; default (1, 0, 0) */
+    double half_x; /* radius, or half length along x [m] > 0; default 0.095. With (n + 1/2) pitches a bar runs along the
+                      edge */
+    double half_y; /* half length along y [m] > 0 if rectangular */
+    dem_vec
+        centre; /* centre of the deck, in the plane of the wire axes and at the centre of an aperture [m]; default 0 */
+    dem_vec normal;    /* up; default (0, 0, 1) */
+    dem_vec direction; /* along one family of bars, made perpendicular to the normal; default (1, 0, 0) */
 } dem_screen;
 
-/* The lateral surface of a frustum or, with equal radii, a tube of finite length: a thin sheet, touched from inside, from outside and at
-   its rims. Made by dem_default_cone(). */
+/* The lateral surface of a frustum or, with equal radii, a tube of finite length: a thin sheet, touched from inside,
+   from outside and at its rims. Made by dem_default_cone(). */
 typedef struct dem_cone {
     dem_vec low, high;  /* centres of its ends [m], not equal; default 0 and (0, 0, 0.1) */
     double low_radius;  /* at low [m] >= 0; 0 makes a tip; default 0.02 */
     double high_radius; /* at high [m] >= 0, not both 0; default 0.1 */
 } dem_cone;
 
-typedef enum dem_wall_kind { DEM_PLANE, DEM_CYLINDER, DEM_SCREEN, DEM_EXIT, DEM_SPHERE, DEM_CONE, DEM_MESH } dem_wall_kind;
+typedef enum dem_wall_kind {
+    DEM_PLANE,
+    DEM_CYLINDER,
+    DEM_SCREEN,
+    DEM_EXIT,
+    DEM_SPHERE,
+    DEM_CONE,
+    DEM_MESH
+} dem_wall_kind;
 
 /* Triangles, your own or read by dem_read_stl(). For your own arrays, set the first four fields; the rest is 0. */
 typedef struct dem_mesh {
@@ -187,13 +182,16 @@ typedef struct dem_mesh {
     size_t bytes;
 } dem_mesh;
 
-/* What dem_read_stl() found in a file. For a closed, well made surface all counts from `missing` to `wrong_normals` are 0. */
+/* What dem_read_stl() found in a file. For a closed, well made surface all counts from `missing` to `wrong_normals` are
+   0. */
 typedef struct dem_stl_report {
-    int binary;              /* 1: binary, 0: text */
-    ptrdiff_t facets;        /* whole triangles in the file; a facet of n corners counts as the n - 2 triangles into which it is cut */
-    ptrdiff_t polygons;      /* facets of more than three corners */
-    ptrdiff_t missing;       /* facets that a binary file announces and does not contain, that a text breaks off or garbles, or whose
-                                corners no fan of triangles covers; 1 more if a text that begins with "solid" ends without "endsolid" */
+    int binary;         /* 1: binary, 0: text */
+    ptrdiff_t facets;   /* whole triangles in the file; a facet of n corners counts as the n - 2 triangles into which it
+                           is cut */
+    ptrdiff_t polygons; /* facets of more than three corners */
+    ptrdiff_t missing;  /* facets that a binary file announces and does not contain, that a text breaks off or garbles,
+                           or whose  corners no fan of triangles covers; 1 more if a text that begins with "solid" ends
+                           without "endsolid" */
     ptrdiff_t unannounced;   /* facets of a binary file beyond its count; read, because they end with the file */
     ptrdiff_t surplus;       /* bytes of a binary file after its facets; not read */
     ptrdiff_t not_finite;    /* left out: a coordinate is NaN or infinite */
@@ -202,7 +200,8 @@ typedef struct dem_stl_report {
     ptrdiff_t open_edges;    /* edges of one triangle only: the rims of holes */
     ptrdiff_t nonmanifold;   /* edges of more than two triangles */
     ptrdiff_t inconsistent;  /* edges whose two triangles have opposite orientations */
-    ptrdiff_t wrong_normals; /* stored normals more than 60 degrees off the triangle's own; normals of length 0 do not count */
+    ptrdiff_t wrong_normals; /* stored normals more than 60 degrees off the triangle's own; normals of length 0 do not
+                                count */
     double area;             /* [m2] */
     double volume;           /* [m3] of a closed surface, negative if it is inside out; meaningless with open edges */
     dem_vec low, high;       /* corners of its bounding box [m] */
@@ -213,8 +212,8 @@ typedef struct dem_pose {
     dem_vec shift; /* [m] */
     dem_vec turn;  /* axis times angle [rad] */
 } dem_pose;
-/* Motion of a wall: a pure function of time [s] (and of *user, which must not change), as smooth as the motion of a body is. It is called
-   for times in any order, also one time step before and after the run. *pose is zero at entry. */
+/* Motion of a wall: a pure function of time [s] (and of *user, which must not change), as smooth as the motion of a
+   body is. It is called for times in any order, also one time step before and after the run. *pose is zero at entry. */
 typedef void (*dem_motion_fn)(void *user, double time, dem_pose *pose);
 
 typedef enum dem_drive {
@@ -228,14 +227,15 @@ struct dem__tree;
 
 /* The motion of a wall as the functions that move walls set it. */
 typedef struct dem_wall_motion {
-    int drive;                     /* dem_drive */
-    dem_vec origin, rest_axis[3];  /* position and axes of the wall when the motion began [m] */
-    double motion_start;           /* time at which the motion began; controlled: time of the coordinate [s] */
-    dem_vec amplitude, phase;      /* vibration: displacement A (sin(2 pi f t + phase) - sin(phase)) by component [m], [rad] */
-    double frequency;              /* [Hz] */
-    dem_vec drift;                 /* constant velocity [m/s] */
-    dem_vec spin_centre;           /* centre of a rotation [m] */
-    dem_vec belt;                  /* velocity of its surface within itself [m/s] */
+    int drive;                    /* dem_drive */
+    dem_vec origin, rest_axis[3]; /* position and axes of the wall when the motion began [m] */
+    double motion_start;          /* time at which the motion began; controlled: time of the coordinate [s] */
+    dem_vec amplitude,
+        phase;           /* vibration: displacement A (sin(2 pi f t + phase) - sin(phase)) by component [m], [rad] */
+    double frequency;    /* [Hz] */
+    dem_vec drift;       /* constant velocity [m/s] */
+    dem_vec spin_centre; /* centre of a rotation [m] */
+    dem_vec belt;        /* velocity of its surface within itself [m/s] */
     double inertia, load, damping; /* controlled: [kg], [N], [N s/m] or [kg m2], [N m], [N m s/rad] */
     dem_motion_fn motion;          /* prescribed */
     void *motion_user;
@@ -253,22 +253,25 @@ typedef struct dem_wall {
     double half_x, half_y;      /* screen [m] */
     struct dem__tree *tree;     /* mesh: the triangles, owned */
     int solid;                  /* mesh: 1: a closed body, whose inside is occupied; 0: a sheet */
-    uint32_t groups;            /* bit g: acts on particles of group g; bit 31: on those of all other groups; set by dem_set_wall_groups */
+    uint32_t groups;            /* bit g: acts on particles of group g; bit 31: on those of all other groups; set by
+                                   dem_set_wall_groups */
 
     dem_wall_motion asked;
 
-    dem_vec axis[3];                          /* its own frame, in the world's; axis[2] is the normal or the cylinder's axis */
+    dem_vec axis[3]; /* its own frame, in the world's; axis[2] is the normal or the cylinder's axis */
     dem_vec position, velocity, acceleration; /* of its origin */
     dem_vec spin_axis;                        /* axis of its rotation; controlled: of the motion */
     double spin, spin_rate;                   /* [rad/s], [rad/s2] */
-    double coordinate, rate, rate_change;     /* controlled: distance [m] or angle [rad] since control began, and its derivatives */
-    dem_vec force, torque;                    /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
-    dem_vec impulse;                          /* time integral of the force [N s] */
+    double coordinate, rate,
+        rate_change;       /* controlled: distance [m] or angle [rad] since control began, and its derivatives */
+    dem_vec force, torque; /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
+    dem_vec impulse;       /* time integral of the force [N s] */
 
     int slides;                     /* private: 1 if its surface moves otherwise than its origin */
-    double speed_bound, spin_bound; /* private: limits of its origin's speed, apart from rotation, and of its spin, until timers are
-                                       reset */
-    double acceleration_bound;      /* private: kinematic: limit of the acceleration of its origin, apart from rotation [m/s2] */
+    double speed_bound, spin_bound; /* private: limits of its origin's speed, apart from rotation, and of its spin,
+                                       until timers are reset */
+    double acceleration_bound;      /* private: kinematic: limit of the acceleration of its origin, apart from rotation
+                                       [m/s2] */
     double side_bound;              /* private: the same perpendicular to axis[2] */
     dem_vec phase_sine;             /* private: sine of the vibration's phase, by component */
 } dem_wall;
@@ -284,73 +287,9 @@ typedef struct dem_passed {
 
 /* ---- laws ---- */
 
-/* Input of a law for one contact. i is a sphere, j a sphere or a wall; n points from j to i. */
-typedef struct dem_contact {
-    double gap;              /* S = distance - r_i - r_j [m]; negative: overlap */
-    double closing;          /* -dS/dt [m/s]; positive: approaching */
-    double slip[3];          /* velocity of i's surface relative to j's, tangential [m/s] */
-    double translation[3];   /* the part of slip that comes from the centres' velocities [m/s] */
-    double spin[3];          /* w_i - w_j [rad/s] */
-    double normal[3];        /* n */
-    double mass;             /* m_eff = m_i m_j/(m_i + m_j); wall: m_i [kg] */
-    double dt;               /* time by which the history advances [s]; 0 when only the force is wanted */
-    double rate;             /* 1 / time step of the world [1/s] */
-    double share;            /* 1 / number of contacts of the partner that has more [-] */
-    const double *constants; /* as the law's prepare function set them */
-    const void *user;        /* world->user */
-} dem_contact;
-
-/* Output of a law: forces on i. A law sets normal, contact and ended; with DEM_FRICTION tangential, and remaining if there is any; with
-   DEM_ROLLING rolling; with DEM_ENERGY the rest. A law of links sets normal, tangential and ended. What a law does not set is 0. */
-typedef struct dem_response {
-    double normal;        /* along n; positive repels [N] */
-    double contact;       /* the part of normal that the overlap makes; 0 without overlap [N] */
-    double tangential[3]; /* perpendicular to n [N]; acts at the point that divides the distance of the centres as the radii do */
-    double remaining[3];  /* the part of tangential that stays however small `contact` is: lubrication, adhesion [N]; default 0 */
-    double rolling[3];    /* torque on i, the opposite on j [N m] */
-    double elastic;       /* stored energy [J] */
-    double normal_power;  /* dissipated by the normal dashpot [W] */
-    double slide_loss;    /* dissipated by sliding in this step [J] */
-    double rolling_power; /* dissipated by rolling and tangential dashpot [W] */
-    double ended;         /* 1: the contact has ended, its state may be dropped and its forces end with this step; otherwise 0 (a double, so
-                             that all vectors have one type) */
-} dem_response;
-
-/* Input of a law's prepare function for a contact that begins. */
-typedef struct dem_birth {
-    const dem_def *def;
-    int features; /* features of the run */
-    const dem_pair_def *pair;
-    int material_i, material_j;
-    double radius_i, radius_j; /* [m]; wall: radius_j = 0 and curvature below */
-    double curvature;          /* of the wall at the point of contact [1/m]; 0 for a plane */
-    double mass;               /* m_eff [kg] */
-    double inertia;            /* I_i I_j/(I_i + I_j); wall: I_i [kg m2] */
-    double damping_ratio;      /* of the pair's restitution and mode, DEM_LINEAR [-] */
-    void *user;                /* world->user */
-} dem_birth;
-
-/* A law. It is a constant, so that the loop that DEM_KERNEL makes of it has no indirect call. */
-typedef struct dem_law {
-    const char *name;
-    int version;   /* version of the meaning of its state */
-    int states;    /* doubles for each contact, 0 when it begins, <= DEM_STATE_MAX */
-    int history;   /* the first of them, which force may change; only dem_set_contact_state() changes the rest */
-    int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */
-    int constants; /* doubles that prepare sets, <= DEM_CONSTANTS_MAX */
-    /* Sets the constants. Returns the k_n of a linear law with the pair's damping ratio [N/m], which makes its restitution accurate to
-       third order; otherwise 0. */
-    double (*prepare)(const dem_birth *birth, double *constants);
-    void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
-    /* Both may be NULL; they get world->user. born: for the contacts that begin in a step, before their first force, sorted by partners.
-       ended: for a contact that has ended: by itself, or because a particle was removed (its world->alive is not DEM_PRESENT) or a wall no
-       longer acts (dem_wall_acts). dem_get_contact() (for a link dem_get_link()) and dem_set_contact_state() take their numbers. */
-    void (*born)(struct dem_world *world, const int32_t *numbers, ptrdiff_t n, void *user);
-    void (*ended)(struct dem_world *world, int32_t number, void *user);
-} dem_law;
-
-/* To build upon: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling (states, history, vectors: 0,
-   0, 0; with friction 3, 3, 1); the same for hertz (0, 0, 0; 4, 4, 1). Their constants come first; yours follow (docs/dem.md). */
+/* To build upon: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling (states,
+   history, vectors: 0, 0, 0; with friction 3, 3, 1); the same for hertz (0, 0, 0; 4, 4, 1). Their constants come first;
+   yours follow (docs/dem.md). */
 enum { DEM_LINEAR_CONSTANTS = 8, DEM_HERTZ_CONSTANTS = 8 };
 
 /* ---- force fields ---- */
@@ -369,31 +308,38 @@ typedef struct dem_force_point {
 struct dem__field_task;
 typedef int (*dem_field_fn)(struct dem_world *world, const struct dem__field_task *task); /* made by DEM_FORCE_FIELD */
 
-/* A force on every particle, in flight or in contact. Made by dem_default_force_field(), copied by dem_set_force_field(). */
+/* A force on every particle, in flight or in contact. Made by dem_default_force_field(), copied by
+   dem_set_force_field(). */
 typedef struct dem_force_field {
-    dem_field_fn kernel; /* made from a law by DEM_FORCE_FIELD(name, law); the law: dem_vec law(const dem_force_point *at) [N] */
-    const void *user;    /* passed to the law; default NULL */
-    double length;       /* longest way of one step in flight [m] > 0: half the size of the finest detail; default HUGE_VAL */
-    double interval;     /* longest time of one step in flight [s] > 0: a tenth of that in which the field changes there; default
-                            HUGE_VAL */
-    double accuracy;     /* largest error of position in one step in flight, over the particle's radius [-] 1e-12 .. 1e-4; default 1e-6 */
+    dem_field_fn
+        kernel; /* made from a law by DEM_FORCE_FIELD(name, law); the law: dem_vec law(const dem_force_point *at) [N] */
+    const void *user; /* passed to the law; default NULL */
+    double length; /* longest way of one step in flight [m] > 0: half the size of the finest detail; default HUGE_VAL */
+    double interval; /* longest time of one step in flight [s] > 0: a tenth of that in which the field changes there;
+                        default HUGE_VAL */
+    double accuracy; /* largest error of position in one step in flight, over the particle's radius [-] 1e-12 .. 1e-4;
+                        default 1e-6 */
 } dem_force_field;
 
-/* A gas: at rest, or given by values on a Cartesian grid, in a frame that may move. Made by dem_default_gas(); the arrays are the
-   caller's. */
+/* A gas: at rest, or given by values on a Cartesian grid, in a frame that may move. Made by dem_default_gas(); the
+   arrays are the caller's. */
 typedef struct dem_gas {
     double density;   /* [kg/m3] > 0; default 1.2 */
     double viscosity; /* [Pa s] > 0; default 1.81e-5 */
-    double shape[3];  /* C1, C2, C3 of the drag coefficient C1/Re + C2/sqrt(Re) + C3 for dem_drag_hoelzer_sommerfeld; default 24, 3, 0.42 */
-    int buoyancy;     /* 1: subtracts the weight of the displaced gas; 0 if pressure_gradient contains the gas's own weight; default 0 */
-    dem_vec low, high;               /* corners of the grid in the frame [m], no gas beyond; default -HUGE_VAL, HUGE_VAL */
-    int n[3];                        /* number of nodes along each axis, corners included, >= 2 where there are values */
-    const double *velocity;          /* at the nodes, relative to the frame, in its axes [m/s], shape [n[2]][n[1]][n[0]][3]; NULL: at
-                                        rest */
-    const double *pressure_gradient; /* at the nodes, in its axes [Pa/m], same shape; its force -V grad p is added; NULL: none */
-    const double *porosity;          /* at the nodes [-], 0 < .. <= 1, shape [n[2]][n[1]][n[0]]; NULL: 1 */
-    dem_vec centre, axis, drift;     /* the frame turns about `axis` through `centre` [m], which moves at `drift` [m/s]; 0, (0, 0, 1), 0 */
-    double spin, start;              /* rate of this rotation [rad/s]; time at which frame and world coincide [s]; default 0 */
+    double shape[3];  /* C1, C2, C3 of the drag coefficient C1/Re + C2/sqrt(Re) + C3 for dem_drag_hoelzer_sommerfeld;
+                         default 24, 3, 0.42 */
+    int buoyancy; /* 1: subtracts the weight of the displaced gas; 0 if pressure_gradient contains the gas's own weight;
+                     default 0 */
+    dem_vec low, high;      /* corners of the grid in the frame [m], no gas beyond; default -HUGE_VAL, HUGE_VAL */
+    int n[3];               /* number of nodes along each axis, corners included, >= 2 where there are values */
+    const double *velocity; /* at the nodes, relative to the frame, in its axes [m/s], shape [n[2]][n[1]][n[0]][3];
+                               NULL: at rest */
+    const double
+        *pressure_gradient; /* at the nodes, in its axes [Pa/m], same shape; its force -V grad p is added; NULL: none */
+    const double *porosity; /* at the nodes [-], 0 < .. <= 1, shape [n[2]][n[1]][n[0]]; NULL: 1 */
+    dem_vec centre, axis,
+        drift; /* the frame turns about `axis` through `centre` [m], which moves at `drift` [m/s]; 0, (0, 0, 1), 0 */
+    double spin, start; /* rate of this rotation [rad/s]; time at which frame and world coincide [s]; default 0 */
 } dem_gas;
 
 /* ---- the world ---- */
@@ -402,18 +348,20 @@ typedef struct dem_gas {
 typedef struct dem_energy_ledger {
     double kinetic, rotational, elastic, potential; /* now; the potential energy is that of gravity, 0 at the origin */
     double normal_loss, sliding_loss, rolling_loss; /* dissipated, as the laws compute it */
-    double wall_work, external_work;                /* done on the particles by moving walls; by loads and moving fixed particles */
-    double field_work;                              /* done on the particles by a force field */
-    double link_work;      /* done on the particles by links: minus what links store and lost, apart from walls' work through them */
-    double added, removed; /* carried in and out by particles, and by what the caller changes between runs: contacts that begin, end or get
-                              other constants, gravity */
-    double start, start_potential, added_potential, removed_potential; /* energy when the ledger began; the potential parts */
-    double released;                                                   /* potential energy released so far, at least 0 */
-    double error;                                                      /* remainder of the balance: the integration error */
+    double wall_work, external_work; /* done on the particles by moving walls; by loads and moving fixed particles */
+    double field_work;               /* done on the particles by a force field */
+    double link_work; /* done on the particles by links: minus what links store and lost, apart from walls' work through
+                         them */
+    double added, removed; /* carried in and out by particles, and by what the caller changes between runs: contacts
+                              that begin, end or get other constants, gravity */
+    double start, start_potential, added_potential,
+        removed_potential; /* energy when the ledger began; the potential parts */
+    double released;       /* potential energy released so far, at least 0 */
+    double error;          /* remainder of the balance: the integration error */
 } dem_energy_ledger;
 
-/* A body: a sphere, or several particles that move as one. The particles of a body are consecutive in the arrays of the world; the mass of
-   each (dem_particle.mass) is the body's. */
+/* A body: a sphere, or several particles that move as one. The particles of a body are consecutive in the arrays of the
+   world; the mass of each (dem_particle.mass) is the body's. */
 typedef struct dem_body {
     ptrdiff_t first, pieces;    /* its particles */
     double mass;                /* [kg] */
@@ -425,25 +373,9 @@ typedef struct dem_body {
     dem_quaternion axes;        /* from the principal axes to the world's */
 } dem_body;
 
-typedef void (*dem_loop_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end, int part); /* made by the two macros below */
-
-/* A law of contacts with the loop that evaluates it for some features. DEM_KERNEL(name, law, features), outside of functions, makes one: a
-   constant. features: DEM_FRICTION and DEM_ROLLING if the law computes them, DEM_ENERGY for the ledger. */
-typedef struct dem_kernel {
-    const dem_law *law;
-    int features;
-    dem_loop_fn loop;
-} dem_kernel;
-
-/* The same for a law of links: DEM_LINK_KERNEL(name, law). */
-typedef struct dem_link_kernel {
-    const dem_law *law;
-    dem_loop_fn loop;
-} dem_link_kernel;
-
-/* A sphere as the engine keeps it: radius, mass, and the state at its own origin step, which may be long past; from there it moves by x + v
-   t + a t^2/2. dem_position(), dem_velocity() and dem_spin() return the state now. In a law's hooks v and spin are those in the middle of
-   the step. Two cache lines, which are what contacts read. */
+/* A sphere as the engine keeps it: radius, mass, and the state at its own origin step, which may be long past; from
+   there it moves by x + v t + a t^2/2. dem_position(), dem_velocity() and dem_spin() return the state now. In a law's
+   hooks v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */
 typedef struct dem_particle {
     dem_vec x;               /* [m] */
     double radius;           /* [m] */
@@ -452,21 +384,24 @@ typedef struct dem_particle {
     dem_vec a;               /* [m/s2] */
     int64_t origin;          /* step of the state */
     dem_vec spin;            /* [rad/s] */
-    double tolerance_left__; /* private: by how much its velocity can change before it may leave its bound, at least [m/s] */
+    double tolerance_left__; /* private: by how much its velocity can change before it may leave its bound, at least
+                                [m/s] */
 } dem_particle;
 
 enum { DEM_LEAVING = -1, DEM_GONE = 0, DEM_PRESENT = 1 };
 
-/* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are read only unless a function says otherwise;
-   arrays have `count` entries and stay valid until the next call that adds, removes or runs. */
+/* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are read only unless a
+   function says otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs.
+   */
 typedef struct dem_world {
     dem_def def;
-    void *user;        /* yours: passed to the law's hooks; not saved */
-    int64_t step;      /* steps done */
-    double time;       /* [s] */
-    double owed;       /* time requested and not yet run, at most half a step [s]; the next run makes up for it. 0 after a failed run:
-                          request the rest again */
-    ptrdiff_t count;   /* entries of the arrays; one that left or was removed stays, with alive = DEM_GONE, until the gaps are closed */
+    void *user;      /* yours: passed to the law's hooks; not saved */
+    int64_t step;    /* steps done */
+    double time;     /* [s] */
+    double owed;     /* time requested and not yet run, at most half a step [s]; the next run makes up for it. 0 after a
+                        failed run:     request the rest again */
+    ptrdiff_t count; /* entries of the arrays; one that left or was removed stays, with alive = DEM_GONE, until the gaps
+                        are closed */
     dem_status status; /* first failure of a run; failed_id and step then name the particle and the step */
     uint64_t failed_id;
     int failed_pair[2]; /* with DEM_PAIR_NOT_SET: the two materials, the smaller index first */
@@ -479,11 +414,12 @@ typedef struct dem_world {
     int64_t contact_steps;  /* sum over steps of contacts present */
     int64_t looks;          /* tests of pairs and of particles with walls */
     int64_t rebuilds;       /* of the neighbour list */
-    double step_ratio;      /* time step over the largest that is stable; 0 before the first run. Computed when a run begins after a change,
-                               for the smallest and stiffest pair present (for a particle of a body, with its least effective mass).
-                               Contacts that begin later raise it if their law's prepare function returns a stiffness. Above 1 contacts
-                               create energy. dem_advise() advises 0.08 or less. With DEM_HERTZ, whose contacts stiffen in an impact, from
-                               the time of Rayleigh waves alone. Links are not included: the caller chooses their interval */
+    double step_ratio; /* time step over the largest that is stable; 0 before the first run. Computed when a run begins
+                          after a change, for the smallest and stiffest pair present (for a particle of a body, with its
+                          least effective mass). Contacts that begin later raise it if their law's prepare function
+                          returns a stiffness. Above 1 contacts create energy. dem_advise() advises 0.08 or less. With
+                          DEM_HERTZ, whose contacts stiffen in an impact, from the time of Rayleigh waves alone. Links
+                          are not included: the caller chooses their interval */
 
     dem_particle *particle; /* states at origin steps, not now: dem_position() and its like return these */
     dem_vec *spin_rate;     /* since the origin step [rad/s2] */

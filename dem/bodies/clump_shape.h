@@ -33,7 +33,8 @@ static inline void dem__sort_numbers(double *v, int n) {
     }
 }
 
-/* Returns the first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL if there is none. */
+/* Returns the first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL if
+   there is none. */
 static inline double dem__next_end(int n, const double *at, const double *radius, double x) {
     double next = HUGE_VAL;
     for (int i = 0; i < n; i++) {
@@ -41,18 +42,21 @@ static inline double dem__next_end(int n, const double *at, const double *radius
         next = begin > x && begin < next ? begin : next;
         next = end > x && end < next ? end : next;
         for (int j = 0; j < i; j++) {
-            const double meet = 0.5 * (at[i] + at[j] + (radius[j] * radius[j] - radius[i] * radius[i]) / (at[i] - at[j]));
+            const double meet =
+                0.5 * (at[i] + at[j] + (radius[j] * radius[j] - radius[i] * radius[i]) / (at[i] - at[j]));
             if (at[i] != at[j] && meet > x && meet < next) next = meet;
         }
     }
     return next;
 }
 
-/* Adds spheres whose centres lie on a line from `from` along the unit vector u: a body of revolution. Its squared radius is the greatest of
-   parabolas in x. Between the places where another one becomes the greatest, the integrands are polynomials, which Gauss's rule with five
-   points integrates exactly. */
-static inline void dem__add_revolution(dem__content *c, int n, const double *at, const double *radius, dem_vec from, dem_vec u) {
-    static const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309, 0.90617984593866399};
+/* Adds spheres whose centres lie on a line from `from` along the unit vector u: a body of revolution. Its squared
+   radius is the greatest of parabolas in x. Between the places where another one becomes the greatest, the integrands
+   are polynomials, which Gauss's rule with five points integrates exactly. */
+static inline void dem__add_revolution(dem__content *c, int n, const double *at, const double *radius, dem_vec from,
+                                       dem_vec u) {
+    static const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309,
+                                   0.90617984593866399};
     static const double weight[5] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889, 0.47862867049936647,
                                      0.23692688505618909};
     double begin = dem__next_end(n, at, radius, -HUGE_VAL);
@@ -75,8 +79,10 @@ static inline void dem__add_revolution(dem__content *c, int n, const double *at,
     }
 }
 
-/* Subtracts the parts of a line along z through (x, y) that lie in more than one sphere, as often as they have been counted too much. */
-static inline void dem__take_surplus(dem__content *c, double area, int n, const dem_vec *centre, const double *radius, double x, double y) {
+/* Subtracts the parts of a line along z through (x, y) that lie in more than one sphere, as often as they have been
+   counted too much. */
+static inline void dem__take_surplus(dem__content *c, double area, int n, const dem_vec *centre, const double *radius,
+                                     double x, double y) {
     double low[DEM_CLUMP_MAX], high[DEM_CLUMP_MAX], bound[2 * DEM_CLUMP_MAX];
     int m = 0;
     for (int k = 0; k < n; k++) {
@@ -93,11 +99,13 @@ static inline void dem__take_surplus(dem__content *c, double area, int n, const 
         const double length = bound[b] - bound[b - 1], z = 0.5 * (bound[b] + bound[b - 1]);
         int times = -1;
         for (int k = 0; k < m; k++) times += low[k] < z && z < high[k];
-        if (times > 0) dem__add_content(c, -times * area, length, dem_vec3(x, y, z), dem_vec3(0.0, 0.0, length * length / 12.0));
+        if (times > 0)
+            dem__add_content(c, -times * area, length, dem_vec3(x, y, z), dem_vec3(0.0, 0.0, length * length / 12.0));
     }
 }
 
-/* Adds spheres at any places: each exactly, less the overlaps, which are integrated over 400 x 400 lines, exactly along z. */
+/* Adds spheres at any places: each exactly, less the overlaps, which are integrated over 400 x 400 lines, exactly along
+   z. */
 enum { DEM__CLUMP_LINES = 400 };
 static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
     double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
@@ -109,7 +117,8 @@ static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre,
             if (other == k || !(dem__dot(d, d) < sum * sum)) continue;
             for (int a = 0; a < 2; a++) {
                 const double at = dem_axis(centre[k], a);
-                low[a] = at - radius[k] < low[a] ? at - radius[k] : low[a], high[a] = at + radius[k] > high[a] ? at + radius[k] : high[a];
+                low[a] = at - radius[k] < low[a] ? at - radius[k] : low[a],
+                high[a] = at + radius[k] > high[a] ? at + radius[k] : high[a];
             }
         }
     }
@@ -120,8 +129,8 @@ static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre,
     }
 }
 
-/* Returns the principal moments of a symmetric tensor t = xx, yy, zz, xy, yz, zx, by Jacobi's rotations; axes: the principal axes. A
-   diagonal tensor is left as it is. */
+/* Returns the principal moments of a symmetric tensor t = xx, yy, zz, xy, yz, zx, by Jacobi's rotations; axes: the
+   principal axes. A diagonal tensor is left as it is. */
 static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
     double a[3][3] = {{t[0], t[3], t[5]}, {t[3], t[1], t[4]}, {t[5], t[4], t[2]}};
     dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
@@ -131,12 +140,14 @@ static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
         if (!(fabs(a[p][r]) > least)) continue;
         const double theta = 0.5 * (a[r][r] - a[p][p]) / a[p][r];
         const double tangent = (theta >= 0.0 ? 1.0 : -1.0) / (fabs(theta) + sqrt(theta * theta + 1.0));
-        const double c = 1.0 / sqrt(tangent * tangent + 1.0), s = tangent * c, app = a[p][p], arr = a[r][r], apo = a[p][o], aro = a[r][o];
+        const double c = 1.0 / sqrt(tangent * tangent + 1.0), s = tangent * c, app = a[p][p], arr = a[r][r],
+                     apo = a[p][o], aro = a[r][o];
         a[p][p] = app - tangent * a[p][r], a[r][r] = arr + tangent * a[p][r], a[p][r] = a[r][p] = 0.0;
         a[p][o] = a[o][p] = c * apo - s * aro, a[r][o] = a[o][r] = s * apo + c * aro;
         /* new axes: e_p' = c e_p - s e_r, e_r' = s e_p + c e_r: a turn about e_o by -angle */
         const double half_c = sqrt(0.5 * (1.0 + c)), half_s = -0.5 * s / half_c;
-        q = dem__turns(q, dem__quaternion(half_c, dem_vec3(o == 0 ? half_s : 0.0, o == 1 ? half_s : 0.0, o == 2 ? half_s : 0.0)));
+        q = dem__turns(
+            q, dem__quaternion(half_c, dem_vec3(o == 0 ? half_s : 0.0, o == 1 ? half_s : 0.0, o == 2 ? half_s : 0.0)));
     }
     *axes = dem__kept_unit(q);
     return dem_vec3(a[0][0], a[1][1], a[2][2]);
@@ -177,7 +188,8 @@ static inline int dem__drop_inner(int n, dem_vec *centre, double *radius) {
         int inner = 0;
         for (int o = 0; o < n && !inner; o++) {
             const int twin = radius[o] == radius[k] && o > k; /* of equal spheres the first stays */
-            inner = o != k && !twin && dem__length(dem__sub(centre[o], centre[k])) + radius[k] <= (1.0 + 1e-12) * radius[o];
+            inner =
+                o != k && !twin && dem__length(dem__sub(centre[o], centre[k])) + radius[k] <= (1.0 + 1e-12) * radius[o];
         }
         if (!inner) centre[kept] = centre[k], radius[kept++] = radius[k];
     }
@@ -200,7 +212,8 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
         const double extent = dem__length(dem__sub(x, c.centre[0])) + c.radius[k];
         size = extent > size ? extent : size;
     }
-    const dem_vec from = c.centre[0]; /* moments about a point inside, with lengths over the size: no number is too large */
+    const dem_vec from =
+        c.centre[0]; /* moments about a point inside, with lengths over the size: no number is too large */
     for (int k = 0; k < n; k++) c.centre[k] = dem__scale(1.0 / size, dem__sub(c.centre[k], from)), c.radius[k] /= size;
     c.spheres = dem__drop_inner(n, c.centre, c.radius);
     const int line = dem__are_on_a_line(c.spheres, c.centre, 1.0, &u, at);
@@ -210,7 +223,8 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
     const double v = content.volume, *s = content.second;
     const dem_vec m = dem__scale(1.0 / v, content.first);
     const double xx = s[0] - v * m.x * m.x, yy = s[1] - v * m.y * m.y, zz = s[2] - v * m.z * m.z;
-    const double tensor[6] = {yy + zz, zz + xx, xx + yy, v * m.x * m.y - s[3], v * m.y * m.z - s[4], v * m.z * m.x - s[5]};
+    const double tensor[6] = {
+        yy + zz, zz + xx, xx + yy, v * m.x * m.y - s[3], v * m.y * m.z - s[4], v * m.z * m.x - s[5]};
     c.moments = dem__clump_axes(tensor, &c.axes);
     dem__merge_moments(&c.moments, c.spheres == 1 || line ? 1e-12 : 1e-5);
     dem__order_moments(&c.moments, &c.axes, order);
@@ -218,7 +232,8 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
     c.origin = dem__plus(from, size, m);
     c.volume = v * size * size * size;
     c.moments = dem__scale(size * size * size * size * size, c.moments);
-    if (!dem__positive(c.volume) || !dem__positive(c.moments.x) || !dem__positive(c.moments.y) || !dem__positive(c.moments.z))
+    if (!dem__positive(c.volume) || !dem__positive(c.moments.x) || !dem__positive(c.moments.y) ||
+        !dem__positive(c.moments.z))
         return DEM_BAD_ARGUMENT;
     c.add__ = dem_add_clumps;
     *clump = c;

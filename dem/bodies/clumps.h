@@ -4,7 +4,9 @@
 
 static inline int dem__is_clump(const dem_clump *c) {
     dem_quaternion unit;
-    if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) || !dem__unit_turn(c->axes, &unit)) return 0;
+    if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) ||
+        !dem__unit_turn(c->axes, &unit))
+        return 0;
     const dem_vec m = c->moments;
     if (!dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
     const double most = (1.0 + 1e-6) * (m.x + m.y + m.z); /* no moment exceeds the sum of the two others */
@@ -29,16 +31,17 @@ static inline double dem__clump_reach(const dem_clump *c) {
     return reach;
 }
 
-/* Returns the definition of a body with a clump's shape, `scale` times as large, of a material. offset and radius: [spheres], filled
-   here. */
-static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material, dem_vec *offset,
-                                            double *radius) {
+/* Returns the definition of a body with a clump's shape, `scale` times as large, of a material. offset and radius:
+   [spheres], filled here. */
+static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material,
+                                            dem_vec *offset, double *radius) {
     const double density = w->def.material[material].density, cube = scale * scale * scale;
     dem__body_def def;
     dem_quaternion axes = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
     memset(&def, 0, sizeof def);
     dem__unit_turn(c->axes, &axes);
-    for (int k = 0; k < c->spheres; k++) offset[k] = dem__scale(scale, dem__to_body(axes, c->centre[k])), radius[k] = scale * c->radius[k];
+    for (int k = 0; k < c->spheres; k++)
+        offset[k] = dem__scale(scale, dem__to_body(axes, c->centre[k])), radius[k] = scale * c->radius[k];
     def.mass = density * cube * c->volume;
     def.moments = dem__scale(density * cube * scale * scale, c->moments);
     def.frame = axes, def.turn = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
@@ -58,13 +61,14 @@ static inline int dem__is_body_def(const dem__body_def *def) {
     return 1;
 }
 
-DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres, const double *diameters,
-                                  const double *orientations, int material, int group) {
+DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres,
+                                  const double *diameters, const double *orientations, int material, int group) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     dem_vec offset[DEM_CLUMP_MAX];
     double radius[DEM_CLUMP_MAX];
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials || !dem__is_clump(clump))
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials ||
+        !dem__is_clump(clump))
         return DEM_BAD_ARGUMENT;
     if (n > (INT32_MAX / 4 - w->count) / clump->spheres) return DEM_TOO_MANY;
     const double own = dem_clump_diameter(clump);
@@ -72,8 +76,10 @@ DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump
         dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
         const double *o = orientations ? orientations + 4 * k : NULL;
         if (diameters && !dem__positive(diameters[k])) return DEM_BAD_ARGUMENT;
-        const dem__body_def def = dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
-        if (!dem__is_body_def(&def) || !dem__finite_vec(dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2])))
+        const dem__body_def def =
+            dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
+        if (!dem__is_body_def(&def) ||
+            !dem__finite_vec(dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2])))
             return DEM_BAD_ARGUMENT;
         if (o && !dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return DEM_BAD_ARGUMENT;
     }

@@ -1,22 +1,25 @@
-/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in base/engine.h). Reads the
-   sums of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one
-   thread, so that bits do not depend on threads.
+/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in
+   base/engine.h). Reads the sums of forces on their particles; writes bodies and their particles. Promises: a sphere's
+   motion is untouched; each body is moved by one thread, so that bits do not depend on threads.
 
-   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle of a body that has
-   one lies at its centre of mass; its radius is that of the sphere that the search for contacts uses. The forces on a body are those added
-   to the sums of its particles, bodies.sum[i].load: force, and torque about the particle's centre. dem__rigid_of(w, i) returns the body of
-   particle i. Its orientation at the end of the present step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
+   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle
+   of a body that has one lies at its centre of mass; its radius is that of the sphere that the search for contacts
+   uses. The forces on a body are those added to the sums of its particles, bodies.sum[i].load: force, and torque about
+   the particle's centre. dem__rigid_of(w, i) returns the body of particle i. Its orientation at the end of the present
+   step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
 #pragma once
 #include "../search/due_tests.h"
 #include "../links/links.h"
 
-/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter radian at most. */
+/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter
+   radian at most. */
 DEM_INLINE int dem__strides(const dem__rigid *r) {
     return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
 }
 
 #define DEM__STRIDES_MAX 1e7 /* of a flight between two lists */
-/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides that are known. */
+/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides
+   that are known. */
 static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
     const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
     dem_quaternion q = r->turn;
@@ -28,8 +31,8 @@ static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau
     return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
 }
 
-/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins. DEM_TOO_FAST: a body turns
-   by a hundred radians in a step. */
+/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins.
+   DEM_TOO_FAST: a body turns by a hundred radians in a step. */
 static inline void dem__note_strides(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
@@ -44,7 +47,8 @@ static inline void dem__note_strides(dem_world *w) {
         }
         if (!(whole > r->strides)) continue;
         if (r->strides == 0.0) r->ahead = r->turn;
-        for (; r->strides < whole; r->strides += 1.0) r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
+        for (; r->strides < whole; r->strides += 1.0)
+            r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
     }
 }
 
@@ -66,7 +70,8 @@ static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigi
     return p;
 }
 
-/* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it. */
+/* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it.
+ */
 static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__axes axes = dem__axes_of(r->turn);
@@ -97,15 +102,17 @@ static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec vel
     dem__place_pieces(w, r);
 }
 
-/* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which is booked. */
+/* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which
+   is booked. */
 DEM_INLINE void dem__wrap_body(dem_world *w, dem__rigid *r) {
     const dem_vec x = dem__in_box(w, r->x);
-    if (w->engine->ledger.on && !dem__is_fixed(w, r->first)) dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
+    if (w->engine->ledger.on && !dem__is_fixed(w, r->first))
+        dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
     r->x = x;
 }
 
-/* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle. Those of its
-   particles, which kernels read, are computed with the mean of the arms at both ends. */
+/* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle.
+   Those of its particles, which kernels read, are computed with the mean of the arms at both ends. */
 DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
     dem__bodies *bodies = &w->engine->bodies;
     const double middle = tau - 0.5 * h;
@@ -116,7 +123,8 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
     const dem_vec momentum = dem__plus(r->momentum, middle, r->torque);
     dem_vec spin = dem__spin_of(end, r->moments, momentum);
     if (h > 0.0) spin = dem__scale(0.5, dem__add(spin, dem__spin_of(from, r->moments, momentum)));
-    r->x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), r->v = dem__plus(r->v, middle, r->a), r->momentum = momentum;
+    r->x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), r->v = dem__plus(r->v, middle, r->a),
+    r->momentum = momentum;
     r->turn = dem__kept_unit(end);
     r->strides = 0.0;
     if (w->engine->run.has_periodic) dem__wrap_body(w, r);
@@ -132,7 +140,8 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
 }
 
 /* Sums the force and the torque about its centre that act on a body's particles: by contacts, by loads, or both. */
-DEM_INLINE void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force, dem_vec *torque) {
+DEM_INLINE void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force,
+                                 dem_vec *torque) {
     const dem__bodies *bodies = &w->engine->bodies;
     *force = *torque = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
@@ -145,7 +154,8 @@ DEM_INLINE void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int co
     }
 }
 
-/* Sets the sums from which dem__kick_all computes the accelerations of a body's particle. load: on the particle, or NULL. */
+/* Sets the sums from which dem__kick_all computes the accelerations of a body's particle. load: on the particle, or
+   NULL. */
 DEM_INLINE void dem__prepare_sum(dem__sum *sum, dem_vec pull, dem_vec rate, const double *load) {
     const double mass = 1.0 / sum->per_mass, inertia = 1.0 / sum->per_inertia;
     const dem_vec force = dem__scale(mass, pull), torque = dem__scale(inertia, rate);
@@ -154,8 +164,9 @@ DEM_INLINE void dem__prepare_sum(dem__sum *sum, dem_vec pull, dem_vec rate, cons
     for (int a = 0; load && a < 6; a++) sum->load[a] -= load[a];
 }
 
-/* Computes the acceleration of a body, and moves its velocities from the middle of a step to its end. Prepares its particles for
-   dem__kick_all: sums that give them their accelerations as parts of the body, and velocities that it moves to those at the end. */
+/* Computes the acceleration of a body, and moves its velocities from the middle of a step to its end. Prepares its
+   particles for dem__kick_all: sums that give them their accelerations as parts of the body, and velocities that it
+   moves to those at the end. */
 DEM_INLINE void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     dem__bodies *bodies = &w->engine->bodies;
     const int loads = bodies->loads_on || w->engine->links.on;
@@ -191,7 +202,8 @@ static inline void dem__free_body(dem_world *w, dem__rigid *r) {
 }
 
 /* Applies an impulse [N s] and an angular impulse [N m s] at particle i of a body, and a shift [kg m] along n. */
-static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
+static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift,
+                                  dem_vec n) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem_vec arm = bodies->arm[i], moved = dem__scale(shift, n);
     r->v = dem__plus(r->v, 1.0 / r->mass, impulse);
@@ -207,10 +219,11 @@ static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_
 /* Returns the greatest speed in flight of what is an arm [m] from a body's centre, relative to it [m/s]. */
 static inline double dem__swing(const dem__rigid *r, double arm) {
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    const double i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z, least = i_min < r->moments.y ? i_min : r->moments.y;
+    const double i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
+                 least = i_min < r->moments.y ? i_min : r->moments.y;
     if (r->moments.x == r->moments.y) return (1.0 + 1e-9) * arm * dem__length(spin);
-    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the axis of least
-                                                                              inertia */
+    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the
+                                                                              axis of least inertia */
 }
 
 /* Moves the bodies whose first particles are among the active ones first .. end-1. */
@@ -280,15 +293,18 @@ static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_fric
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
-    const dem_vec on_i = has_friction ? dem__second(h->impulse) : none, on_j = has_friction ? dem__first(h->impulse + 6) : none;
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]),
+                  impulse = dem__first(h->impulse);
+    const dem_vec on_i = has_friction ? dem__second(h->impulse) : none,
+                  on_j = has_friction ? dem__first(h->impulse + 6) : none;
     dem__push_any(w, i, impulse, on_i, 0.0, n);
     if (j >= 0) dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
     else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
 }
 
-/* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the angular momentum about
-   the common centre, which comes from the velocities of the centres of mass; two opposite impulses at the particles restore it. */
+/* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the
+   angular momentum about the common centre, which comes from the velocities of the centres of mass; two opposite
+   impulses at the particles restore it. */
 static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
@@ -309,21 +325,23 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
 }
 
-/* Applies half of the change of its links' forces to a body; the old forces are in the sums. In flight, the old torque is that of the place
-   where it was computed; for a body that takes steps, both are taken at the present place. */
+/* Applies half of the change of its links' forces to a body; the old forces are in the sums. In flight, the old torque
+   is that of the place where it was computed; for a body that takes steps, both are taken at the present place. */
 static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
     const dem__bodies *bodies = &w->engine->bodies;
     dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
     dem__sum_on_body(w, r, 0, 1, &force, &torque);
     if (w->touching[r->first] == 0) {
-        more = dem__sub(dem__plus(dem__free_fall(w), 1.0 / r->mass, force), r->a), turning = dem__sub(torque, r->torque);
+        more = dem__sub(dem__plus(dem__free_fall(w), 1.0 / r->mass, force), r->a),
+        turning = dem__sub(torque, r->torque);
     } else {
         for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
             if (!dem__is_linked(w, i)) continue;
             const dem_vec change = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->sum[i].load));
             more = dem__plus(more, 1.0 / r->mass, change);
-            turning = dem__add(turning, dem__add(dem__sub(dem__second(bodies->load[i]), dem__second(bodies->sum[i].load)),
-                                                 dem__cross(bodies->arm[i], change)));
+            turning =
+                dem__add(turning, dem__add(dem__sub(dem__second(bodies->load[i]), dem__second(bodies->sum[i].load)),
+                                           dem__cross(bodies->arm[i], change)));
         }
     }
     r->v = dem__flushed_vec(dem__plus(r->v, half, more)), r->a = dem__add(r->a, more);
@@ -331,8 +349,8 @@ static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double hal
     dem__place_pieces(w, r);
 }
 
-/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from their present
-   forces. */
+/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from
+   their present forces. */
 static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
     const dem_vec m = r->moments;
     const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
@@ -371,8 +389,8 @@ typedef struct dem__body_def {
     int material, group;
 } dem__body_def;
 
-/* Makes room for n more bodies with `pieces` particles in all; for the first body, also the arrays that particles of bodies need. Returns 0
-   when out of memory. */
+/* Makes room for n more bodies with `pieces` particles in all; for the first body, also the arrays that particles of
+   bodies need. Returns 0 when out of memory. */
 static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__array list[DEM__ARRAYS_MAX];
@@ -380,11 +398,13 @@ static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t piece
     const ptrdiff_t old = bodies->rigid_capacity, wanted = bodies->rigid_count + n;
     if (wanted <= old) return dem__reserve_particles(w, pieces);
     const ptrdiff_t larger = wanted + wanted / 2 + 16;
-    dem__rigid *fresh = (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
+    dem__rigid *fresh =
+        (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
     if (!fresh) return 0;
     bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = &dem__rigid_bodies;
     if (old > 0) return dem__reserve_particles(w, pieces);
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + pieces + 1))
+    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
+                        w->count + pieces + 1))
         return 1;
     a->fn(a->user, fresh, (size_t)larger * sizeof *fresh, 0);
     bodies->rigid = NULL, bodies->rigid_capacity = 0;
@@ -392,15 +412,16 @@ static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t piece
     return 0;
 }
 
-/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by rounding. Turns the
-   frame accordingly; order: the old axis of each new one. */
+/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by
+   rounding. Turns the frame accordingly; order: the old axis of each new one. */
 static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
     const double m[3] = {moments->x, moments->y, moments->z};
     int third = 2;
     for (int k = 0; k < 2; k++) { /* the axis whose two others differ least */
         if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
     }
-    for (int k = 0; k < 3; k++) order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
+    for (int k = 0; k < 3; k++)
+        order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
     const double turns = (double)((third + 1) % 3);
     if (turns > 0.0) {
         const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);

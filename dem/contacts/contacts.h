@@ -1,5 +1,5 @@
-/* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and timers. Promises: the
-   order depends only on the history of the scene, never on threads. */
+/* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and
+   timers. Promises: the order depends only on the history of the scene, never on threads. */
 #pragma once
 #include "laws.h"
 #include "kernel.h"
@@ -61,10 +61,10 @@ static inline void dem__gather_items(char *to, const char *base, size_t size, co
     for (ptrdiff_t k = 0; k < n; k++) dem__copy(to + (size_t)k * size, base + (size_t)from[k] * size, size);
 }
 
-/* Moves the contacts in the listed slots, in that order, into the slots of chunks. This thread moves the arrays first, first + parts,
-   ... */
-static inline void dem__arrange_part(dem_world *w, const dem__chunk *chunk, int chunks, const dem__array *list, int arrays, int first,
-                                     int parts) {
+/* Moves the contacts in the listed slots, in that order, into the slots of chunks. This thread moves the arrays first,
+   first + parts, ... */
+static inline void dem__arrange_part(dem_world *w, const dem__chunk *chunk, int chunks, const dem__array *list,
+                                     int arrays, int first, int parts) {
     const dem__contacts *contacts = &w->engine->contacts;
     char *scratch = (char *)contacts->correction + (size_t)first * (size_t)contacts->capacity * sizeof(double);
     ptrdiff_t n = 0;
@@ -92,10 +92,12 @@ static inline void dem__arrange_range(dem_world *w, ptrdiff_t first, ptrdiff_t e
     (void)first, (void)end;
     dem__arrange_part(w, a->chunk, a->chunks, a->list, a->arrays, part, a->parts);
 }
-static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__chunk *chunk, int chunks, const dem__array *list, int arrays) {
+static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__chunk *chunk, int chunks, const dem__array *list,
+                                int arrays) {
     dem__arrangement a;
     a.chunk = chunk, a.list = list, a.chunks = chunks, a.arrays = arrays;
-    a.parts = dem__parts_of(w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* each needs an array of scratch memory */
+    a.parts = dem__parts_of(
+        w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* each needs an array of scratch memory */
     dem__in_parts(w, a.parts, a.parts, dem__arrange_range, &a);
 }
 
@@ -132,7 +134,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     dem__contact_type kind;
     const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
     const double inertia = dem__inertia(w, i);
-    int same = contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* more types than fit: none is searched */
+    int same =
+        contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* more types than fit: none is searched */
     memset(&b, 0, sizeof b);
     memset(&kind, 0, sizeof kind);
     b.def = &w->def;
@@ -154,7 +157,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     }
     if (dem__is_convex_contact(w, c)) w->engine->convex.calls->prepare(w, c, &b);
     else if (j < 0) b.curvature = dem__curvature_at(w, c);
-    b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j] : &w->def.pair[b.material_j][b.material_i];
+    b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j]
+                                         : &w->def.pair[b.material_j][b.material_i];
     b.user = w->user;
     b.damping_ratio = run->damping_ratio[b.material_i][b.material_j];
     const double stiffness = law->prepare(&b, kind.constant);
@@ -171,7 +175,9 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         contacts->type_count += same == contacts->type_count;
         return;
     }
-    contacts->type_count = DEM__TYPES_MAX + 1; /* from now on each contact has its own: to search the types would cost more than it saves */
+    contacts->type_count =
+        DEM__TYPES_MAX +
+        1; /* from now on each contact has its own: to search the types would cost more than it saves */
     contacts->type[c] = -1;
     for (int a = 0; a < law->constants; a++) contacts->constant[a][c] = kind.constant[a];
     contacts->mass[c] = kind.mass;
@@ -187,8 +193,8 @@ DEM_INLINE int dem__ascends(const int32_t *list, ptrdiff_t n) {
     return 1;
 }
 
-/* Moves the contacts that began since the last call, listed by partners, from the end of the last chunk into their chunks, and lists their
-   slots there. */
+/* Moves the contacts that began since the last call, listed by partners, from the end of the last chunk into their
+   chunks, and lists their slots there. */
 static inline void dem__distribute_begun(dem_world *w, const dem__array *list, int arrays) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__chunk born[DEM__CHUNKS];
@@ -202,7 +208,8 @@ static inline void dem__distribute_begun(dem_world *w, const dem__array *list, i
     }
     for (ptrdiff_t k = 0, q = 0; k < contacts->begun; k++) {
         while (contacts->i[contacts->slots[k]] < contacts->chunk[q].first_particle) q++;
-        if (q < last && contacts->chunk[q].count + born[q].count == contacts->chunk[q].capacity) q = last; /* and so are all after it */
+        if (q < last && contacts->chunk[q].count + born[q].count == contacts->chunk[q].capacity)
+            q = last; /* and so are all after it */
         born[q].count++;
     }
     if (last > 0 || !dem__ascends(contacts->slots, contacts->begun))
@@ -296,12 +303,14 @@ static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32
         if (near_pair < 0 || w->engine->run.needs_lists) return;
         if (!(w->alive[i] > 0 && w->alive[j] > 0)) return;
         w->engine->pairs.timers.due[near_pair] = DEM__NEVER;
-        if (w->def.skip & DEM_SKIP_PAIRS) dem__batch_separation(w, waits, near_pair, step, dem__pair_separation(w, i, j, step));
+        if (w->def.skip & DEM_SKIP_PAIRS)
+            dem__batch_separation(w, waits, near_pair, step, dem__pair_separation(w, i, j, step));
         return;
     }
     dem__unlink_wall_contact(w, i, c, -1);
     /* a screen's timer was running for its other bars, but not for this one */
-    if (!w->engine->run.needs_lists && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE) && dem__needs_test(w, i, -1 - (int)j))
+    if (!w->engine->run.needs_lists && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE) &&
+        dem__needs_test(w, i, -1 - (int)j))
         dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
 }
 
@@ -319,7 +328,8 @@ static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, con
     }
 }
 
-/* Removes contacts that ended: those that the last step marked, or all. Contacts at the end of their chunk fill the gaps. */
+/* Removes contacts that ended: those that the last step marked, or all. Contacts at the end of their chunk fill the
+   gaps. */
 static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__array list[DEM__ARRAYS_MAX];
@@ -348,8 +358,8 @@ static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     }
 }
 
-/* Orders all contacts by their particles i, the last first, otherwise as they were: neighbours in space are then read one after the other.
-   Many contacts are in chunks of equal size, with room to grow. Returns 0 when out of memory. */
+/* Orders all contacts by their particles i, the last first, otherwise as they were: neighbours in space are then read
+   one after the other. Many contacts are in chunks of equal size, with room to grow. Returns 0 when out of memory. */
 static inline int dem__reorder_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t n = contacts->count;

@@ -25,14 +25,15 @@ static inline void dem__add_postponed_to(dem_world *w, int32_t low, int32_t high
     }
 }
 
-/* Adds the postponed forces on the particles of the share before this thread's own (the first thread: of the last share): it made nearly
-   all of them itself, so they are in its cache. */
+/* Adds the postponed forces on the particles of the share before this thread's own (the first thread: of the last
+   share): it made nearly all of them itself, so they are in its cache. */
 static inline void dem__add_postponed_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__evaluation *e = (const dem__evaluation *)context;
     const dem__chunk *chunk = w->engine->contacts.chunk;
     const int chunks = w->engine->contacts.chunk_count, share = (part + e->parts - 1) % e->parts;
     first = dem__part(chunks, share, e->parts), end = dem__part(chunks, share + 1, e->parts);
-    dem__add_postponed_to(w, chunk[end - 1].first_particle, first > 0 ? chunk[first - 1].first_particle : INT32_MAX, e->has_friction);
+    dem__add_postponed_to(w, chunk[end - 1].first_particle, first > 0 ? chunk[first - 1].first_particle : INT32_MAX,
+                          e->has_friction);
 }
 static inline void dem__add_postponed(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -44,12 +45,13 @@ static inline void dem__add_postponed(dem_world *w, int has_friction) {
     else dem__in_parts(w, e.parts, contacts->chunk_count, dem__add_postponed_range, &e);
 }
 
-/* Evaluates the chunks of a share. Its thread may add to particles whose contacts are all in this share or in later ones; the forces on
-   others are postponed. */
+/* Evaluates the chunks of a share. Its thread may add to particles whose contacts are all in this share or in later
+   ones; the forces on others are postponed. */
 static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__evaluation *e = (const dem__evaluation *)context;
     dem__chunk *chunk = w->engine->contacts.chunk;
-    for (ptrdiff_t q = first; q < end; q++) chunk[q].postpone_from = first > 0 ? chunk[first - 1].first_particle : INT32_MAX;
+    for (ptrdiff_t q = first; q < end; q++)
+        chunk[q].postpone_from = first > 0 ? chunk[first - 1].first_particle : INT32_MAX;
     e->loop(w, first, end, part);
 }
 
@@ -69,7 +71,8 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
     e.loop = loop, e.has_friction = has_friction;
     e.parts = contacts->postponed
                   ? dem__parts_of(w, contacts->count,
-                                  contacts->chunk_count < w->engine->scratch.works ? contacts->chunk_count : w->engine->scratch.works)
+                                  contacts->chunk_count < w->engine->scratch.works ? contacts->chunk_count
+                                                                                   : w->engine->scratch.works)
                   : 1;
     w->engine->run.kernel_dt = h;
     w->engine->run.keeps_wrenches = keep;

@@ -1,5 +1,5 @@
-/* Forces of contacts and links, block by block: rows, law, edges, sums. Reads bodies, walls, contacts, links; writes contacts, the sums of
-   bodies and the forces on walls. Promises: the same bits for any division among threads. */
+/* Forces of contacts and links, block by block: rows, law, edges, sums. Reads bodies, walls, contacts, links; writes
+   contacts, the sums of bodies and the forces on walls. Promises: the same bits for any division among threads. */
 #pragma once
 #include "first_and_last_step.h"
 
@@ -8,14 +8,15 @@ struct dem__work {
     dem__rows rows;
     dem__type_rows types;
     dem__block_rows block;
-    dem__row before, was, ended, past[DEM_STATE_MAX]; /* of the step before: force, gap; whether it ended; history at the start */
+    dem__row before, was, ended,
+        past[DEM_STATE_MAX]; /* of the step before: force, gap; whether it ended; history at the start */
     dem__wall_row wall[DEM__BLOCK];
     int walls;
     dem__timer_batch batch; /* for tests of pairs */
 };
 
-/* Returns the working memory of a thread. It begins with a cache line: otherwise every second vector of a row would lie in two, which costs
-   4 % of the time of a bed. */
+/* Returns the working memory of a thread. It begins with a cache line: otherwise every second vector of a row would lie
+   in two, which costs 4 % of the time of a bed. */
 enum { DEM__WORK_BYTES = (int)((sizeof(dem__work) + 63) / 64 * 64) };
 DEM_INLINE dem__work *dem__work_of(const dem_world *w, int part) {
     return (dem__work *)(void *)(w->engine->scratch.work + (size_t)part * DEM__WORK_BYTES);
@@ -39,16 +40,17 @@ static inline int dem__make_work(dem_world *w, int threads) {
 
 typedef void dem__edge_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was);
 
-/* Returns whether a contact began or ended in this step, from its forces and the gap before. Computed with bits: branches would keep the
-   loop scalar. */
+/* Returns whether a contact began or ended in this step, from its forces and the gap before. Computed with bits:
+   branches would keep the loop scalar. */
 DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_before) {
     const int64_t idle = before == 0.0;
     return (idle ^ (int64_t)(now == 0.0)) & ((idle ^ 1) | (int64_t)(gap_before > 0.0));
 }
 
-/* Marks and lists the contacts that began or ended, or that their law has ended, in the block from slot base on. Returns their number. */
-DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t base, int n, const double *before, const double *was,
-                                     const double *ended, const double *force) {
+/* Marks and lists the contacts that began or ended, or that their law has ended, in the block from slot base on.
+   Returns their number. */
+DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t base, int n, const double *before,
+                                     const double *was, const double *ended, const double *force) {
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t marked = in->marked;
     int64_t mark[DEM__BLOCK], any = 0;
@@ -65,13 +67,14 @@ DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t bas
     return in->marked - marked;
 }
 
-/* Adds the force on i and the torques on i and j of a contact in chunk q, which are in out[][k], to the sum of i and to that of j or of a
-   wall. */
-DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j, double *const *out, ptrdiff_t k, int has_friction,
-                                int to_i, int to_j) {
+/* Adds the force on i and the torques on i and j of a contact in chunk q, which are in out[][k], to the sum of i and to
+   that of j or of a wall. */
+DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j, double *const *out, ptrdiff_t k,
+                                int has_friction, int to_i, int to_j) {
     const double fx = out[0][k], fy = out[1][k], fz = out[2][k];
     double turn_i[3], turn_j[3]; /* all is read before the sums are written, so that they are added as vectors */
-    for (int a = 0; a < 3; a++) turn_i[a] = has_friction ? out[3 + a][k] : 0.0, turn_j[a] = has_friction ? out[6 + a][k] : 0.0;
+    for (int a = 0; a < 3; a++)
+        turn_i[a] = has_friction ? out[3 + a][k] : 0.0, turn_j[a] = has_friction ? out[6 + a][k] : 0.0;
     if (to_i) {
         double *sum = w->engine->bodies.sum[i].load;
         sum[0] += fx, sum[1] += fy, sum[2] += fz;
@@ -90,15 +93,17 @@ DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j,
     push->torque = dem__add(push->torque, dem__sub(dem__cross(arm, f), dem__first(turn_i)));
 }
 
-/* Adds the forces of n contacts of chunk q slot by slot, which fixes the order of sums. Stores those that another thread must add first for
-   dem__add_postponed. */
-DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out, int has_friction) {
+/* Adds the forces of n contacts of chunk q slot by slot, which fixes the order of sums. Stores those that another
+   thread must add first for dem__add_postponed. */
+DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out,
+                                   int has_friction) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__chunk *in = &contacts->chunk[q];
     const int32_t own = in->postpone_from;
     int waits = 0;
     for (int k = 0; k < n; k++) waits |= (contacts->i[base + k] >= own) | (contacts->j[base + k] >= own);
-    for (int k = 0; k < n && !waits; k++) dem__add_forces(w, q, contacts->i[base + k], contacts->j[base + k], out, k, has_friction, 1, 1);
+    for (int k = 0; k < n && !waits; k++)
+        dem__add_forces(w, q, contacts->i[base + k], contacts->j[base + k], out, k, has_friction, 1, 1);
     for (int k = 0; k < n && waits; k++) {
         const int32_t i = contacts->i[base + k], j = contacts->j[base + k], last = j > i ? j : i; /* a wall has j < 0 */
         dem__add_forces(w, q, i, j, out, k, has_friction, i < own, j < own);
@@ -117,7 +122,8 @@ DEM_INLINE void dem__prefetch_particle(const dem_world *w, ptrdiff_t j) {
     DEM__PREFETCH(&p->x);
     DEM__PREFETCH(&p->a);
 }
-/* Prefetches what the kernel reads and sums of body j. For a wall (j < 0) the address is one before the arrays: a prefetch cannot fail. */
+/* Prefetches what the kernel reads and sums of body j. For a wall (j < 0) the address is one before the arrays: a
+   prefetch cannot fail. */
 DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum *sum, ptrdiff_t j) {
     const uintptr_t p = (uintptr_t)particle + (uintptr_t)j * sizeof *particle;
     DEM__PREFETCH((const void *)p);
@@ -125,24 +131,27 @@ DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum 
     DEM__PREFETCH((const void *)((uintptr_t)sum + (uintptr_t)j * sizeof *sum));
 }
 
-/* Call the functions for polyhedra on a block. They are functions of their own because a call through a pointer would slow the kernel. */
+/* Call the functions for polyhedra on a block. They are functions of their own because a call through a pointer would
+   slow the kernel. */
 static DEM__NOINLINE void dem__fill_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, double half) {
     w->engine->convex.calls->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }
-static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, const dem__columns *at,
-                                                 double half, int features) {
+static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n,
+                                                 const dem__columns *at, double half, int features) {
     w->engine->convex.calls->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
 }
 static DEM__NOINLINE void dem__leave_other_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
     w->engine->convex.calls->leave_edges(w, in, marked);
 }
 
-/* Gathers the block of n contacts from slot base on, and prefetches the next one, of this chunk or of the one after it. */
-DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t chunk, ptrdiff_t base, int n, const dem_law *law, double half,
-                                  int has_friction) {
+/* Gathers the block of n contacts from slot base on, and prefetches the next one, of this chunk or of the one after it.
+ */
+DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t chunk, ptrdiff_t base, int n,
+                                  const dem_law *law, double half, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__chunk *in = &contacts->chunk[chunk];
-    const dem__chunk *then = base + DEM__BLOCK < in->first + in->count || chunk + 1 == contacts->chunk_count ? in : in + 1;
+    const dem__chunk *then =
+        base + DEM__BLOCK < in->first + in->count || chunk + 1 == contacts->chunk_count ? in : in + 1;
     const ptrdiff_t ahead = then == in ? base + DEM__BLOCK : then->first, stop = then->first + then->count;
     const dem_particle *particle = w->particle;
     const dem__sum *sum = w->engine->bodies.sum;
@@ -150,7 +159,8 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     int walls = 0;
     for (int k = 0; k < n; k++) {
         const ptrdiff_t c = base + k, i = of_i[c], j = of_j[c];
-        if (ahead + k < stop) dem__prefetch_body(particle, sum, of_i[ahead + k]), dem__prefetch_body(particle, sum, of_j[ahead + k]);
+        if (ahead + k < stop)
+            dem__prefetch_body(particle, sum, of_i[ahead + k]), dem__prefetch_body(particle, sum, of_j[ahead + k]);
         if (j >= 0) dem__gather_pair(particle, i, j, &x->rows, k, has_friction);
         else dem__gather_wall(w, i, -1 - j, contacts->element[c], c, &x->rows, k, half, &x->wall[walls++]);
     }
@@ -163,11 +173,12 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     if (w->engine->convex.calls) dem__fill_other_rows(w, x, base, n, half);
 }
 
-/* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the sizes only. Conditions
-   on features are constant where the loop is compiled. */
+/* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the
+   sizes only. Conditions on features are constant where the loop is compiled. */
 #define DEM__OF_LINKS (1 << 20) /* no enum: C++20 warns where numbers of two enums are combined */
-DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n, const dem__columns *old,
-                               const dem__columns *at, const dem_law *law, double h, double rate, int features) {
+DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n,
+                               const dem__columns *old, const dem__columns *at, const dem_law *law, double h,
+                               double rate, int features) {
     const void *user = w->user;
     const int has_friction = (features & DEM_FRICTION) != 0, is_link = (features & DEM__OF_LINKS) != 0;
     dem__row share; /* in a loop of its own, which is left out for a law that does not use it */
@@ -180,11 +191,14 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         memset(&r, 0, sizeof r); /* what a law leaves out is 0 */
         for (int a = 0; a < law->constants && !is_link; a++) p[a] = x->types.constant[a][k];
         for (int a = 0; a < law->states; a++) s[a] = old->state[a][k];
-        if (law->vectors > 0) dem__turn(&x->rows, k, h, s); /* by itself: clang does not unroll so long a loop, even for one turn */
+        if (law->vectors > 0)
+            dem__turn(&x->rows, k, h, s); /* by itself: clang does not unroll so long a loop, even for one turn */
         for (int a = 1; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
         for (int a = 0; a < law->history && has_friction && !is_link; a++) x->past[a][k] = s[a];
-        dem__contact_geometry(&x->rows, &x->types, k, is_link ? 0.0 : 0.5 * h, is_link ? 0.0 : 1.0, has_friction, &q, &arm_i, &arm_j);
-        const double predict = is_link ? 1.0 : x->types.predict[k]; /* read outside the condition, or the loop does not vectorise */
+        dem__contact_geometry(&x->rows, &x->types, k, is_link ? 0.0 : 0.5 * h, is_link ? 0.0 : 1.0, has_friction, &q,
+                              &arm_i, &arm_j);
+        const double predict =
+            is_link ? 1.0 : x->types.predict[k]; /* read outside the condition, or the loop does not vectorise */
         q.closing *= x->rows.gap[k] < 0.0 ? predict : 1.0;
         q.mass = is_link ? 0.0 : x->types.mass[k];
         q.share = share[k];
@@ -209,7 +223,8 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
 }
 
 /* Computes the work of walls on their contacts from powers, by the trapezoidal rule. */
-DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns *old, const dem__columns *at, double half) {
+DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns *old, const dem__columns *at,
+                                   double half) {
     for (int k = 0; k < n; k++) at->loss[3][k] = 0.0, at->power[2][k] = old->power[2][k];
     for (int q = 0; q < x->walls; q++) {
         const int k = x->wall[q].row;
@@ -222,8 +237,8 @@ DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns
 
 /* Corrects the edge steps of a block: those of the last `marked` contacts that its chunk has listed. */
 DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk *in, ptrdiff_t base, ptrdiff_t marked,
-                                   const dem__columns *old, const dem__columns *at, const dem_law *law, dem__edge_fn *correct,
-                                   int features) {
+                                   const dem__columns *old, const dem__columns *at, const dem_law *law,
+                                   dem__edge_fn *correct, int features) {
     const dem__run *run = &w->engine->run;
     const dem__contacts *contacts = &w->engine->contacts;
     const int has_friction = (features & DEM_FRICTION) != 0;
@@ -236,15 +251,18 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
         if (!contacts->edge[c]) continue;
         while (q < x->walls && x->wall[q].row < k) q++;
         for (int a = 0; a < law->constants; a++) p[a] = x->types.constant[a][k];
-        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, 1.0, has_friction, &view, &edge.arm_i, &edge.arm_j);
+        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, 1.0, has_friction, &view, &edge.arm_i,
+                              &edge.arm_j);
         view.mass = x->types.mass[k];
-        view.share = dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not from the row, which a law may leave uncomputed */
+        view.share =
+            dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not from the row, which a law may leave uncomputed */
         view.dt = 0.0;
         view.rate = 1.0 / run->dt;
         view.constants = p;
         view.user = w->user;
         edge.gap = x->was[k], edge.force = x->before[k];
-        for (int a = 0; a < law->states && has_friction; a++) edge.state[a] = a < law->history ? x->past[a][k] : old->state[a][k];
+        for (int a = 0; a < law->states && has_friction; a++)
+            edge.state[a] = a < law->history ? x->past[a][k] : old->state[a][k];
         for (int a = 0; a < 9; a++) edge.out[a] = at->out[a] + k;
         edge.wall_speed = contacts->j[c] < 0 ? x->wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
         correct(w, c, &view, &edge);
@@ -252,9 +270,11 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
     }
 }
 
-/* Evaluates the contacts of a chunk. A contact reads its own slot, particles and walls, which do not change meanwhile, and writes its own
-   slot; therefore any division among threads gives the same bits. Each block is summed while it is in the cache. */
-DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk, const dem_law *law, dem__edge_fn *correct, int features) {
+/* Evaluates the contacts of a chunk. A contact reads its own slot, particles and walls, which do not change meanwhile,
+   and writes its own slot; therefore any division among threads gives the same bits. Each block is summed while it is
+   in the cache. */
+DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk, const dem_law *law,
+                                    dem__edge_fn *correct, int features) {
     const dem__run *run = &w->engine->run;
     const int has_friction = (features & DEM_FRICTION) != 0;
     const int only_ledger = (features & DEM_ENERGY) && run->only_ledger;
@@ -266,7 +286,8 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__gather_block(w, x, chunk, base, n, law, 0.5 * h, has_friction);
         dem__columns_of(w, base, law, features, &old);
         dem__new_columns(w, base, law, features, DEM__COPY_ROWS || only_ledger, &x->block, &at);
-        dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate, features);
+        dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate,
+                       features);
         if (w->engine->convex.calls) {
             const dem__columns same = at; /* the address of `at` itself would keep clang from vectorising the law */
             dem__finish_other_rows(w, x, base, n, &same, 0.5 * h, features);
@@ -285,8 +306,8 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
 }
 
 /* Evaluates the contacts of chunks first .. end-1 on one thread. */
-DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law, dem__edge_fn *correct,
-                            int features) {
+DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law,
+                            dem__edge_fn *correct, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__work *work = dem__work_of(w, part);
     for (int k = 0; k < DEM__BLOCK; k++) work->types.kind[k] = -2;
@@ -302,7 +323,9 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
 }
 
 /* Returns the number of parts into which the links are split. */
-DEM_INLINE int dem__link_parts(const dem_world *w) { return dem__parts_of(w, w->engine->links.count, w->engine->scratch.works); }
+DEM_INLINE int dem__link_parts(const dem_world *w) {
+    return dem__parts_of(w, w->engine->links.count, w->engine->scratch.works);
+}
 
 /* Adds the forces of links first .. end-1 to the loads of their bodies, in the order of the links. */
 DEM_INLINE void dem__add_links(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
@@ -338,8 +361,8 @@ DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t ba
     dem__complete_rows(w, &x->rows, &x->types, n, 0.0, 0.5 * w->engine->run.kernel_dt, x->wall, x->walls, 1);
 }
 
-/* Evaluates links first .. end - 1 at the present positions. If there is only one thread, it adds up each block while it is in the
-   cache. */
+/* Evaluates links first .. end - 1 at the present positions. If there is only one thread, it adds up each block while
+   it is in the cache. */
 DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law) {
     dem__links *links = &w->engine->links;
     dem__work *x = dem__work_of(w, part);
@@ -353,7 +376,8 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
         for (int a = 0; a < 9; a++) old.out[a] = links->wrench[a] + base;
         for (int a = 0; a < law->states; a++) at.state[a] = DEM__COPY_ROWS ? x->block.state[a] : old.state[a];
         for (int a = 0; a < 9; a++) at.out[a] = DEM__COPY_ROWS ? x->block.out[a] : old.out[a];
-        dem__apply_law(w, x, links->i + base, links->j + base, n, &old, &at, law, h, 1.0 / h, DEM_FRICTION | DEM__OF_LINKS);
+        dem__apply_law(w, x, links->i + base, links->j + base, n, &old, &at, law, h, 1.0 / h,
+                       DEM_FRICTION | DEM__OF_LINKS);
         for (int a = 0; a < law->history && DEM__COPY_ROWS; a++) memcpy(old.state[a], at.state[a], bytes);
         for (int a = 0; a < 9 && DEM__COPY_ROWS; a++) memcpy(old.out[a], at.out[a], bytes);
         memcpy(links->gap + base, x->rows.gap, bytes);
@@ -362,14 +386,16 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
     }
 }
 
-#define DEM__LOOP(name, call)                                                                                                              \
-    DEM__AVX2_CLONE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end, int part), (world, first, end, part), call)
-#define DEM_KERNEL(name, law, features)                                                                                                    \
-    DEM__FAST static DEM__NOINLINE void name##_edge(dem_world *world, ptrdiff_t c, dem_contact *q, const dem__edge *was) {                 \
-        dem__correct_edge(world, c, q, was, &(law), features);                                                                             \
-    }                                                                                                                                      \
-    DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))                                            \
+#define DEM__LOOP(name, call)                                                                                          \
+    DEM__AVX2_CLONE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end, int part), (world, first, end, part),    \
+                    call)
+#define DEM_KERNEL(name, law, features)                                                                                \
+    DEM__FAST static DEM__NOINLINE void name##_edge(dem_world *world, ptrdiff_t c, dem_contact *q,                     \
+                                                    const dem__edge *was) {                                            \
+        dem__correct_edge(world, c, q, was, &(law), features);                                                         \
+    }                                                                                                                  \
+    DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))                        \
     static const dem_kernel name = {&(law), features, name##_loop};
-#define DEM_LINK_KERNEL(name, law)                                                                                                         \
-    DEM__LOOP(name##_loop, dem__link_kernel(world, first, end, part, &(law)))                                                              \
+#define DEM_LINK_KERNEL(name, law)                                                                                     \
+    DEM__LOOP(name##_loop, dem__link_kernel(world, first, end, part, &(law)))                                          \
     static const dem_link_kernel name = {&(law), name##_loop};

@@ -1,7 +1,6 @@
 /* The shipped laws of contact: pure functions of one contact's scalars and its history. */
 #pragma once
-#include "../base/compiler.h"
-#include "../base/types.h"
+#include "../base/law.h"
 #include "../../base/portable_math.h"
 
 /* Linear spring-dashpot (Elskamp & Kruggel-Emden 2019, eqs 4 and 5). Constants: */
@@ -18,10 +17,13 @@ enum {
 /* State, from DEM__XI on: tangential displacement [m], which the kernel turns with the contact. */
 enum { DEM__XI };
 
-/* Returns the factor of the dashpot's velocity, which is predicted over a step h. With it, an oscillation of two bodies on a linear spring
-   of k m/h^2 and a dashpot of c m/h decays as it should, to third order. It follows from the characteristic equation of the scheme for
-   positions proportional to z^n: 2 z (z - 1)^2 + 2 k z^2 + c (z - 1)(3 z - 1) = 0. */
-DEM_INLINE double dem__prediction(double k, double c) { return 1.0 - (11.0 * k - 5.0 * c * c + 9.0 * c * k - 3.0 * c * c * c) / 24.0; }
+/* Returns the factor of the dashpot's velocity, which is predicted over a step h. With it, an oscillation of two bodies
+   on a linear spring of k m/h^2 and a dashpot of c m/h decays as it should, to third order. It follows from the
+   characteristic equation of the scheme for positions proportional to z^n: 2 z (z - 1)^2 + 2 k z^2 + c (z - 1)(3 z - 1)
+   = 0. */
+DEM_INLINE double dem__prediction(double k, double c) {
+    return 1.0 - (11.0 * k - 5.0 * c * c + 9.0 * c * k - 3.0 * c * c * c) / 24.0;
+}
 
 /* Computes rolling resistance against the relative spin: at most the torque that stops it in two steps. */
 DEM_INLINE void dem__roll(const dem_contact *c, double normal, double arm, double cap, dem_response *r) {
@@ -52,17 +54,20 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
     if (!(features & DEM_FRICTION)) return;
 
     double push = force > 0.0 ? force : 0.0, limit = p[DEM__MU] * push;
-    double relax = p[DEM__GAMMA_T] / (p[DEM__KT] > 0.0 ? p[DEM__KT] : 1.0), xi[3], t[3]; /* [s]; arbitrary without a spring */
+    double relax = p[DEM__GAMMA_T] / (p[DEM__KT] > 0.0 ? p[DEM__KT] : 1.0), xi[3],
+           t[3]; /* [s]; arbitrary without a spring */
     for (int a = 0; a < 3; a++) {
         xi[a] = state[DEM__XI + a] + c->slip[a] * c->dt;
         t[a] = p[DEM__KT] * xi[a] + p[DEM__GAMMA_T] * c->slip[a];
     }
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), most = size + 1e-300;
-    double scale = (limit < most ? limit : most) / most; /* a choice of 1 would make gcc compute both cases of all that follows */
+    double scale =
+        (limit < most ? limit : most) / most; /* a choice of 1 would make gcc compute both cases of all that follows */
     for (int a = 0; a < 3; a++) {
-        double kept = size > limit ? scale * (xi[a] + relax * c->slip[a]) : xi[a];        /* sliding: the spring carries the whole force */
-        r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force over the distance
-                                                                                             slid */
+        double kept = size > limit ? scale * (xi[a] + relax * c->slip[a])
+                                   : xi[a]; /* sliding: the spring carries the whole force */
+        r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force over
+                                                                                             the distance slid */
         r->elastic += 0.5 * p[DEM__KT] * kept * kept;
         r->rolling_power += (scale * t[a] - p[DEM__KT] * kept) * c->slip[a];
         state[DEM__XI + a] = kept;
@@ -86,10 +91,11 @@ static inline double dem_prepare_linear(const dem_birth *b, double *constants) {
     return k;
 }
 
-/* Hertz-Mindlin: normal force 4/3 E* sqrt(R*) delta^1.5, dashpot sqrt(5) beta sqrt(m k) delta^0.25 (Tsuji et al. 1992; gives e exactly:
-   Antypov & Elliott 2011), tangential force 8 G* sqrt(R* delta) times the displacement (Mindlin 1949, without microslip). A stored
-   tangential force follows the contact radius when it grows and when it shrinks, as in Chung & Ooi's impact tests and in the common codes.
-   The energy that a change of the radius adds or takes counts as sliding loss, with its sign. */
+/* Hertz-Mindlin: normal force 4/3 E* sqrt(R*) delta^1.5, dashpot sqrt(5) beta sqrt(m k) delta^0.25 (Tsuji et al. 1992;
+   gives e exactly: Antypov & Elliott 2011), tangential force 8 G* sqrt(R* delta) times the displacement (Mindlin 1949,
+   without microslip). A stored tangential force follows the contact radius when it grows and when it shrinks, as in
+   Chung & Ooi's impact tests and in the common codes. The energy that a change of the radius adds or takes counts as
+   sliding loss, with its sign. */
 enum {
     DEM__HERTZ_K,
     DEM__HERTZ_GAMMA,
@@ -107,7 +113,8 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
     const double *p = c->constants;
     double overlap = c->gap < 0.0 ? -c->gap : 0.0, area = sqrt(p[DEM__HERTZ_RADIUS] * overlap);
     double spring = p[DEM__HERTZ_K] * area * overlap, damping = p[DEM__HERTZ_GAMMA] * sqrt(area);
-    double step = c->dt / c->mass, k = 1.5 * p[DEM__HERTZ_K] * area * c->dt * step; /* of a spring as stiff as it is now */
+    double step = c->dt / c->mass,
+           k = 1.5 * p[DEM__HERTZ_K] * area * c->dt * step; /* of a spring as stiff as it is now */
     double closing = dem__prediction(k, damping * step) * c->closing, force = spring + damping * closing;
     r->normal = r->contact = force;
     r->ended = c->gap < 0.0 ? 0.0 : 1.0;
@@ -143,8 +150,8 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
     if (features & DEM_ROLLING) dem__roll(c, push, p[DEM__HERTZ_ROLL], p[DEM__HERTZ_CAP], r);
 }
 
-/* Computes the constants of a contact by Hertz. Shear modulus of the pair: 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j with G = E/(2 (1 +
-   nu)). */
+/* Computes the constants of a contact by Hertz. Shear modulus of the pair: 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j with
+   G = E/(2 (1 + nu)). */
 static inline double dem_prepare_hertz(const dem_birth *b, double *constants) {
     const dem_material *i = &b->def->material[b->material_i], *j = &b->def->material[b->material_j];
     double modulus = 1.0 / ((1.0 - i->poisson_ratio * i->poisson_ratio) / i->young_modulus +
@@ -164,7 +171,7 @@ static inline double dem_prepare_hertz(const dem_birth *b, double *constants) {
     return 0.0;
 }
 
-#define DEM__FORCE(name, body, features)                                                                                                   \
+#define DEM__FORCE(name, body, features)                                                                               \
     DEM_INLINE void name(const dem_contact *c, double *state, dem_response *r) { body(c, state, r, features); }
 DEM__FORCE(dem_force_linear, dem__linear, DEM_LINEAR)
 DEM__FORCE(dem_force_linear_friction, dem__linear, DEM_FRICTION)

@@ -3,7 +3,8 @@
 #include "laws.h"
 #include "../particles/free_flight.h"
 
-/* Returns half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007), in one form for any damping. */
+/* Returns half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007), in one form for any damping.
+ */
 DEM_INLINE double dem__half_duration(double zeta) {
     double d = zeta - 1.0;
     if (fabs(d) < 1e-3) return 1.0 - d * (1.0 / 3.0 - d * (2.0 / 15.0 - d * (2.0 / 35.0 - d * 8.0 / 315.0)));
@@ -36,9 +37,11 @@ DEM_API double dem_damping_ratio(double e, dem_restitution mode) {
 }
 
 DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitution mode) {
-    if (!(k > 0.0 && mass > 0.0 && zeta >= 0.0) || !(zeta <= DBL_MAX) || (mode == DEM_NAIVE && !(zeta < 1.0))) return (double)NAN;
+    if (!(k > 0.0 && mass > 0.0 && zeta >= 0.0) || !(zeta <= DBL_MAX) || (mode == DEM_NAIVE && !(zeta < 1.0)))
+        return (double)NAN;
     double period = sqrt(mass / k);
-    return mode == DEM_CLIPPED ? 2.0 * dem__half_duration(zeta) * period : RIDDLE_PI * period / sqrt((1.0 - zeta) * (1.0 + zeta));
+    return mode == DEM_CLIPPED ? 2.0 * dem__half_duration(zeta) * period
+                               : RIDDLE_PI * period / sqrt((1.0 - zeta) * (1.0 + zeta));
 }
 
 DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed) {
@@ -48,18 +51,19 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
     return 2.943275175395 * overlap / speed; /* 2 sqrt(pi) Gamma(7/5)/Gamma(9/10) */
 }
 
-/* Returns the least effective mass of particle i in a contact [kg]. That of a particle of a body is less than the body's mass, because the
-   body turns. */
+/* Returns the least effective mass of particle i in a contact [kg]. That of a particle of a body is less than the
+   body's mass, because the body turns. */
 static inline double dem__least_mass(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) return w->particle[i].mass;
     const double arm = dem__shape_of(w, i) ? w->particle[i].radius : dem__length(w->engine->bodies.offset[i]);
-    const double two = r->moments.x < r->moments.y ? r->moments.x : r->moments.y, least = two < r->moments.z ? two : r->moments.z;
+    const double two = r->moments.x < r->moments.y ? r->moments.x : r->moments.y,
+                 least = two < r->moments.z ? two : r->moments.z;
     return 1.0 / (1.0 / r->mass + arm * arm / least);
 }
 
-/* What is present of a material: the least radius of its free and of its fixed particles, and the least effective mass of a particle of a
-   body. */
+/* What is present of a material: the least radius of its free and of its fixed particles, and the least effective mass
+   of a particle of a body. */
 typedef struct dem__present {
     double smallest, fixed, lightest; /* [m], [m], [kg]; infinite if there is none */
     int is_wall;
@@ -81,7 +85,8 @@ static inline void dem__list_present(const dem_world *w, dem__present *of) {
     for (int k = 0; k < w->walls; k++) of[w->wall[k].material].is_wall |= w->wall[k].kind != DEM_EXIT;
 }
 
-/* Returns the mass of the smallest sphere of a material, or the effective mass of a particle of a body if that is less [kg]. */
+/* Returns the mass of the smallest sphere of a material, or the effective mass of a particle of a body if that is less
+   [kg]. */
 static inline double dem__mass_of(const dem_world *w, const dem__present *of, int m) {
     const double r = of[m].smallest, sphere = 4.0 / 3.0 * RIDDLE_PI * r * r * r * w->def.material[m].density;
     return sphere < of[m].lightest ? sphere : of[m].lightest;
@@ -115,7 +120,8 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
         if (!(of[m].smallest < HUGE_VAL)) continue;
         const dem_material *mat = &w->def.material[m];
         const double mass_m = dem__mass_of(w, of, m), shear = 0.5 * mat->young_modulus / (1.0 + mat->poisson_ratio);
-        const double rayleigh = RIDDLE_PI * of[m].smallest * sqrt(mat->density / shear) / (0.1631 * mat->poisson_ratio + 0.8766);
+        const double rayleigh =
+            RIDDLE_PI * of[m].smallest * sqrt(mat->density / shear) / (0.1631 * mat->poisson_ratio + 0.8766);
         a.rayleigh = rayleigh < a.rayleigh ? rayleigh : a.rayleigh;
         for (int q = 0; q < w->def.materials; q++) {
             for (int side = 0; side < 3; side++) { /* 0: a sphere of material q, 1: a wall of it, 2: a fixed sphere */

@@ -1,5 +1,5 @@
-/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums, but step/step.h
-   sets where they start. */
+/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its
+   sums, but step/step.h sets where they start. */
 #pragma once
 #include "../walls/kinds.h"
 #include "../base/arrays.h"
@@ -32,7 +32,8 @@ DEM_INLINE void dem__book_motion(dem_world *w, double change) {
 
 /* Books the energy of a particle that is removed, and its potential part [J]. */
 DEM_INLINE void dem__book_removed(dem_world *w, double energy, double potential) {
-    if (w->engine->ledger.on) w->engine->ledger.sums.removed += energy, w->engine->ledger.sums.removed_potential += potential;
+    if (w->engine->ledger.on)
+        w->engine->ledger.sums.removed += energy, w->engine->ledger.sums.removed_potential += potential;
 }
 
 /* Books work of links [J]. */
@@ -54,13 +55,14 @@ static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t 
 /* Books the work of moving fixed particles on others [J]. */
 DEM_INLINE void dem__book_work_of_fixed(dem_world *w, double work) { w->engine->ledger.sums.external_work += work; }
 
-/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it; otherwise as sliding loss,
-   because its tangential spring is released. */
+/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it;
+   otherwise as sliding loss, because its tangential spring is released. */
 static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     dem_energy_ledger *sums = &w->engine->ledger.sums;
     if (!w->engine->ledger.counts) return;
-    if (w->alive[i] <= 0 || (j >= 0 && w->alive[j] <= 0) || dem__is_taken_away(w, i, j)) sums->removed += w->engine->contacts.elastic[c];
+    if (w->alive[i] <= 0 || (j >= 0 && w->alive[j] <= 0) || dem__is_taken_away(w, i, j))
+        sums->removed += w->engine->contacts.elastic[c];
     else sums->sliding_loss += w->engine->contacts.elastic[c];
 }
 
@@ -72,8 +74,8 @@ static inline double dem__stored_energy(const dem_world *w) {
     return sum;
 }
 
-/* Books the change of stored energy by the caller between runs: new contacts, changed constants. before: that energy at the end of the last
-   run [J]. */
+/* Books the change of stored energy by the caller between runs: new contacts, changed constants. before: that energy at
+   the end of the last run [J]. */
 static inline void dem__book_callers_contacts(dem_world *w, double before) {
     if (w->engine->ledger.started) w->engine->ledger.sums.added += dem__stored_energy(w) - before;
 }
@@ -83,7 +85,8 @@ static inline void dem__book_fixed(dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;
     for (int a = 0; a < 3; a++) {
-        const double of_links = bodies->load[i][a] - bodies->external[i][a], turning = bodies->load[i][3 + a] - bodies->external[i][3 + a];
+        const double of_links = bodies->load[i][a] - bodies->external[i][a],
+                     turning = bodies->load[i][3 + a] - bodies->external[i][3 + a];
         dem__book_work_of_fixed(w, -half * (before[a] + now[a] + of_links) * dem_axis(w->particle[i].v, a));
         dem__book_work_of_fixed(w, -half * (before[3 + a] + now[3 + a] + turning) * dem_axis(w->particle[i].spin, a));
     }

@@ -1,149 +1,10 @@
-/* Placing particles without overlap, at once or over time. Owns nothing; writes a world through its public functions. */
+/* Placing particles without overlap, at once or over time. Owns nothing; writes a world through its public functions.
+ */
 #pragma once
-#include "../bodies/clumps.h"
-#include "sizes.h"
+#include "room.h"
 
-/* Spheres in and near a region, present and new, in linked lists by level and cell. */
-typedef struct dem__room {
-    dem__grid grid[DEM__LEVELS_MAX];
-    double smallest;
-    double *centre, *radius; /* [count][3], [count] */
-    int32_t *head, *next;
-    ptrdiff_t count, capacity, cells;
-    size_t bytes;
-    dem_wall inside;  /* the triangles of a mesh region; without a tree for other regions */
-    ptrdiff_t looked; /* places tried */
-    int stopped;      /* by def.stop */
-} dem__room;
-
-/* Returns whether the host wants the call to end; asked in every 1024th step of its work. */
-static inline int dem__is_stopped(const dem_world *w, ptrdiff_t step) {
-    return (step & 1023) == 1023 && w->def.stop && w->def.stop(w->def.stop_user) != 0;
-}
-
-/* Adds a sphere to the lists. */
-static inline void dem__settle_in(dem__room *room, dem_vec x, double radius) {
-    const ptrdiff_t k = room->count++, c = dem__cell(&room->grid[dem__level(radius, room->smallest)], x);
-    room->centre[3 * k] = x.x, room->centre[3 * k + 1] = x.y, room->centre[3 * k + 2] = x.z;
-    room->radius[k] = radius;
-    room->next[k] = room->head[c];
-    room->head[c] = (int32_t)k;
-}
-
-/* Counts a sphere that will be added, for the sizes of cells and arrays. */
-static inline void dem__count_in(dem__room *room, double radius) {
-    dem__grid *g = &room->grid[dem__level(radius, room->smallest)];
-    g->count++;
-    g->widest = radius > g->widest ? radius : g->widest;
-    room->capacity++;
-}
-
-/* Returns whether sphere i reaches into a box; x: its position. Periodic axes are not compared. */
-static inline int dem__in_the_way(const dem_world *w, ptrdiff_t i, dem_vec low, dem_vec high, dem_vec *x) {
-    *x = dem_position(w, i);
-    for (int a = 0; a < 3 && w->alive[i]; a++) {
-        const double v = dem_axis(*x, a);
-        if (!w->def.periodic[a] && !(v + w->particle[i].radius >= dem_axis(low, a) && v - w->particle[i].radius <= dem_axis(high, a)))
-            return 0;
-    }
-    return w->alive[i];
-}
-
-/* Builds the tree of a mesh region. */
-static inline dem_status dem__make_inside(dem_wall *inside, const dem_world *w, const dem_region *region) {
-    const dem_mesh *m = region->mesh;
-    dem_status status = DEM_OK;
-    if (region->kind != DEM_REGION_MESH) return DEM_OK;
-    inside->kind = DEM_MESH, inside->solid = 1;
-    dem__frame(inside, dem_vec3(0.0, 0.0, 1.0), dem_vec3(1.0, 0.0, 0.0));
-    inside->tree =
-        dem__make_tree(&w->def.allocator, m->vertices, (const dem_vec *)(const void *)m->vertex, m->triangles, m->triangle, &status);
-    return status;
-}
-
-/* Frees the memory of a room. */
-static inline void dem__clear_room(dem__room *room, const dem_world *w) {
-    const dem_allocator *a = &w->def.allocator;
-    if (room->centre) a->fn(a->user, room->centre, room->bytes, 0);
-    if (room->inside.tree) a->fn(a->user, room->inside.tree, room->inside.tree->bytes, 0);
-    room->centre = NULL, room->inside.tree = NULL;
-}
-
-/* Makes a room for the spheres present around a region and n new ones with given radii. reach: of the largest new body [m]. */
-static inline dem_status dem__make_room(dem__room *room, const dem_world *w, const dem_region *region, const double *radius, ptrdiff_t n,
-                                        double reach) {
-    dem_vec low, high, x;
-    memset(room, 0, sizeof *room);
-    const dem_status status = dem__make_inside(&room->inside, w, region);
-    if (status != DEM_OK) return status;
-    dem__tree_bounds(region, &low, &high);
-    room->smallest = HUGE_VAL;
-    for (ptrdiff_t k = 0; k < n; k++) {
-        room->smallest = radius[k] < room->smallest ? radius[k] : room->smallest;
-    }
-    const dem_vec out = dem_vec3(reach, reach, reach); /* spheres in a flat region stand out of it */
-    low = dem__sub(low, out), high = dem__add(high, out);
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x) && w->particle[i].radius < room->smallest) room->smallest = w->particle[i].radius;
-    }
-    for (ptrdiff_t k = 0; k < n; k++) dem__count_in(room, radius[k]);
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x)) dem__count_in(room, w->particle[i].radius);
-    }
-    for (int level = 0; level < DEM__LEVELS_MAX; level++) {
-        dem__grid *g = &room->grid[level];
-        if (g->count == 0) continue;
-        dem__make_grid(w, g, 2.0 * g->widest, low, high);
-        g->first = room->cells;
-        room->cells += (ptrdiff_t)g->n[0] * g->n[1] * g->n[2];
-    }
-    if (room->capacity > INT32_MAX / 8) return DEM_TOO_MANY;
-    room->bytes = (size_t)room->capacity * (4 * sizeof(double) + sizeof(int32_t)) + (size_t)room->cells * sizeof(int32_t);
-    room->centre = (double *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, room->bytes);
-    if (!room->centre) return DEM_OUT_OF_MEMORY;
-    room->radius = room->centre + 3 * room->capacity;
-    room->next = (int32_t *)(void *)(room->radius + room->capacity);
-    room->head = room->next + room->capacity;
-    for (ptrdiff_t c = 0; c < room->cells; c++) room->head[c] = -1;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x)) dem__settle_in(room, x, w->particle[i].radius);
-    }
-    return DEM_OK;
-}
-
-/* Returns whether a sphere of a group is free at x: it overlaps no sphere and no wall, and is not inside a solid wall, beyond an exit or
-   outside a mesh region. */
-static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_vec x, double radius, int group) {
-    dem__touch touch[DEM__TOUCHES];
-    double least;
-    if (room->inside.tree && (!dem__is_inside_wall(&room->inside, x) || dem__touch_wall(&room->inside, x, radius, 0.0, touch, &least) > 0))
-        return 0;
-    for (int k = 0; k < w->walls; k++) {
-        const dem_wall *wall = &w->wall[k];
-        if (!wall->enabled || !dem__acts_on(wall, group)) continue;
-        if (dem__touch_wall(wall, x, radius, 0.0, touch, &least) > 0 || dem__is_inside_wall(wall, x)) return 0;
-    }
-    for (int level = 0; level < DEM__LEVELS_MAX; level++) {
-        const dem__grid *g = &room->grid[level];
-        if (g->count == 0) continue;
-        int32_t first[3], cells[3];
-        for (int a = 0; a < 3; a++) cells[a] = dem__cells(g, a, dem_axis(x, a), radius + g->widest, &first[a]);
-        for (int32_t c = 0; c < cells[0] * cells[1] * cells[2]; c++) {
-            const int32_t step[3] = {c % cells[0], c / cells[0] % cells[1], c / cells[0] / cells[1]};
-            ptrdiff_t at[3];
-            for (int a = 0; a < 3; a++) at[a] = first[a] + step[a] < g->n[a] ? first[a] + step[a] : first[a] + step[a] - g->n[a];
-            for (int32_t q = room->head[g->first + (at[2] * g->n[1] + at[1]) * g->n[0] + at[0]]; q >= 0; q = room->next[q]) {
-                const double *p = room->centre + 3 * (ptrdiff_t)q, sum = radius + room->radius[q];
-                const dem_vec d = dem__nearest_image(w, dem_vec3(x.x - p[0], x.y - p[1], x.z - p[2]));
-                if (dem__dot(d, d) < sum * sum) return 0;
-            }
-        }
-    }
-    return 1;
-}
-
-/* Draws a place at which a sphere lies within a region; along directions in which the region is flat, its centre does. Returns 0 if the
-   region is too small. */
+/* Draws a place at which a sphere lies within a region; along directions in which the region is flat, its centre does.
+   Returns 0 if the region is too small. */
 static inline int dem__random_place(const dem_region *r, double radius, uint64_t *random, dem_vec *x) {
     if (r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH) { /* of a mesh: in the box around it */
         for (int a = 0; a < 3; a++) {
@@ -199,14 +60,16 @@ static inline void dem__sort_sizes(double *radius, ptrdiff_t n) {
     }
 }
 
-/* Draws the particles that are due one after the other, at most `most`. Returns their number; radius: their radii, or NULL. The first that
-   is not due is kept in feed->waiting: to leave it out would favour small ones. -1: stopped. */
-static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double number, double mass, ptrdiff_t most, double *radius) {
+/* Draws the particles that are due one after the other, at most `most`. Returns their number; radius: their radii, or
+   NULL. The first that is not due is kept in feed->waiting: to leave it out would favour small ones. -1: stopped. */
+static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double number, double mass, ptrdiff_t most,
+                                      double *radius) {
     for (ptrdiff_t n = 0; n < most; n++) {
         if (dem__is_stopped(w, n)) return -1;
         if (!(feed->waiting > 0.0)) feed->waiting = dem_draw_size(&feed->sizes, &feed->random);
         const double m = dem__sphere_mass(w, feed->material, 0.5 * feed->waiting);
-        if (!((double)n + 0.5 <= number) || !(0.5 * m <= mass)) return n; /* a source is late or early by half a particle at most */
+        if (!((double)n + 0.5 <= number) || !(0.5 * m <= mass))
+            return n; /* a source is late or early by half a particle at most */
         if (radius) radius[n] = 0.5 * feed->waiting;
         mass -= m;
         feed->waiting = 0.0;
@@ -220,7 +83,8 @@ static inline dem_quaternion dem__random_turn(uint64_t *random) {
     for (int tries = 0; tries < 1000; tries++) {
         double u[4], square = 0.0;
         for (int a = 0; a < 4; a++) u[a] = 2.0 * dem__uniform(random) - 1.0, square += u[a] * u[a];
-        if (square <= 1.0 && square > 1e-6 && dem__unit_turn(dem__quaternion(u[0], dem_vec3(u[1], u[2], u[3])), &q)) break;
+        if (square <= 1.0 && square > 1e-6 && dem__unit_turn(dem__quaternion(u[0], dem_vec3(u[1], u[2], u[3])), &q))
+            break;
     }
     return q;
 }
@@ -232,9 +96,13 @@ static inline const dem_convex *dem__feed_shape(const dem_world *w, const dem_fe
     return feed->polyhedron > 0 ? &w->engine->convex.shape[feed->polyhedron - 1] : NULL;
 }
 /* Returns the diameter of the sphere with a polyhedron's volume. */
-static inline double dem__convex_diameter(const dem_convex *s) { return 2.0 * riddle_cbrt(s->volume / (4.0 / 3.0 * RIDDLE_PI)); }
+static inline double dem__convex_diameter(const dem_convex *s) {
+    return 2.0 * riddle_cbrt(s->volume / (4.0 / 3.0 * RIDDLE_PI));
+}
 /* Returns the factor of a clump's lengths for a body whose volume is that of a sphere of radius 1. */
-static inline double dem__feed_scale(const dem_feed *feed) { return feed->clump ? 2.0 / dem_clump_diameter(feed->clump) : 1.0; }
+static inline double dem__feed_scale(const dem_feed *feed) {
+    return feed->clump ? 2.0 / dem_clump_diameter(feed->clump) : 1.0;
+}
 /* Returns the radius of such a body about its centre. */
 static inline double dem__feed_reach(const dem_world *w, const dem_feed *feed) {
     const dem_convex *s = dem__feed_shape(w, feed);
@@ -242,17 +110,18 @@ static inline double dem__feed_reach(const dem_world *w, const dem_feed *feed) {
     return feed->clump ? dem__feed_scale(feed) * dem__clump_reach(feed->clump) : 1.0;
 }
 
-/* Returns where particle k of a clump is in a body with the volume of a sphere of the given radius; piece: the particle's radius. */
-static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed, dem_vec x, dem_quaternion turn, double radius, int k,
-                                       double *piece) {
+/* Returns where particle k of a clump is in a body with the volume of a sphere of the given radius; piece: the
+   particle's radius. */
+static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed, dem_vec x, dem_quaternion turn,
+                                       double radius, int k, double *piece) {
     const double scale = radius * dem__feed_scale(feed);
     *piece = scale * feed->clump->radius[k];
     return dem__in_box(w, dem__plus(x, scale, dem__to_lab(turn, feed->clump->centre[k])));
 }
 
 /* Returns whether a body of a feed is free at x. */
-static inline int dem__has_room(const dem_world *w, const dem__room *room, const dem_feed *feed, dem_vec x, dem_quaternion turn,
-                                double radius) {
+static inline int dem__has_room(const dem_world *w, const dem__room *room, const dem_feed *feed, dem_vec x,
+                                dem_quaternion turn, double radius) {
     if (!feed->clump) return dem__is_free(w, room, x, radius * dem__feed_reach(w, feed), feed->group);
     for (int k = 0; k < feed->clump->spheres; k++) {
         double piece;
@@ -263,7 +132,8 @@ static inline int dem__has_room(const dem_world *w, const dem__room *room, const
 }
 
 /* Finds a free place for a body of a feed, by random tries. Returns 0 if there was none. */
-static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *feed, double radius, dem_vec *x, dem_quaternion *turn) {
+static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *feed, double radius, dem_vec *x,
+                                  dem_quaternion *turn) {
     const double reach = radius * dem__feed_reach(w, feed);
     for (int tries = 0; tries < feed->tries; tries++) {
         if (dem__is_stopped(w, room->looked++)) {
@@ -279,8 +149,8 @@ static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *feed,
 }
 
 /* Adds the particles of a body to the lists, in their order. */
-static inline void dem__settle_body(const dem_world *w, dem__room *room, const dem_feed *feed, dem_vec x, dem_quaternion turn,
-                                    double radius) {
+static inline void dem__settle_body(const dem_world *w, dem__room *room, const dem_feed *feed, dem_vec x,
+                                    dem_quaternion turn, double radius) {
     if (!feed->clump) dem__settle_in(room, x, radius * dem__feed_reach(w, feed));
     for (int k = 0; feed->clump && k < feed->clump->spheres; k++) {
         double piece;
@@ -308,23 +178,25 @@ static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, pt
 static inline ptrdiff_t dem__most_drawn(int at_once) { return at_once ? INT32_MAX / 8 : 100000; }
 
 /* Draws n radii, and computes those of their particles. Returns the largest radius of a body, or -1: stopped. */
-static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem_feed *feed, double number, double mass, ptrdiff_t n,
-                                     int at_once) {
+static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem_feed *feed, double number, double mass,
+                                     ptrdiff_t n, int at_once) {
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     double widest = 0.0;
     if (dem__draw_due(w, feed, number, mass, dem__most_drawn(at_once), b->radius) < 0) return -1.0;
     if (at_once) dem__sort_sizes(b->radius, n);
     for (ptrdiff_t k = 0; k < n * pieces; k++) {
         const double r = b->radius[k / pieces];
-        b->piece[k] = feed->clump ? r * dem__feed_scale(feed) * feed->clump->radius[k % pieces] : r * dem__feed_reach(w, feed);
+        b->piece[k] =
+            feed->clump ? r * dem__feed_scale(feed) * feed->clump->radius[k % pieces] : r * dem__feed_reach(w, feed);
         widest = r > widest ? r : widest;
     }
     return widest;
 }
 
-/* Finds places for n bodies, and counts them in the feed by number or, with by_mass, by mass. at_once: bodies without a place are counted
-   as missed; otherwise the first of them waits, and with it those after it. */
-static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *feed, dem__batch *b, ptrdiff_t n, int by_mass, int at_once) {
+/* Finds places for n bodies, and counts them in the feed by number or, with by_mass, by mass. at_once: bodies without a
+   place are counted as missed; otherwise the first of them waits, and with it those after it. */
+static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *feed, dem__batch *b, ptrdiff_t n,
+                                    int by_mass, int at_once) {
     ptrdiff_t found = 0;
     for (ptrdiff_t k = 0; k < n; k++) {
         const double radius = b->radius[k], m = dem__sphere_mass(w, feed->material, radius);
@@ -350,8 +222,8 @@ static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *fee
     }
 }
 
-/* Lists the placed bodies in the order of the cells of their first particles, so that neighbours in space are neighbours in memory. Returns
-   their number. */
+/* Lists the placed bodies in the order of the cells of their first particles, so that neighbours in space are
+   neighbours in memory. Returns their number. */
 static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t present, dem_feed *feed, dem__batch *b) {
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     ptrdiff_t placed = 0;
@@ -363,8 +235,8 @@ static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t presen
             for (int a = 0; a < 4; a++) b->orientation[4 * placed + a] = b->turn[4 * body + a];
             for (int a = 0; a < 3; a++) {
                 b->centre[3 * placed + a] = b->place[3 * body + a];
-                b->velocity[3 * placed + a] =
-                    dem_axis(feed->velocity, a) + dem_axis(feed->scatter, a) * (2.0 * dem__uniform(&feed->random) - 1.0);
+                b->velocity[3 * placed + a] = dem_axis(feed->velocity, a) +
+                                              dem_axis(feed->scatter, a) * (2.0 * dem__uniform(&feed->random) - 1.0);
             }
             placed++;
         }
@@ -377,9 +249,11 @@ static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptr
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     dem_status status;
     if (feed->polyhedron)
-        status = w->engine->convex.calls->add(w, feed->polyhedron - 1, n, b->centre, b->orientation, feed->material, feed->group);
+        status = w->engine->convex.calls->add(w, feed->polyhedron - 1, n, b->centre, b->orientation, feed->material,
+                                              feed->group);
     else if (feed->clump)
-        status = feed->clump->add__(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group);
+        status =
+            feed->clump->add__(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group);
     else status = dem_add_spheres(w, n, b->centre, b->diameter, feed->material, feed->group);
     for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
         const dem_vec v = dem_vec3(b->velocity[3 * k], b->velocity[3 * k + 1], b->velocity[3 * k + 2]);
@@ -389,12 +263,13 @@ static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptr
 }
 
 /* Draws n bodies, finds places for them, and lists those that have one; *placed: their number. */
-static inline dem_status dem__place_batch(dem_world *w, dem_feed *feed, dem__batch *b, double number, double mass, ptrdiff_t n, int at_once,
-                                          ptrdiff_t *placed) {
+static inline dem_status dem__place_batch(dem_world *w, dem_feed *feed, dem__batch *b, double number, double mass,
+                                          ptrdiff_t n, int at_once, ptrdiff_t *placed) {
     dem__room room;
     const double widest = dem__draw_batch(w, b, feed, number, mass, n, at_once);
     if (widest < 0.0) return DEM_STOPPED;
-    dem_status status = dem__make_room(&room, w, &feed->region, b->piece, n * dem__feed_pieces(feed), widest * dem__feed_reach(w, feed));
+    dem_status status = dem__make_room(&room, w, &feed->region, b->piece, n * dem__feed_pieces(feed),
+                                       widest * dem__feed_reach(w, feed));
     if (status == DEM_OK) {
         const ptrdiff_t present = room.count;
         dem__find_places(w, &room, feed, b, n, mass < HUGE_VAL, at_once);
@@ -405,8 +280,8 @@ static inline dem_status dem__place_batch(dem_world *w, dem_feed *feed, dem__bat
     return status;
 }
 
-/* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place are missed; otherwise in
-   the order drawn, up to the first without a place, which waits. */
+/* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place are
+   missed; otherwise in the order drawn, up to the first without a place, which waits. */
 static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number, double mass, int at_once) {
     if (dem__is_running(w)) return DEM_BUSY;
     const dem_allocator memory = w->def.allocator;
@@ -419,10 +294,12 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
     double smallest, largest;
     memset(&batch, 0, sizeof batch);
     dem__are_sizes(&after.sizes, &smallest, &largest);
-    if (at_once && number > most && mass > most * dem__sphere_mass(w, feed->material, 0.5 * largest)) return DEM_TOO_MANY;
+    if (at_once && number > most && mass > most * dem__sphere_mass(w, feed->material, 0.5 * largest))
+        return DEM_TOO_MANY;
     w->engine->run.running = 1; /* def.stop finds the world busy */
     const int is_counted = at_once && number >= 1.0 && !(mass < HUGE_VAL);
-    const ptrdiff_t n = is_counted ? (ptrdiff_t)number : dem__draw_due(w, &counted, number, mass, dem__most_drawn(at_once), NULL);
+    const ptrdiff_t n =
+        is_counted ? (ptrdiff_t)number : dem__draw_due(w, &counted, number, mass, dem__most_drawn(at_once), NULL);
     dem_status status = n < 0 ? DEM_STOPPED : n >= INT32_MAX / 8 / dem__feed_pieces(feed) ? DEM_TOO_MANY : DEM_OK;
     if (status == DEM_OK && n > 0) {
         status = DEM_OUT_OF_MEMORY;
@@ -440,26 +317,28 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
 
 static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
     double smallest, largest;
-    if (!w || !w->def.allocator.fn || !f || f->material < 0 || f->material >= w->def.materials || f->tries < 1 || f->tries > 1000000)
+    if (!w || !w->def.allocator.fn || !f || f->material < 0 || f->material >= w->def.materials || f->tries < 1 ||
+        f->tries > 1000000)
         return 0;
     if (!dem__is_region(&f->region) || !dem__are_sizes(&f->sizes, &smallest, &largest)) return 0;
     if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
     if (f->clump && !(dem__is_clump(f->clump) && f->clump->add__)) return 0;
     if (f->polyhedron < 0 || f->polyhedron > w->engine->convex.shapes || (f->polyhedron && f->clump)) return 0;
     if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
-    if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) || !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) ||
-        !(f->scatter.z >= 0.0))
+    if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) ||
+        !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) || !(f->scatter.z >= 0.0))
         return 0;
     if (f->placed < 0 || f->missed < 0 || f->placed > PTRDIFF_MAX / 2 || f->missed > PTRDIFF_MAX / 2) return 0;
-    return dem__finite(f->due) && dem__finite(f->due_mass) && dem__finite(f->placed_mass) && dem__finite(f->missed_mass);
+    return dem__finite(f->due) && dem__finite(f->due_mass) && dem__finite(f->placed_mass) &&
+           dem__finite(f->missed_mass);
 }
 
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
     if (!dem__is_feed(world, feed) || count < 0) return DEM_BAD_ARGUMENT;
     return dem__insert(world, feed, (double)count, HUGE_VAL, 1);
 }
-/* Returns a volume [m3] that the bodies placed in a region cannot exceed; of a mesh, that of the box around it. Where the region is flat,
-   bodies stand out of it. */
+/* Returns a volume [m3] that the bodies placed in a region cannot exceed; of a mesh, that of the box around it. Where
+   the region is flat, bodies stand out of it. */
 static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) {
     dem_region r = feed->region;
     double smallest, diameter;
@@ -469,7 +348,8 @@ static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) 
     if (r.kind == DEM_REGION_MESH) r.kind = DEM_REGION_BOX;
     if (r.kind == DEM_REGION_CYLINDER && r.length == 0.0) r.length = diameter;
     for (int a = 0; a < 3 && r.kind == DEM_REGION_BOX; a++) {
-        if (!(dem_axis(r.high, a) > dem_axis(r.low, a))) *dem_axis_of(&r.low, a) = 0.0, *dem_axis_of(&r.high, a) = diameter;
+        if (!(dem_axis(r.high, a) > dem_axis(r.low, a)))
+            *dem_axis_of(&r.low, a) = 0.0, *dem_axis_of(&r.high, a) = diameter;
     }
     return dem_region_volume(&r);
 }
@@ -481,7 +361,8 @@ DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass) 
 }
 
 DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration) {
-    if (!dem__is_feed(world, feed) || !dem__not_negative(rate) || !dem__not_negative(duration) || !dem__finite(rate * duration))
+    if (!dem__is_feed(world, feed) || !dem__not_negative(rate) || !dem__not_negative(duration) ||
+        !dem__finite(rate * duration))
         return DEM_BAD_ARGUMENT;
     dem_feed due = *feed;
     due.due += rate * duration;
@@ -490,7 +371,8 @@ DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate
     return status;
 }
 DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration) {
-    if (!dem__is_feed(world, feed) || !dem__not_negative(mass_flow) || !dem__not_negative(duration) || !dem__finite(mass_flow * duration))
+    if (!dem__is_feed(world, feed) || !dem__not_negative(mass_flow) || !dem__not_negative(duration) ||
+        !dem__finite(mass_flow * duration))
         return DEM_BAD_ARGUMENT;
     dem_feed due = *feed;
     due.due_mass += mass_flow * duration;

@@ -37,11 +37,12 @@ static inline int dem__is_region(const dem_region *r) {
     if (!r || !dem__finite_vec(r->low)) return 0;
     if (r->kind == DEM_REGION_MESH) return r->mesh != NULL;
     if (r->kind == DEM_REGION_BOX)
-        return dem__finite_vec(r->high) && dem__is_extent(r->high.x - r->low.x) && dem__is_extent(r->high.y - r->low.y) &&
-               dem__is_extent(r->high.z - r->low.z);
+        return dem__finite_vec(r->high) && dem__is_extent(r->high.x - r->low.x) &&
+               dem__is_extent(r->high.y - r->low.y) && dem__is_extent(r->high.z - r->low.z);
     if (!dem__is_extent(r->radius)) return 0;
     if (r->kind == DEM_REGION_SPHERE) return 1;
-    return r->kind == DEM_REGION_CYLINDER && dem__finite_vec(r->axis) && dem__unit(r->axis, &unit) && dem__is_extent(r->length);
+    return r->kind == DEM_REGION_CYLINDER && dem__finite_vec(r->axis) && dem__unit(r->axis, &unit) &&
+           dem__is_extent(r->length);
 }
 
 DEM_API double dem_region_volume(const dem_region *region) {
@@ -57,8 +58,8 @@ DEM_API int dem_region_holds(const dem_region *region, dem_vec point) {
     dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
     if (!dem__is_region(r)) return 0;
     const dem_vec d = dem__sub(point, r->low);
-    const int in_box = point.x >= r->low.x && point.x <= r->high.x && point.y >= r->low.y && point.y <= r->high.y && point.z >= r->low.z &&
-                       point.z <= r->high.z;
+    const int in_box = point.x >= r->low.x && point.x <= r->high.x && point.y >= r->low.y && point.y <= r->high.y &&
+                       point.z >= r->low.z && point.z <= r->high.z;
     if (r->kind == DEM_REGION_BOX) return in_box;
     if (r->kind == DEM_REGION_MESH) return in_box && dem__is_inside_mesh(r->mesh, point);
     if (r->kind == DEM_REGION_SPHERE) return dem__dot(d, d) <= r->radius * r->radius;
@@ -73,7 +74,8 @@ static inline void dem__tree_bounds(const dem_region *r, dem_vec *low, dem_vec *
     if (r->kind == DEM_REGION_CYLINDER) dem__unit(r->axis, &unit);
     const int has_box = r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH;
     for (int a = 0; a < 3; a++) {
-        const double at = dem_axis(r->low, a), end = has_box ? dem_axis(r->high, a) : at + r->length * dem_axis(unit, a);
+        const double at = dem_axis(r->low, a),
+                     end = has_box ? dem_axis(r->high, a) : at + r->length * dem_axis(unit, a);
         const double out = has_box ? 0.0 : r->radius;
         *dem_axis_of(low, a) = (at < end ? at : end) - out;
         *dem_axis_of(high, a) = (at > end ? at : end) + out;
@@ -88,7 +90,8 @@ static inline double dem__uniform(uint64_t *random) {
     return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-static inline dem_sizes dem__sizes(dem_size_kind kind, double scale, double spread, double smallest, double largest, int by_mass) {
+static inline dem_sizes dem__sizes(dem_size_kind kind, double scale, double spread, double smallest, double largest,
+                                   int by_mass) {
     dem_sizes s;
     memset(&s, 0, sizeof s);
     s.kind = kind;
@@ -106,7 +109,8 @@ DEM_API dem_sizes dem_one_size(double diameter) {
 DEM_API dem_sizes dem_size_list(int n, const double *diameter, const double *share, int by_mass) {
     dem_sizes s = dem__sizes(DEM_SIZES_LIST, 0.0, 0.0, 0.0, 0.0, by_mass);
     s.count = n;
-    for (int k = 0; diameter && share && k < n && k < DEM_SIZES_MAX; k++) s.diameter[k] = diameter[k], s.share[k] = share[k];
+    for (int k = 0; diameter && share && k < n && k < DEM_SIZES_MAX; k++)
+        s.diameter[k] = diameter[k], s.share[k] = share[k];
     return s;
 }
 DEM_API dem_sizes dem_uniform_sizes(double smallest, double largest, int by_mass) {
@@ -119,7 +123,8 @@ DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double 
     return dem__sizes(DEM_SIZES_ROSIN_RAMMLER, scale, exponent, smallest, largest, by_mass);
 }
 
-/* Returns the logarithm of the share per ln d at d = scale e^y, but for a constant. It is concave in y for every distribution. */
+/* Returns the logarithm of the share per ln d at d = scale e^y, but for a constant. It is concave in y for every
+   distribution. */
 static inline double dem__log_share(const dem_sizes *s, double y) {
     if (s->kind == DEM_SIZES_LOGNORMAL) return -0.5 * y * y / (s->spread * s->spread);
     return s->kind == DEM_SIZES_ROSIN_RAMMLER ? s->spread * y - riddle_exp(s->spread * y) : y;
@@ -130,8 +135,8 @@ static inline double dem__log_number(const dem_sizes *s, double y) {
     return s->by_mass ? f - 3.0 * y : f;
 }
 
-/* Returns an end of the interval of ln d: the cut, or, nearer to the peak, where the density is e^-60 of that at the peak. Nothing is drawn
-   beyond, and the pieces of the rest are so fine that one draw in ten is accepted. */
+/* Returns an end of the interval of ln d: the cut, or, nearer to the peak, where the density is e^-60 of that at the
+   peak. Nothing is drawn beyond, and the pieces of the rest are so fine that one draw in ten is accepted. */
 static inline double dem__tail(const dem_sizes *s, double end, double peak) {
     const double least = dem__log_number(s, peak) - 60.0;
     double inside = peak;
@@ -159,27 +164,31 @@ static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *l
         }
         return dem__positive(sum) && *largest <= 1e6 * *smallest;
     }
-    if (!dem__positive(s->smallest) || !(s->largest >= s->smallest && s->largest <= 1e6 * s->smallest) || !dem__finite(s->largest))
+    if (!dem__positive(s->smallest) || !(s->largest >= s->smallest && s->largest <= 1e6 * s->smallest) ||
+        !dem__finite(s->largest))
         return 0;
     if (s->kind == DEM_SIZES_UNIFORM) return 1;
     if (!dem__positive(s->scale)) return 0;
-    if (s->kind == DEM_SIZES_LOGNORMAL ? !(s->spread >= 1e-3 && s->spread <= 5.0)
-                                       : s->kind != DEM_SIZES_ROSIN_RAMMLER || !(s->spread >= 0.1 && s->spread <= 100.0))
+    if (s->kind == DEM_SIZES_LOGNORMAL
+            ? !(s->spread >= 1e-3 && s->spread <= 5.0)
+            : s->kind != DEM_SIZES_ROSIN_RAMMLER || !(s->spread >= 0.1 && s->spread <= 100.0))
         return 0;
-    /* the largest density between the cuts is at least 1e-20 of the peak's, which is at the scale: otherwise a unit is wrong */
+    /* the largest density between the cuts is at least 1e-20 of the peak's, which is at the scale: otherwise a unit is
+       wrong */
     const double nearest = riddle_log(dem__clamp(s->scale, s->smallest, s->largest) / s->scale);
     return dem__log_share(s, nearest) - dem__log_share(s, 0.0) > -46.0;
 }
 
-/* Draws a diameter by rejection. The interval of ln d is cut into pieces; the bound of each is the largest density in it. The place of the
-   peak is known in closed form. */
+/* Draws a diameter by rejection. The interval of ln d is cut into pieces; the bound of each is the largest density in
+   it. The place of the peak is known in closed form. */
 static inline double dem__draw_continuous(const dem_sizes *s, uint64_t *random) {
     enum { PIECES = 32, TRIES = 10000 };
     const double scale = s->kind == DEM_SIZES_UNIFORM ? s->largest : s->scale, lost = s->by_mass ? 3.0 : 0.0;
     double low = riddle_log(s->smallest / scale), high = riddle_log(s->largest / scale);
     double peak = s->by_mass ? -HUGE_VAL : HUGE_VAL, bound[PIECES], total = 0.0;
     if (s->kind == DEM_SIZES_LOGNORMAL) peak = -lost * s->spread * s->spread;
-    if (s->kind == DEM_SIZES_ROSIN_RAMMLER) peak = s->spread > lost ? riddle_log1p(-lost / s->spread) / s->spread : -HUGE_VAL;
+    if (s->kind == DEM_SIZES_ROSIN_RAMMLER)
+        peak = s->spread > lost ? riddle_log1p(-lost / s->spread) / s->spread : -HUGE_VAL;
     peak = dem__clamp(peak, low, high);
     low = dem__tail(s, low, peak), high = dem__tail(s, high, peak);
     const double width = (high - low) / (double)PIECES, top = dem__log_number(s, peak);

@@ -1,11 +1,12 @@
-/* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads bodies, the law; writes
-   bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end, computed at its origin and the same
-   whatever is skipped. */
+/* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads
+   bodies, the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end,
+   computed at its origin and the same whatever is skipped. */
 #pragma once
 #include "../search/timers.h"
 #include "../walls/exits.h"
 
-/* Tasks of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none of it. */
+/* Tasks of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none
+   of it. */
 enum {
     DEM__FIND_FLIGHTS,    /* of particles: begins flights now */
     DEM__RENEW_FLIGHTS,   /* of particles: keeps the flights that the law still gives, begins the others anew */
@@ -44,8 +45,8 @@ DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
     return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
 }
 
-/* A rigid body feels the field at its centre and flies as its first particle: only that one has a flight. Returns whether i is a sphere or
-   such a particle. */
+/* A rigid body feels the field at its centre and flies as its first particle: only that one has a flight. Returns
+   whether i is a sphere or such a particle. */
 DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return !r || r->first == i;
@@ -100,19 +101,22 @@ typedef struct dem__flown {
     int zero;     /* whether the law gave 0 at every stage */
 } dem__flown;
 
-/* Integrates one step of h from x with v at a time: of fifth order, with the error of fourth order (Cash & Karp 1990). */
+/* Integrates one step of h from x with v at a time: of fifth order, with the error of fourth order (Cash & Karp 1990).
+ */
 DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double h,
                                dem_vec (*law)(const dem_force_point *)) {
     enum { STAGES = 6 };
     static const double at[STAGES] = {0.0, 0.2, 0.3, 0.6, 1.0, 0.875};
-    static const double by[STAGES][STAGES - 1] = {{0.0, 0.0, 0.0, 0.0, 0.0},
-                                                  {0.2, 0.0, 0.0, 0.0, 0.0},
-                                                  {3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0},
-                                                  {0.3, -0.9, 1.2, 0.0, 0.0},
-                                                  {-11.0 / 54.0, 2.5, -70.0 / 27.0, 35.0 / 27.0, 0.0},
-                                                  {1631.0 / 55296.0, 175.0 / 512.0, 575.0 / 13824.0, 44275.0 / 110592.0, 253.0 / 4096.0}};
+    static const double by[STAGES][STAGES - 1] = {
+        {0.0, 0.0, 0.0, 0.0, 0.0},
+        {0.2, 0.0, 0.0, 0.0, 0.0},
+        {3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0},
+        {0.3, -0.9, 1.2, 0.0, 0.0},
+        {-11.0 / 54.0, 2.5, -70.0 / 27.0, 35.0 / 27.0, 0.0},
+        {1631.0 / 55296.0, 175.0 / 512.0, 575.0 / 13824.0, 44275.0 / 110592.0, 253.0 / 4096.0}};
     static const double fifth[STAGES] = {37.0 / 378.0, 0.0, 250.0 / 621.0, 125.0 / 594.0, 0.0, 512.0 / 1771.0};
-    static const double fourth[STAGES] = {2825.0 / 27648.0, 0.0, 18575.0 / 48384.0, 13525.0 / 55296.0, 277.0 / 14336.0, 0.25};
+    static const double fourth[STAGES] = {2825.0 / 27648.0, 0.0, 18575.0 / 48384.0, 13525.0 / 55296.0,
+                                          277.0 / 14336.0,  0.25};
     const dem_vec g = dem__free_fall(w), none = dem_vec3(0.0, 0.0, 0.0);
     dem_vec gain[STAGES], pull[STAGES], off = none, stray = none;
     dem__flown q;
@@ -143,12 +147,14 @@ DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
     return n >= (double)(DEM__STEPS_MAX - 2) ? DEM__STEPS_MAX - 2 : n > 1.0 ? (int)n : 1; /* NaN: one */
 }
 
-/* Chooses the number of steps of a flight from x with v by its error, and computes the flight. A parabola that is right at both ends has an
-   error of position of 1/13.5 of the difference between its acceleration and the first one, times the time squared. */
+/* Chooses the number of steps of a flight from x with v by its error, and computes the flight. A parabola that is right
+   at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first one, times
+   the time squared. */
 DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem__flown *q,
                                   dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;
-    const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i), probe = 16.0 * dt;
+    const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i),
+                 probe = 16.0 * dt;
     const dem_vec first = dem__field_pull(w, i, x, v, time, law), a = dem__add(dem__free_fall(w), first);
     const dem_vec there = dem__plus(x, probe, dem__plus(v, 0.5 * probe, a));
     const dem_vec soon = dem__field_pull(w, i, there, dem__plus(v, probe, a), time + probe, law);
@@ -176,7 +182,8 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
 DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
     const double tau = dem__now(w, i), dt = w->engine->run.dt;
-    const dem_vec x = dem__centre_at(w, i, tau), v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
+    const dem_vec x = dem__centre_at(w, i, tau),
+                  v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
     const dem_vec g = dem__free_fall(w);
     dem__flown q;
     const int n = dem__choose_flight(w, i, x, v, &q, law);
@@ -187,11 +194,12 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     if (!(q.zero && dem__falls_freely(w, i))) {
         dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
     }
-    field->end_velocity[i] = q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
+    field->end_velocity[i] =
+        q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
 }
 
-/* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0 to the end. Then
-   computes the velocity at its end and the work. */
+/* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0
+   to the end. Then computes the velocity at its end and the work. */
 DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
     const int64_t end = field->until[i], last = w->step + DEM__STEPS_MAX, origin = w->particle[i].origin;
@@ -201,7 +209,8 @@ DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const de
     const int zero = dem__falls_freely(w, i);
     const double h = (double)(end - (zero ? w->step : origin)) * dt, from = zero ? tau : 0.0;
     const dem_vec v = dem__drift_at(w, i, from);
-    const dem__flown q = dem__fly(w, i, dem__centre_at(w, i, from), v, zero ? w->time : dem__time_of(w, origin), h, law);
+    const dem__flown q =
+        dem__fly(w, i, dem__centre_at(w, i, from), v, zero ? w->time : dem__time_of(w, origin), h, law);
     const dem_vec a = dem__scale(2.0 / h, q.way);
     if (zero != q.zero || (zero && h * dem__length(v) > 2.0 * field->def.length)) return 0;
     if (!zero && !(a.x == pull.x && a.y == pull.y && a.z == pull.z)) return 0;
@@ -222,7 +231,8 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     field->work[i] = 0.0;
     if (tau > 0.0 && !falls) {
         const dem_vec begun = dem__drift_at(w, i, 0.0);
-        const dem__flown q = dem__fly(w, i, dem__centre_at(w, i, 0.0), begun, dem__time_of(w, w->particle[i].origin), tau, law);
+        const dem__flown q =
+            dem__fly(w, i, dem__centre_at(w, i, 0.0), begun, dem__time_of(w, w->particle[i].origin), tau, law);
         v = dem__add(begun, q.gain);
         field->work[i] = q.work;
     }
@@ -235,8 +245,8 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     if (!r) w->particle[i].a = dem__add(w->particle[i].a, pull);
 }
 
-/* Adds the law's force on particle i, which takes steps, at its position after a step of h and at the velocity predicted for it. That on a
-   body is added where its forces are summed up. */
+/* Adds the law's force on particle i, which takes steps, at its position after a step of h and at the velocity
+   predicted for it. That on a body is added where its forces are summed up. */
 DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *)) {
     const dem__rigid *r = dem__rigid_of(w, i);
     const dem_particle *p = &w->particle[i];
@@ -245,8 +255,8 @@ DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_ve
         w->engine->field.force[i] = none;
         return;
     }
-    const dem_vec pull =
-        dem__field_pull(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)), dem__time_of(w, w->step + (h > 0.0)), law);
+    const dem_vec pull = dem__field_pull(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
+                                         dem__time_of(w, w->step + (h > 0.0)), law);
     const dem_vec force = dem__scale(p->mass, pull);
     double *load = w->engine->bodies.sum[i].load;
     if (!r) load[0] += force.x, load[1] += force.y, load[2] += force.z;

@@ -19,7 +19,8 @@ static inline void dem__run_field(dem_world *w, const int32_t *particle, ptrdiff
     dem__in_parts(w, dem__parts(w, 4 * n), n, dem__run_field_range, &q);
 }
 
-/* Returns the work of the field along a flight until now [J]: the energy that the particle has gained since its origin. */
+/* Returns the work of the field along a flight until now [J]: the energy that the particle has gained since its origin.
+ */
 static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
     const double tau = dem__now(w, i);
     const dem_vec u = dem__drift_at(w, i, 0.0), v = dem__drift_at(w, i, tau), g = dem__free_fall(w);
@@ -51,7 +52,8 @@ static inline void dem__book_flights(dem_world *w, int leaving) {
     }
 }
 
-/* Returns how far the velocity of particle k, which flies with i, can be from that of its bound until the end of the flight [m/s]. */
+/* Returns how far the velocity of particle k, which flies with i, can be from that of its bound until the end of the
+   flight [m/s]. */
 DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff_t k) {
     const dem__field *field = &w->engine->field;
     const dem__bound *c = &w->engine->bodies.bound[k];
@@ -59,7 +61,8 @@ DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff
     const double t = dem__since_listed(w, w->step), left = (double)(field->until[i] - w->step) * w->engine->run.dt;
     const dem_vec g = dem__free_fall(w), u = dem_vec3(c->ux, c->uy, c->uz);
     const dem_vec now = dem__sub(dem__plus(dem__drift_at(w, i, dem__now(w, i)), -t, g), u);
-    const double here = dem__length(now), there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
+    const double here = dem__length(now),
+                 there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
                  end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
     const double most = here > there ? here : there;
     const double swing = r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
@@ -73,18 +76,20 @@ static inline void dem__bound_flight(dem_world *w, ptrdiff_t i, ptrdiff_t k) {
     const double t = dem__since_listed(w, w->step), tau = dem__now(w, i), dt = w->engine->run.dt;
     const double left = (double)(field->until[i] - w->step) * dt;
     const dem_vec g = dem__free_fall(w), x = dem__at(w, k, tau), v = dem__drift_at(w, i, tau);
-    const dem_vec turn = dem__scale(0.5 * DEM__FLIGHTS * left, dem__sub(dem__centre_pull(w, i), g)), u = dem__add(v, turn);
+    const dem_vec turn = dem__scale(0.5 * DEM__FLIGHTS * left, dem__sub(dem__centre_pull(w, i), g)),
+                  u = dem__add(v, turn);
     dem__bound *c = &w->engine->bodies.bound[k];
     c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
-    c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y), c->z = x.z - t * (u.z - 0.5 * t * g.z);
+    c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y),
+    c->z = x.z - t * (u.z - 0.5 * t * g.z);
     const double turned = 1.1 * dem__length(turn), most = 1.1 * dem__flight_deviation(w, i, k);
     c->tolerance = 0.001 * pairs->least_tolerance + (turned > most ? turned : most);
     c->reach = w->particle[k].radius + pairs->position_tolerance - t * c->tolerance;
     w->engine->bodies.shifted[k] = 0.0;
 }
 
-/* Sets the timers of n flights that have just been computed, and new bounds for particles that leave theirs. Returns 0 if one is too
-   fast. */
+/* Sets the timers of n flights that have just been computed, and new bounds for particles that leave theirs. Returns 0
+   if one is too fast. */
 static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff_t n) {
     dem__field *field = &w->engine->field;
     dem__bodies *bodies = &w->engine->bodies;
@@ -105,7 +110,8 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
             const double shifted = bodies->shifted[k];
             dem__bound_flight(w, i, k);
             w->engine->scratch.index[reset++] = k;
-            if (dem__apply_bound(w, k, w->step, &frame, dem__at(w, k, tau), dem__velocity_at(w, k, tau), shifted, &news))
+            if (dem__apply_bound(w, k, w->step, &frame, dem__at(w, k, tau), dem__velocity_at(w, k, tau), shifted,
+                                 &news))
                 dem__advance_wall_timers(w, k, w->step);
         }
     }
@@ -114,10 +120,12 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
     return w->status == DEM_OK;
 }
 
-/* Returns whether particle i, which takes steps, has the acceleration without contacts and without the field. A body never has. */
+/* Returns whether particle i, which takes steps, has the acceleration without contacts and without the field. A body
+   never has. */
 static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
     if (dem__rigid_of(w, i)) return 0;
-    const dem_vec a = dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
+    const dem_vec a =
+        dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
     return dem__is_zero(dem__sub(w->particle[i].a, a));
 }
 
@@ -139,7 +147,8 @@ static inline int dem__list_flights(dem_world *w) {
     return dem__follow_flights(w, field->timers.list, n);
 }
 
-/* Prepares a run: begins anew the flights that the caller has changed, and those of new particles. Returns 0 after a failure. */
+/* Prepares a run: begins anew the flights that the caller has changed, and those of new particles. Returns 0 after a
+   failure. */
 static inline int dem__prepare_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     ptrdiff_t n = 0, ended = 0;
@@ -192,7 +201,8 @@ static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
         const double booked = field->booked[i];
         dem__run_field(w, &i, 1, DEM__END_FLIGHTS, 0.0);
         dem__book_field_work(w, field->work[i] - booked);
-        for (int32_t q = i; q < i + (r ? r->pieces : 1); q++) dem__set_tolerance_left(w, q, dem__length(dem__deviation(w, q, t)));
+        for (int32_t q = i; q < i + (r ? r->pieces : 1); q++)
+            dem__set_tolerance_left(w, q, dem__length(dem__deviation(w, q, t)));
         dem__stop_timer(&field->timers, i);
     }
 }
@@ -206,8 +216,8 @@ static inline void dem__book_stepping(dem_world *w, double h) {
     }
 }
 
-/* Adds the field's forces on the particles that take steps, at the end of a step, and lists these particles. Books the work by the mean of
-   the forces at both ends. */
+/* Adds the field's forces on the particles that take steps, at the end of a step, and lists these particles. Books the
+   work by the mean of the forces at both ends. */
 static inline void dem__add_field_forces(dem_world *w, double h) {
     dem__field *field = &w->engine->field;
     const dem__bodies *bodies = &w->engine->bodies;
@@ -227,7 +237,8 @@ static inline int dem__begin_flights(dem_world *w) {
     for (ptrdiff_t k = 0; k < field->steppers; k++) {
         const int32_t i = list[k];
         if (dem__is_flying(w, i)) list[n++] = i;
-        else if (w->alive[i] > 0 && w->touching[i] == 0 && !dem__rigid_of(w, i) && !dem__is_fixed(w, i)) { /* it has a load */
+        else if (w->alive[i] > 0 && w->touching[i] == 0 && !dem__rigid_of(w, i) &&
+                 !dem__is_fixed(w, i)) {  /* it has a load */
             dem__free_acceleration(w, i); /* rounded as after a check of its bound */
             w->particle[i].a = dem__plus(w->particle[i].a, w->engine->bodies.sum[i].per_mass, field->force[i]);
         }
@@ -270,8 +281,8 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
         return DEM_OK;
     }
     const int was_loaded = w->engine->field.on && !w->engine->field.def.kernel;
-    if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) || !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) ||
-        w->engine->links.on)
+    if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) ||
+        !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) || w->engine->links.on)
         return DEM_BAD_ARGUMENT;
     if (!w->engine->field.on) {
         w->engine->field.on = 1;

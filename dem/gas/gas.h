@@ -50,7 +50,8 @@ DEM_API dem_status dem_check_gas(const dem_gas *gas, const char **field) {
 DEM_API dem_force_field dem_gas_field(dem_field_fn kernel, const dem_gas *gas) {
     dem_force_field field = dem_default_force_field(kernel, gas);
     for (int a = 0; gas && a < 3; a++) {
-        const double half = 0.5 * (dem_axis(gas->high, a) - dem_axis(gas->low, a)) / (gas->n[a] > 1 ? gas->n[a] - 1 : 1);
+        const double half =
+            0.5 * (dem_axis(gas->high, a) - dem_axis(gas->low, a)) / (gas->n[a] > 1 ? gas->n[a] - 1 : 1);
         field.length = half < field.length ? half : field.length;
     }
     return field;
@@ -90,7 +91,8 @@ DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, 
         dem__gas_cell cell;
         const double d = 2.0 * dem__size_in_field(w, i);
         const dem_vec place = dem__turned(gas, &f, dem__sub(dem_get_body(w, i).position, f.centre), -1.0);
-        if (w->alive[i] <= 0 || !dem__leads(w, i) || !dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell)) continue;
+        if (w->alive[i] <= 0 || !dem__leads(w, i) || !dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell))
+            continue;
         for (int corner = 0; corner < 8; corner++) {
             ptrdiff_t node = cell.first;
             double share = RIDDLE_PI / 6.0 * d * d * d;

@@ -2,8 +2,9 @@
 #pragma once
 #include "../base/geometry.h"
 
-/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], for Re = density |slip| d/viscosity, d the diameter of
-   the sphere of equal volume. The force is (pi/8) viscosity d (c_D Re) slip: finite, and right, at rest. NaN for Re < 0. */
+/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], for Re = density |slip|
+   d/viscosity, d the diameter of the sphere of equal volume. The force is (pi/8) viscosity d (c_D Re) slip: finite, and
+   right, at rest. NaN for Re < 0. */
 typedef double (*dem_drag_fn)(double reynolds, const dem_gas *gas);
 
 /* Returns c_D Re by Stokes 1851. */
@@ -25,8 +26,8 @@ DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, const dem_gas *ga
     return gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
 }
 
-/* Returns the exponent chi of the porosity (Di Felice 1994). The drag on a particle among others is that on a single one, both at the
-   superficial slip, times porosity^-chi. reynolds: at the superficial slip [-] >= 0. */
+/* Returns the exponent chi of the porosity (Di Felice 1994). The drag on a particle among others is that on a single
+   one, both at the superficial slip, times porosity^-chi. reynolds: at the superficial slip [-] >= 0. */
 DEM_INLINE double dem_di_felice(double reynolds) {
     if (!(reynolds >= 0.0)) return (double)NAN;
     const double off = 1.5 - riddle_log(reynolds) / 2.302585092994045684; /* infinite at rest, where chi is 3.7 */
@@ -93,9 +94,12 @@ DEM_INLINE double dem__gas_value(const double *values, const dem__gas_cell *cell
     }
     return sum;
 }
-DEM_INLINE dem_vec dem__gas_vector(const dem_gas *gas, const dem__gas_frame *f, const double *values, const dem__gas_cell *cell) {
-    return dem__turned(
-        gas, f, dem_vec3(dem__gas_value(values, cell, 3, 0), dem__gas_value(values, cell, 3, 1), dem__gas_value(values, cell, 3, 2)), 1.0);
+DEM_INLINE dem_vec dem__gas_vector(const dem_gas *gas, const dem__gas_frame *f, const double *values,
+                                   const dem__gas_cell *cell) {
+    return dem__turned(gas, f,
+                       dem_vec3(dem__gas_value(values, cell, 3, 0), dem__gas_value(values, cell, 3, 1),
+                                dem__gas_value(values, cell, 3, 2)),
+                       1.0);
 }
 
 /* Returns the velocity of the gas in the world at x, which lies in a cell. */
@@ -105,7 +109,8 @@ DEM_INLINE dem_vec dem__gas_speed(const dem_gas *gas, const dem__gas_frame *f, c
     return gas->velocity ? dem__add(u, dem__gas_vector(gas, f, gas->velocity, cell)) : u;
 }
 
-/* Returns the force of a gas on a particle [N]: drag, alone or among others, pressure gradient, buoyancy; 0 beyond the grid. */
+/* Returns the force of a gas on a particle [N]: drag, alone or among others, pressure gradient, buoyancy; 0 beyond the
+   grid. */
 DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, dem_drag_fn drag) {
     const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
     const double d = 2.0 * at->radius, volume = RIDDLE_PI / 6.0 * d * d * d;
@@ -119,11 +124,15 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
     double factor = RIDDLE_PI / 8.0 * gas->viscosity * d * drag(reynolds, gas);
     if (porosity < 1.0) factor *= riddle_exp((1.0 - dem_di_felice(reynolds)) * riddle_log(porosity));
     dem_vec force = dem__scale(factor, slip);
-    if (gas->pressure_gradient) force = dem__plus(force, -volume, dem__gas_vector(gas, &f, gas->pressure_gradient, &cell));
+    if (gas->pressure_gradient)
+        force = dem__plus(force, -volume, dem__gas_vector(gas, &f, gas->pressure_gradient, &cell));
     return gas->buoyancy ? dem__plus(force, -gas->density * volume, at->gravity) : force;
 }
 
-/* Makes the kernel of a force field of drag in a gas from a law of drag: DEM_GAS(name, dem_drag_schiller_naumann), or one of yours. */
-#define DEM_GAS(name, drag)                                                                                                                \
-    DEM_INLINE dem_vec name##_force(const dem_force_point *at) { return dem_gas_force(at, (const dem_gas *)at->user, drag); }              \
+/* Makes the kernel of a force field of drag in a gas from a law of drag: DEM_GAS(name, dem_drag_schiller_naumann), or
+   one of yours. */
+#define DEM_GAS(name, drag)                                                                                            \
+    DEM_INLINE dem_vec name##_force(const dem_force_point *at) {                                                       \
+        return dem_gas_force(at, (const dem_gas *)at->user, drag);                                                     \
+    }                                                                                                                  \
     DEM_FORCE_FIELD(name, name##_force)

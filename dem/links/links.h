@@ -1,5 +1,6 @@
-/* Links, which have a step of their own: setting them and adding one, and their step. Reads bodies and the law of links; writes links, the
-   loads and velocities of bodies. The engine calls links.step, which dem_set_links sets: a program without links compiles none of it. */
+/* Links, which have a step of their own: setting them and adding one, and their step. Reads bodies and the law of
+   links; writes links, the loads and velocities of bodies. The engine calls links.step, which dem_set_links sets: a
+   program without links compiles none of it. */
 #pragma once
 #include "../step/integrate.h"
 
@@ -25,7 +26,8 @@ DEM_INLINE double dem__energy_at_origin(const dem_world *w, ptrdiff_t i) {
     return 0.5 * p->mass * dem__dot(p->v, p->v) + 0.5 * dem__inertia(w, i) * dem__dot(p->spin, p->spin);
 }
 
-/* Makes the present step the origin of a linked particle, books the work of its links until now, and moves its load to the sums. */
+/* Makes the present step the origin of a linked particle, books the work of its links until now, and moves its load to
+   the sums. */
 static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
@@ -42,8 +44,8 @@ static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
     memcpy(bodies->load[i], bodies->external[i], sizeof bodies->load[i]);
 }
 
-/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at its first linked
-   particle. */
+/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at
+   its first linked particle. */
 static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const dem__sum *sum = &w->engine->bodies.sum[i];
     const double *load = w->engine->bodies.load[i];
@@ -66,7 +68,8 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     if (w->engine->ledger.on) dem__book_link_work(w, dem__energy_at_origin(w, i));
 }
 
-/* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a new one. */
+/* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a
+   new one. */
 static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
     const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
     if (strayed < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
@@ -77,8 +80,8 @@ static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
     }
 }
 
-/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations; each evaluation corrects
-   the velocities to the mean of the old force and the new one. */
+/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations; each
+   evaluation corrects the velocities to the mean of the old force and the new one. */
 static inline void dem__step_links(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -103,7 +106,8 @@ static inline void dem__step_links(dem_world *w) {
         for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = 0.0;
         links->is_loaded[i] = links->first_link[i] >= 0;
         if (w->engine->ledger.on)
-            memcpy(links->evaluated_at[i], &p->x, sizeof p->x), memcpy(links->evaluated_at[i] + 3, &p->spin, sizeof p->spin);
+            memcpy(links->evaluated_at[i], &p->x, sizeof p->x),
+                memcpy(links->evaluated_at[i] + 3, &p->spin, sizeof p->spin);
         if (run->needs_lists) continue;
         for (ptrdiff_t k = own.first; k < own.end; k++) dem__check_linked(w, k);
     }
@@ -116,13 +120,13 @@ static inline void dem__step_links(dem_world *w) {
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !dem__positive(interval) ||
-        !dem__not_negative(near) || w->engine->field.on)
+    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) ||
+        !dem__positive(interval) || !dem__not_negative(near) || w->engine->field.on)
         return DEM_BAD_ARGUMENT;
     dem__links *links = &w->engine->links;
     const dem_law *law = kernel->law;
     if (links->count > 0 && law->states != links->states) return DEM_LAW_MISMATCH;
-    dem__pieces others = dem__all_particles(w);                              /* whose work is counted with another interval from now on */
+    dem__pieces others = dem__all_particles(w); /* whose work is counted with another interval from now on */
     if (links->on && links->interval == interval) others.end = others.first; /* a loaded world whose law is set again */
     links->on = 1;
     links->law = law;
@@ -145,9 +149,11 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state) {
     dem_world *w = world;
     if (w && w->engine && w->engine->run.ending) return DEM_BUSY;
-    if (!dem__is_present(w, i) || !w->engine->links.law || (!state && w->engine->links.states > 0) || i == j) return DEM_BAD_ARGUMENT;
+    if (!dem__is_present(w, i) || !w->engine->links.law || (!state && w->engine->links.states > 0) || i == j)
+        return DEM_BAD_ARGUMENT;
     if (dem__shape_of(w, i) || (j >= 0 && j < w->count && dem__shape_of(w, j))) return DEM_POLYHEDRON;
-    if (j >= 0 && j < w->count && dem__rigid_of(w, i) && dem__rigid_of(w, i) == dem__rigid_of(w, j)) return DEM_BAD_ARGUMENT;
+    if (j >= 0 && j < w->count && dem__rigid_of(w, i) && dem__rigid_of(w, i) == dem__rigid_of(w, j))
+        return DEM_BAD_ARGUMENT;
     if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls) return DEM_BAD_ARGUMENT;
     if (w->engine->links.count + 1 > w->engine->links.capacity) {
         dem__array list[DEM__ARRAYS_MAX];

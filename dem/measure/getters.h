@@ -25,7 +25,8 @@ DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
 }
 
 DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count) return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
+    if (!world || i < 0 || i >= world->count)
+        return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
     const dem__rigid *r = dem__rigid_of(world, i);
     if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
     return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
@@ -83,15 +84,16 @@ DEM_API dem_vec dem_momentum(const dem_world *world) {
     for (ptrdiff_t i = 0; world && i < world->count; i++) {
         const dem__rigid *r = dem__rigid_of(world, i);
         if (!world->alive[i] || (r && r->first != i)) continue;
-        sum = dem__add(sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
+        sum = dem__add(
+            sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
     }
     return sum;
 }
 
 /* Returns the remainder of the energy balance [J]. */
 static inline double dem__ledger_error(const dem_energy_ledger *l) {
-    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss + l->removed -
-           l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
+    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss +
+           l->removed - l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
 }
 
 DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
@@ -116,7 +118,9 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
     return l;
 }
 
-DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world && world->engine ? world->engine->contacts.count : 0; }
+DEM_API ptrdiff_t dem_contact_count(const dem_world *world) {
+    return world && world->engine ? world->engine->contacts.count : 0;
+}
 
 /* Computes normal and point of the contact in a slot, or of a link (slot -1), from the present positions. */
 static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
@@ -143,7 +147,8 @@ DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
     info.i = world->engine->contacts.i[k];
     info.j = world->engine->contacts.j[k];
     info.gap = world->engine->contacts.gap[k];
-    info.force = dem_vec3(world->engine->contacts.wrench[0][k], world->engine->contacts.wrench[1][k], world->engine->contacts.wrench[2][k]);
+    info.force = dem_vec3(world->engine->contacts.wrench[0][k], world->engine->contacts.wrench[1][k],
+                          world->engine->contacts.wrench[2][k]);
     info.element = world->engine->contacts.element[k];
     for (int a = 0; a < world->engine->contacts.states; a++) info.state[a] = world->engine->contacts.state[a][k];
     dem__find_point(world, k, &info);
@@ -152,11 +157,15 @@ DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
 
 DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state) {
     if (!world || !world->engine || !state || k < 0 || k >= world->engine->contacts.count) return;
-    for (int a = 0; a < world->engine->contacts.states; a++) world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
-    if (!dem__is_running(world)) world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
+    for (int a = 0; a < world->engine->contacts.states; a++)
+        world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
+    if (!dem__is_running(world))
+        world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
 }
 
-DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world && world->engine ? world->engine->links.count : 0; }
+DEM_API ptrdiff_t dem_link_count(const dem_world *world) {
+    return world && world->engine ? world->engine->links.count : 0;
+}
 
 DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
     dem_contact_info info;
@@ -167,7 +176,8 @@ DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
     info.j = world->engine->links.j[k];
     info.element = world->engine->links.element[k];
     info.gap = world->engine->links.gap[k];
-    info.force = dem_vec3(world->engine->links.wrench[0][k], world->engine->links.wrench[1][k], world->engine->links.wrench[2][k]);
+    info.force = dem_vec3(world->engine->links.wrench[0][k], world->engine->links.wrench[1][k],
+                          world->engine->links.wrench[2][k]);
     for (int a = 0; a < world->engine->links.states; a++) info.state[a] = world->engine->links.state[a][k];
     dem__find_point(world, -1, &info);
     return info;
@@ -196,21 +206,26 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
         if (!(fabs(dem__dot(d, s->axis[2])) < world->particle[i].radius)) continue;
         dem_vec normal[DEM__TOUCHES];
         int n = 0, holding = 0;
-        for (int32_t c = world->engine->walls.first_contact[i]; c >= 0 && n < DEM__TOUCHES; c = world->engine->contacts.wall_next[c]) {
+        for (int32_t c = world->engine->walls.first_contact[i]; c >= 0 && n < DEM__TOUCHES;
+             c = world->engine->contacts.wall_next[c]) {
             dem__touch touch;
             if (world->engine->contacts.j[c] != -1 - wall || !(world->engine->contacts.gap[c] < 0.0)) continue;
-            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius, world->engine->contacts.element[c], &touch);
+            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius,
+                               world->engine->contacts.element[c], &touch);
             normal[n++] = touch.normal;
         }
         if (n < 2) continue;
         const int m = s->material < world->material[i] ? s->material : world->material[i];
         const double mu = world->def.pair[m][s->material + world->material[i] - m].friction;
         const dem_vec up = s->axis[2];
-        for (int a = 0; a < n; a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
+        for (int a = 0; a < n;
+             a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
             for (int b = a + 1; b < n; b++) {
                 const double za = dem__dot(normal[a], up), zb = dem__dot(normal[b], up);
-                const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)), flat_b = dem__sub(normal[b], dem__scale(zb, up));
-                if (dem__dot(flat_a, flat_b) < -0.5 && fabs(za) <= mu * dem__length(flat_a) && fabs(zb) <= mu * dem__length(flat_b))
+                const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)),
+                              flat_b = dem__sub(normal[b], dem__scale(zb, up));
+                if (dem__dot(flat_a, flat_b) < -0.5 && fabs(za) <= mu * dem__length(flat_a) &&
+                    fabs(zb) <= mu * dem__length(flat_b))
                     holding = 1;
             }
         }

@@ -13,8 +13,9 @@ static inline double dem__wedge(double b, double c) {
     if (b < 0.0) return dem__cap(c) - dem__wedge(-b, c);
     if (c < 0.0) return dem__cap(b) - dem__wedge(b, -c);
     if (!(b * b + c * c < 1.0)) return 0.0;
-    const double rb = sqrt(1.0 - b * b), rc = sqrt(1.0 - c * c), half = dem__root(1.0 - b * b - c * c); /* half length of the edge inside */
-    const double at_b = dem__acos(c / rb), at_c = dem__acos(b / rc);                                    /* half arcs on the two circles */
+    const double rb = sqrt(1.0 - b * b), rc = sqrt(1.0 - c * c),
+                 half = dem__root(1.0 - b * b - c * c);              /* half length of the edge inside */
+    const double at_b = dem__acos(c / rb), at_c = dem__acos(b / rc); /* half arcs on the two circles */
     const double sphere = 2.0 * (RIDDLE_PI - b * at_b - c * at_c - dem__acos(-b * c / (rb * rc)));
     return (sphere - b * (rb * rb * at_b - c * half) - c * (rc * rc * at_c - b * half)) / 3.0;
 }
@@ -69,17 +70,19 @@ static inline int dem__holds(const dem_region *r, const dem_wall *inside, dem_ve
     return r->kind == DEM_REGION_MESH ? dem__is_inside_wall(inside, point) : dem_region_holds(r, point);
 }
 
-/* Returns the volume of a ball within a mesh. If the surface cuts the ball, counts the points of a grid that are inside. */
+/* Returns the volume of a ball within a mesh. If the surface cuts the ball, counts the points of a grid that are
+   inside. */
 static inline double dem__ball_in_mesh(const dem_wall *inside, dem_vec centre, double radius) {
     const int points = 10;
     const double whole = 4.0 / 3.0 * RIDDLE_PI * radius * radius * radius;
     dem__touch touch[DEM__TOUCHES];
     double least;
     int all = 0, in = 0;
-    if (dem__touch_wall(inside, centre, radius, 0.0, touch, &least) == 0) return dem__is_inside_wall(inside, centre) ? whole : 0.0;
+    if (dem__touch_wall(inside, centre, radius, 0.0, touch, &least) == 0)
+        return dem__is_inside_wall(inside, centre) ? whole : 0.0;
     for (int k = 0; k < points * points * points; k++) {
-        const double step = 2.0 * radius / points, x = (k % points + 0.5) * step - radius, y = (k / points % points + 0.5) * step - radius,
-                     z = (k / (points * points) + 0.5) * step - radius;
+        const double step = 2.0 * radius / points, x = (k % points + 0.5) * step - radius,
+                     y = (k / points % points + 0.5) * step - radius, z = (k / (points * points) + 0.5) * step - radius;
         if (x * x + y * y + z * z > radius * radius) continue;
         all++;
         in += dem__is_inside_wall(inside, dem__add(centre, dem_vec3(x, y, z)));
@@ -109,7 +112,9 @@ static inline double dem__ball_in(const dem_region *r, const dem_wall *inside, d
     if (r->kind == DEM_REGION_SPHERE) {
         const double apart = dem__length(d), sum = r->radius + radius, deep = sum - apart, less = r->radius - radius;
         if (apart <= fabs(less)) return less > 0.0 ? whole : dem_region_volume(r);
-        return deep > 0.0 ? RIDDLE_PI * deep * deep * (apart * apart + 2.0 * apart * sum - 3.0 * less * less) / (12.0 * apart) : 0.0;
+        return deep > 0.0
+                   ? RIDDLE_PI * deep * deep * (apart * apart + 2.0 * apart * sum - 3.0 * less * less) / (12.0 * apart)
+                   : 0.0;
     }
     dem_vec axis = d;
     dem__unit(r->axis, &axis);
@@ -135,7 +140,8 @@ static inline double dem__share_in(const dem_region *r, const dem_wall *inside, 
     double from = 0.0, to = 1.0;
     if (r->kind == DEM_REGION_BOX) {
         for (int k = 0; k < 3; k++) {
-            const double at = dem_axis(a, k), v = dem_axis(way, k), low = dem_axis(r->low, k) - at, high = dem_axis(r->high, k) - at;
+            const double at = dem_axis(a, k), v = dem_axis(way, k), low = dem_axis(r->low, k) - at,
+                         high = dem_axis(r->high, k) - at;
             if (v == 0.0 && !(low <= 0.0 && high >= 0.0)) return 0.0;
             if (v == 0.0) continue;
             const double first = (v > 0.0 ? low : high) / v, last = (v > 0.0 ? high : low) / v;
@@ -164,8 +170,8 @@ static inline double dem__share_in(const dem_region *r, const dem_wall *inside, 
     return to > from ? to - from : 0.0;
 }
 
-/* Lists the displacements of the periodic images of the box: itself first, then one on either side along each periodic axis. Returns their
-   number. */
+/* Lists the displacements of the periodic images of the box: itself first, then one on either side along each periodic
+   axis. Returns their number. */
 static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
     int n = 1;
     shift[0] = dem_vec3(0.0, 0.0, 0.0);
@@ -181,8 +187,8 @@ static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
     return n;
 }
 
-/* Finds where particle i is counted, and its velocity there. A rigid body counts once, at its centre of mass. Returns 0 for its other
-   particles. */
+/* Finds where particle i is counted, and its velocity there. A rigid body counts once, at its centre of mass. Returns 0
+   for its other particles. */
 static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_vec *v) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r && r->first != i) return 0;
@@ -191,22 +197,25 @@ static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_
     return 1;
 }
 
-/* Returns the factor of a particle's volume: 1 for a sphere; the particles of a body, which may overlap, share the body's volume. */
+/* Returns the factor of a particle's volume: 1 for a sphere; the particles of a body, which may overlap, share the
+   body's volume. */
 static inline double dem__filled(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     double sum = 0.0;
-    for (ptrdiff_t k = 0; r && k < r->pieces; k++) sum += dem__sphere_mass(w, w->material[i], w->particle[r->first + k].radius);
+    for (ptrdiff_t k = 0; r && k < r->pieces; k++)
+        sum += dem__sphere_mass(w, w->material[i], w->particle[r->first + k].radius);
     return r ? r->mass / sum : 1.0;
 }
 
 /* Returns the vector from the centre of particle i's body to the particle; 0 for a sphere. */
 static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? dem__to_lab(dem__posture_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i]) : dem_vec3(0.0, 0.0, 0.0);
+    return r ? dem__to_lab(dem__posture_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i])
+             : dem_vec3(0.0, 0.0, 0.0);
 }
 
-/* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's point, to i's centre; of
-   bodies, to their centres of mass. Returns 0 if it carries no force. */
+/* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's
+   point, to i's centre; of bodies, to their centres of mass. Returns 0 if it carries no force. */
 static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, dem_vec *to, dem_vec *force) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_contact_info c = k < contacts->count ? dem_get_contact(w, k) : dem_get_link(w, k - contacts->count);
@@ -215,11 +224,12 @@ static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, de
     if (c.j >= 0) *from = dem__sub(*to, dem__nearest_image(w, dem__sub(*to, dem_position(w, c.j))));
     else if (k < contacts->count && dem__shape_of(w, c.i)) {
         const ptrdiff_t slot = dem__slot_of(w, k);
-        *from = dem__add(*to, dem__plus(dem__place_arm(w, slot), -dem__touching_radius(w, c.i) - c.gap, dem__place_normal(w, slot)));
+        *from = dem__add(
+            *to, dem__plus(dem__place_arm(w, slot), -dem__touching_radius(w, c.i) - c.gap, dem__place_normal(w, slot)));
     } else {
         dem__touch touch;
-        dem__touch_place(w, k < contacts->count ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to, w->particle[c.i].radius, c.element,
-                         &touch);
+        dem__touch_place(w, k < contacts->count ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to,
+                         w->particle[c.i].radius, c.element, &touch);
         *from = dem__sub(*to, dem__scale(w->particle[c.i].radius + touch.gap, touch.normal));
     }
     if (w->engine->bodies.rigid) {
@@ -251,7 +261,8 @@ static inline void dem__add_solid(const dem_world *w, const dem__measured *q, pt
     const double r = w->particle[i].radius, filled = dem__filled(w, i) * q->share;
     for (int image = 0; image < q->images; image++) {
         const dem_vec x = dem__add(at, q->shift[image]);
-        if (x.x + r >= low.x && x.x - r <= high.x && x.y + r >= low.y && x.y - r <= high.y && x.z + r >= low.z && x.z - r <= high.z)
+        if (x.x + r >= low.x && x.x - r <= high.x && x.y + r >= low.y && x.y - r <= high.y && x.z + r >= low.z &&
+            x.z - r <= high.z)
             m->solid_fraction += dem__ball_in(q->region, &q->inside, x, r) * filled;
     }
 }
@@ -262,7 +273,8 @@ static inline int dem__images_in(const dem__measured *q, dem_vec point) {
     int n = 0;
     for (int image = 0; image < q->images; image++) {
         const dem_vec c = dem__add(point, q->shift[image]);
-        if (!(c.x >= low.x && c.x <= high.x && c.y >= low.y && c.y <= high.y && c.z >= low.z && c.z <= high.z)) continue;
+        if (!(c.x >= low.x && c.x <= high.x && c.y >= low.y && c.y <= high.y && c.z >= low.z && c.z <= high.z))
+            continue;
         n += dem__holds(q->region, &q->inside, c);
     }
     return n;
@@ -305,7 +317,8 @@ static inline void dem__measure_contacts(const dem_world *w, const dem__measured
         dem_vec from, to, force;
         if (!dem__branch(w, k, &from, &to, &force)) continue;
         for (int image = 0; image < q->images; image++) {
-            const double part = dem__share_in(q->region, &q->inside, dem__add(from, q->shift[image]), dem__add(to, q->shift[image]));
+            const double part =
+                dem__share_in(q->region, &q->inside, dem__add(from, q->shift[image]), dem__add(to, q->shift[image]));
             if (part > 0.0) dem__add_stress(m->contact_stress, part * q->share, force, dem__sub(to, from));
         }
     }
@@ -336,7 +349,9 @@ static inline int dem__are_cells(const dem_cells *c) {
     double number = 1.0;
     if (!c || !dem__finite_vec(c->low) || !dem__finite_vec(c->high)) return 0;
     for (int a = 0; a < 3; a++) {
-        if (c->n[a] < 1 || c->n[a] > 100000 || !(dem_axis(c->high, a) > dem_axis(c->low, a)) || !dem__not_negative(c->width[a])) return 0;
+        if (c->n[a] < 1 || c->n[a] > 100000 || !(dem_axis(c->high, a) > dem_axis(c->low, a)) ||
+            !dem__not_negative(c->width[a]))
+            return 0;
         number *= c->n[a];
     }
     return number < 1073741824.0;
@@ -350,10 +365,13 @@ DEM_INLINE double dem__up_to(double u) {
 
 /* Finds the cells of an axis in which a point at v counts, from first to last. Returns 0 if there are none. */
 static inline int dem__cells_of(const dem_cells *c, int a, double v, int *first, int *last) {
-    const double low = dem_axis(c->low, a), high = dem_axis(c->high, a), inverse = c->n[a] / (high - low), reach = c->width[a];
+    const double low = dem_axis(c->low, a), high = dem_axis(c->high, a), inverse = c->n[a] / (high - low),
+                 reach = c->width[a];
     if (!(v + reach >= low && v - reach <= high)) return 0;
-    const double from = floor((v - reach - low) * inverse), to = floor((v + reach - low) * inverse), most = (double)(c->n[a] - 1);
-    *first = from > 0.0 ? (int)(from < most ? from : most) : 0, *last = to > 0.0 ? (int)(to < most ? to : most) : 0; /* true for NaN, too */
+    const double from = floor((v - reach - low) * inverse), to = floor((v + reach - low) * inverse),
+                 most = (double)(c->n[a] - 1);
+    *first = from > 0.0 ? (int)(from < most ? from : most) : 0,
+    *last = to > 0.0 ? (int)(to < most ? to : most) : 0; /* true for NaN, too */
     return 1;
 }
 
@@ -372,7 +390,8 @@ typedef struct dem__load {
 } dem__load;
 
 /* Adds what a point carries, and what its images carry, to the cells around them. */
-static inline void dem__smear(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at, const dem__load *load) {
+static inline void dem__smear(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at,
+                              const dem__load *load) {
     dem_vec shift[27];
     const int images = dem__images(w, shift);
     for (int image = 0; image < images; image++) {
@@ -400,7 +419,8 @@ static inline void dem__smear(const dem_world *w, const dem_cells *c, dem_field 
 
 DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field) {
     static const double node[4] = {0.18343464249564980, 0.52553240991632899, 0.79666647741362674, 0.96028985649753623};
-    static const double weight[4] = {0.36268378337836198, 0.31370664587788729, 0.22238103445337447, 0.10122853629037626};
+    static const double weight[4] = {0.36268378337836198, 0.31370664587788729, 0.22238103445337447,
+                                     0.10122853629037626};
     const dem_world *w = world;
     const dem_cells *c = cells;
     dem__load load;
@@ -431,15 +451,18 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         if (f->density > 0.0) dem__add_stress(f->kinetic_stress, -1.0 / f->density, f->momentum, f->momentum);
         f->density /= volume;
         f->momentum = dem__scale(1.0 / volume, f->momentum);
-        for (int a = 0; a < 9; a++) f->contact_stress[a / 3][a % 3] /= volume, f->kinetic_stress[a / 3][a % 3] /= volume;
+        for (int a = 0; a < 9; a++)
+            f->contact_stress[a / 3][a % 3] /= volume, f->kinetic_stress[a / 3][a % 3] /= volume;
     }
     return DEM_OK;
 }
 
-DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins, double *count) {
+DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
+                                double *count) {
     const dem_world *w = world;
     ptrdiff_t outside = 0;
-    if (!w || !w->def.allocator.fn || !count || bins < 1 || !(low < high) || !dem__finite(high - low)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    if (!w || !w->def.allocator.fn || !count || bins < 1 || !(low < high) || !dem__finite(high - low))
+        return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     if (quantity != DEM_CONTACT_FORCE && quantity != DEM_CONTACT_OVERLAP) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     for (int k = 0; k < bins; k++) count[k] = 0.0;
     for (ptrdiff_t k = 0; k < w->engine->contacts.count; k++) {
@@ -453,9 +476,11 @@ DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, d
     return outside;
 }
 
-DEM_API dem_status dem_residence(const dem_world *world, const dem_region *region, ptrdiff_t n, double *entered, double *stayed) {
+DEM_API dem_status dem_residence(const dem_world *world, const dem_region *region, ptrdiff_t n, double *entered,
+                                 double *stayed) {
     const dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !dem__is_region(region) || n < 0 || (n > 0 && (!entered || !stayed))) return DEM_BAD_ARGUMENT;
+    if (!w || !w->def.allocator.fn || !dem__is_region(region) || n < 0 || (n > 0 && (!entered || !stayed)))
+        return DEM_BAD_ARGUMENT;
     for (ptrdiff_t k = 0; k < w->passed_count; k++) {
         const dem_passed *p = &w->passed[k];
         if (p->id >= (uint64_t)n || !dem__finite(entered[p->id])) continue;

@@ -49,8 +49,8 @@ static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
     return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);
 }
 
-/* Renumbers rigid bodies and their first particles after dropped particles have been removed. Bodies are in the order of their
-   particles. */
+/* Renumbers rigid bodies and their first particles after dropped particles have been removed. Bodies are in the order
+   of their particles. */
 static inline void dem__compact_bodies(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     ptrdiff_t n = 0;
@@ -90,7 +90,8 @@ static inline void dem__compact(dem_world *w) {
         contacts->i[c] = remap[contacts->i[c]];
         if (contacts->j[c] >= 0) contacts->j[c] = remap[contacts->j[c]];
     }
-    for (int q = 0; q < contacts->chunk_count; q++) contacts->chunk[q].first_particle = dem__remapped(w, contacts->chunk[q].first_particle);
+    for (int q = 0; q < contacts->chunk_count; q++)
+        contacts->chunk[q].first_particle = dem__remapped(w, contacts->chunk[q].first_particle);
     for (ptrdiff_t k = 0; k < links->count; k++) {
         links->i[k] = remap[links->i[k]];
         if (links->j[k] >= 0) links->j[k] = remap[links->j[k]];

@@ -1,5 +1,5 @@
-/* Particles that leave, and their links, which end with them. Reads bodies, walls, pairs; writes links and lists. Promises: a particle that
-   is gone is in no list. */
+/* Particles that leave, and their links, which end with them. Reads bodies, walls, pairs; writes links and lists.
+   Promises: a particle that is gone is in no list. */
 #pragma once
 #include "../search/neighbour_list.h"
 

@@ -1,5 +1,5 @@
-/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h; every part that turns forces into
-   motion calls dem__is_fixed(). */
+/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h;
+   every part that turns forces into motion calls dem__is_fixed(). */
 #pragma once
 #include "particles.h"
 
@@ -9,7 +9,9 @@ static inline int dem__reserve_fixed(dem_world *w) {
     dem__array list[DEM__ARRAYS_MAX];
     if (bodies->has_fixed) return 1;
     bodies->has_fixed = 1;
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + 1)) return 1;
+    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
+                        w->count + 1))
+        return 1;
     bodies->has_fixed = 0, bodies->fixed = NULL;
     return 0;
 }
@@ -43,9 +45,12 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     return DEM_OK;
 }
 
-DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i) { return dem__is_present(world, i) && dem__is_fixed(world, i); }
+DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i) {
+    return dem__is_present(world, i) && dem__is_fixed(world, i);
+}
 
-DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque, dem_vec *impulse) {
+DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque,
+                                       dem_vec *impulse) {
     const dem_world *w = world;
     if (!force || !torque || !impulse) return DEM_BAD_ARGUMENT;
     *force = *torque = *impulse = dem_vec3((double)NAN, (double)NAN, (double)NAN);
@@ -62,7 +67,8 @@ DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_
     return DEM_OK;
 }
 
-/* Records the force on a fixed particle at the end of a step, without the caller's loads. half: half of the step [s]. */
+/* Records the force on a fixed particle at the end of a step, without the caller's loads. half: half of the step [s].
+ */
 DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, dem_vec torque, double half) {
     dem__fixed *f = &w->engine->bodies.fixed[i];
     const double *external = w->engine->bodies.external[i];
@@ -71,9 +77,11 @@ DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, 
     for (int a = 0; a < 3; a++) f->load[a] = dem_axis(force, a), f->load[3 + a] = dem_axis(torque, a);
 }
 
-/* Records the impulse of a contact that begins or ends within a step on a fixed particle, and its work if the particle moves. */
+/* Records the impulse of a contact that begins or ends within a step on a fixed particle, and its work if the particle
+   moves. */
 static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
     const dem_particle *p = &w->particle[i];
     w->engine->bodies.fixed[i].impulse = dem__add(w->engine->bodies.fixed[i].impulse, impulse);
-    if (w->engine->run.features & DEM_ENERGY) dem__book_work_of_fixed(w, -dem__dot(impulse, p->v) - dem__dot(turn, p->spin));
+    if (w->engine->run.features & DEM_ENERGY)
+        dem__book_work_of_fixed(w, -dem__dot(impulse, p->v) - dem__dot(turn, p->spin));
 }

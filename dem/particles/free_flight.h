@@ -1,18 +1,22 @@
-/* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned about one. Reads
-   bodies. Promises: the same bits whenever a state is evaluated.
+/* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned
+   about one. Reads bodies. Promises: the same bits whenever a state is evaluated.
 
-   A rigid body (dem__rigid) has the orientation, mass and moments. The particles that touch for it (dem_particle) are consecutive in the
-   world's arrays. Their mass is the body's, and their contacts count for all of them; x, v, a and spin are those of their centres as parts
-   of the body, valid at the origin step and while forces are computed. In flight use dem__at and its like, never the parabola. */
+   A rigid body (dem__rigid) has the orientation, mass and moments. The particles that touch for it (dem_particle) are
+   consecutive in the world's arrays. Their mass is the body's, and their contacts count for all of them; x, v, a and
+   spin are those of their centres as parts of the body, valid at the origin step and while forces are computed. In
+   flight use dem__at and its like, never the parabola. */
 #pragma once
 #include "../base/arrays.h"
 #include "../base/rotation.h"
 
-/* Returns the acceleration of a particle in flight without loads [m/s2]. Bounds and the list rely on its being the same for all. */
+/* Returns the acceleration of a particle in flight without loads [m/s2]. Bounds and the list rely on its being the same
+   for all. */
 DEM_INLINE dem_vec dem__free_fall(const dem_world *w) { return w->def.gravity; }
 
 /* Returns the time since the origin step of particle i [s]. */
-DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->particle[i].origin) * w->engine->run.dt; }
+DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) {
+    return (double)(w->step - w->particle[i].origin) * w->engine->run.dt;
+}
 
 DEM_INLINE double dem__wrapped(double v, double low, double high) {
     if (v >= low && v < high) return v;
@@ -46,7 +50,9 @@ DEM_INLINE dem__pieces dem__pieces_of(const dem_world *w, ptrdiff_t i) {
 }
 
 /* Returns the acceleration of particle i, or of its rigid body, per force on it [1/kg]; 0 if it is fixed. */
-DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) { return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass; }
+DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) {
+    return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;
+}
 
 DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
     return w->engine->bodies.calls->posture(w, r, tau);
@@ -97,8 +103,8 @@ DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? r->a : w->particle[i].a;
 }
-/* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at both ends, but not
-   the right velocities; the error at its end shows how the acceleration changes. */
+/* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at
+   both ends, but not the right velocities; the error at its end shows how the acceleration changes. */
 static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__field *field = &w->engine->field;
     const dem__rigid *r = dem__rigid_of(w, i);

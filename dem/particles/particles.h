@@ -17,12 +17,13 @@ static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     w->particle[i].origin = w->step;
 }
 
-/* Puts a stored position back into the periodic box. Where gravity has a component along the box, the particle gains potential energy,
-   which is booked. */
+/* Puts a stored position back into the periodic box. Where gravity has a component along the box, the particle gains
+   potential energy, which is booked. */
 DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
     dem_particle *p = &w->particle[i];
     const dem_vec x = dem__in_box(w, p->x);
-    if (w->engine->ledger.on && !dem__is_fixed(w, i)) dem__book_wrap(w, -p->mass * dem__dot(dem__free_fall(w), dem__sub(x, p->x)));
+    if (w->engine->ledger.on && !dem__is_fixed(w, i))
+        dem__book_wrap(w, -p->mass * dem__dot(dem__free_fall(w), dem__sub(x, p->x)));
     p->x = x;
 }
 
@@ -38,8 +39,8 @@ DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) {
     return 0.4 * w->particle[i].mass * w->particle[i].radius * w->particle[i].radius;
 }
 
-/* Returns the kinetic energy of particle i [J]. The energies of a rigid body are those of its first particle, so that sums over particles
-   count it once. A fixed particle, like a wall, has none. */
+/* Returns the kinetic energy of particle i [J]. The energies of a rigid body are those of its first particle, so that
+   sums over particles count it once. A fixed particle, like a wall, has none. */
 DEM_INLINE double dem__kinetic(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (dem__is_fixed(w, i)) return 0.0;
@@ -60,7 +61,9 @@ DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
     const dem_vec s = dem__spin_at(w, i, dem__now(w, i));
     return 0.5 * dem__inertia(w, i) * dem__dot(s, s);
 }
-DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) { return dem__kinetic(w, i) + dem__rotational(w, i); }
+DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) {
+    return dem__kinetic(w, i) + dem__rotational(w, i);
+}
 DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (dem__is_fixed(w, i)) return 0.0;
@@ -72,8 +75,8 @@ DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
     return -w->particle[i].mass * dem__dot(dem__free_fall(w), dem__at(w, i, dem__now(w, i)));
 }
 
-/* Makes the present step the origin where a caller changes particle i between runs. In a force field it takes the most accurate velocity
-   that is known. */
+/* Makes the present step the origin where a caller changes particle i between runs. In a force field it takes the most
+   accurate velocity that is known. */
 static inline void dem__restart(dem_world *w, ptrdiff_t i) {
     const dem_vec error = dem__velocity_error(w, i, dem__now(w, i));
     dem__rigid *r = dem__rigid_of(w, i);
@@ -87,7 +90,9 @@ static inline void dem__restart(dem_world *w, ptrdiff_t i) {
     dem__book_field_work(w, dem__motion_energy(w, i));
 }
 
-DEM_INLINE double dem__nearest(double d, double length) { return fabs(d) < 0.499999 * length ? d : d - length * floor(d / length + 0.5); }
+DEM_INLINE double dem__nearest(double d, double length) {
+    return fabs(d) < 0.499999 * length ? d : d - length * floor(d / length + 0.5);
+}
 
 DEM_INLINE dem_vec dem__nearest_image(const dem_world *w, dem_vec d) {
     if (w->engine->run.has_periodic) {
@@ -125,8 +130,8 @@ static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     return dem__link_work_until(w, i, dem__at(w, i, tau), dem__spin_at(w, i, tau));
 }
 
-/* Stop and resume counting the work of links on some particles, while a caller changes how they move. The spin from which counting resumes
-   is the one that a particle would have had at the last evaluation. */
+/* Stop and resume counting the work of links on some particles, while a caller changes how they move. The spin from
+   which counting resumes is the one that a particle would have had at the last evaluation. */
 static inline void dem__stop_link_work(dem_world *w, dem__pieces of) {
     for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) dem__book_link_work(w, dem__link_work(w, k));
 }
@@ -135,7 +140,8 @@ static inline void dem__resume_link_work(dem_world *w, dem__pieces of) {
         double *from = w->engine->links.evaluated_at[k];
         const double tau = dem__now(w, k);
         if (!w->engine->links.is_loaded[k]) continue;
-        const dem_vec x = dem__at(w, k, tau), spin = dem__plus(dem__spin_at(w, k, tau), -dem__since_evaluated(w), w->spin_rate[k]);
+        const dem_vec x = dem__at(w, k, tau),
+                      spin = dem__plus(dem__spin_at(w, k, tau), -dem__since_evaluated(w), w->spin_rate[k]);
         for (int a = 0; a < 3; a++) from[a] = dem_axis(x, a), from[3 + a] = dem_axis(spin, a);
         dem__book_link_work(w, -dem__link_work(w, k));
     }
@@ -190,11 +196,13 @@ static inline int dem__reserve_particles(dem_world *w, ptrdiff_t n) {
     dem__array list[DEM__ARRAYS_MAX];
     dem__bodies *bodies = &w->engine->bodies;
     return w->count + n + 1 <= bodies->capacity ||
-           dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + n + 1);
+           dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
+                           w->count + n + 1);
 }
 
 /* Adds a particle at rest, for which there is room. Returns its number. */
-static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius, double mass, int material, int group) {
+static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius, double mass, int material,
+                                          int group) {
     const ptrdiff_t i = w->count++;
     dem__bodies *bodies = &w->engine->bodies;
     dem_particle *p = &w->particle[i];
@@ -218,25 +226,31 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     memset(&bodies->bound[i], 0, sizeof bodies->bound[i]);
     bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
     if (bodies->rigid) bodies->rigid_of[i] = 0;
-    if (w->engine->convex.shapes > 0) w->engine->convex.shape_of[i] = 0; /* a polyhedron that has gone may have had this entry */
-    if (w->engine->field.on) w->engine->field.until[i] = DEM__NO_FLIGHT, w->engine->field.force[i] = dem_vec3(0.0, 0.0, 0.0);
+    if (w->engine->convex.shapes > 0)
+        w->engine->convex.shape_of[i] = 0; /* a polyhedron that has gone may have had this entry */
+    if (w->engine->field.on)
+        w->engine->field.until[i] = DEM__NO_FLIGHT, w->engine->field.force[i] = dem_vec3(0.0, 0.0, 0.0);
     return i;
 }
 
-DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group) {
+DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters,
+                                   int material, int group) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && (!centres || !diameters)) || material < 0 || material >= w->def.materials)
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && (!centres || !diameters)) || material < 0 ||
+        material >= w->def.materials)
         return DEM_BAD_ARGUMENT;
     if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     for (ptrdiff_t k = 0; k < n; k++) {
         const dem_vec at = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
-        if (!dem__is_size(w, material, diameters[k]) || !dem__finite_vec(at) || !dem__is_place(dem__in_box(w, at))) return DEM_BAD_ARGUMENT;
+        if (!dem__is_size(w, material, diameters[k]) || !dem__finite_vec(at) || !dem__is_place(dem__in_box(w, at)))
+            return DEM_BAD_ARGUMENT;
     }
     if (!dem__reserve_particles(w, n)) return DEM_OUT_OF_MEMORY;
     for (ptrdiff_t k = 0; k < n; k++) {
         const dem_vec x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
-        const ptrdiff_t i = dem__put_particle(w, x, 0.5 * diameters[k], dem__sphere_mass(w, material, 0.5 * diameters[k]), material, group);
+        const ptrdiff_t i = dem__put_particle(w, x, 0.5 * diameters[k],
+                                              dem__sphere_mass(w, material, 0.5 * diameters[k]), material, group);
         dem__free_acceleration(w, i);
         dem__book_added(w, dem__potential(w, i));
     }
@@ -244,7 +258,8 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     return DEM_OK;
 }
 
-/* Sets the number of steps between two evaluations of the links, and the step of the last one as it would have been with it. */
+/* Sets the number of steps between two evaluations of the links, and the step of the last one as it would have been
+   with it. */
 static inline void dem__set_link_steps(dem_world *w) {
     dem__links *links = &w->engine->links;
     if (!links->on) return;
@@ -285,8 +300,9 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
         for (ptrdiff_t i = 0; i < w->count; i++) {
             const dem__rigid *r = dem__rigid_of(w, i);
             const dem_vec x = r ? r->x : w->particle[i].x;
-            const double raised =
-                w->alive[i] && (!r || r->first == i) && !dem__is_fixed(w, i) ? -w->particle[i].mass * dem__dot(change, x) : 0.0;
+            const double raised = w->alive[i] && (!r || r->first == i) && !dem__is_fixed(w, i)
+                                      ? -w->particle[i].mass * dem__dot(change, x)
+                                      : 0.0;
             dem__book_gravity(w, raised);
         }
     }
@@ -301,7 +317,8 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
 DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair) {
     dem_world *w = world;
     if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn || !pair || a < 0 || b < 0 || a >= w->def.materials || b >= w->def.materials || dem__bad_pair(pair))
+    if (!w || !w->def.allocator.fn || !pair || a < 0 || b < 0 || a >= w->def.materials || b >= w->def.materials ||
+        dem__bad_pair(pair))
         return DEM_BAD_ARGUMENT;
     dem_pair_def *own = dem_pair(&w->def, a, b);
     *own = *pair, own->given = 1;
@@ -335,7 +352,9 @@ DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
     for (ptrdiff_t k = own.first; k < own.end; k++) dem__wake_one(w, k);
 }
 
-static inline int dem__is_present(const dem_world *w, ptrdiff_t i) { return w && i >= 0 && i < w->count && w->alive[i]; }
+static inline int dem__is_present(const dem_world *w, ptrdiff_t i) {
+    return w && i >= 0 && i < w->count && w->alive[i];
+}
 
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin) {
     if (dem__is_running(world)) return DEM_BUSY;
@@ -371,7 +390,8 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     if (r && !dem__is_fixed(w, i)) {
         const dem_vec more = dem__sub(force, dem__first(external));
         r->a = dem__plus(r->a, 1.0 / r->mass, more);
-        r->torque = dem__add(dem__add(r->torque, dem__sub(torque, dem__second(external))), dem__cross(w->engine->bodies.arm[i], more));
+        r->torque = dem__add(dem__add(r->torque, dem__sub(torque, dem__second(external))),
+                             dem__cross(w->engine->bodies.arm[i], more));
     }
     const int fixed = dem__is_fixed(w, i);
     for (int a = 0; a < 6; a++) {

@@ -1,5 +1,5 @@
-/* Consequences of a removal of particles: the ends of their contacts, the numbers of those present. Reads bodies; writes contacts.
-   Promises: a particle that has no contact left is in flight afterwards. */
+/* Consequences of a removal of particles: the ends of their contacts, the numbers of those present. Reads bodies;
+   writes contacts. Promises: a particle that has no contact left is in flight afterwards. */
 #pragma once
 #include "../contacts/contacts.h"
 

@@ -1,5 +1,5 @@
-/* Taking out the records of what passed exits, and the particles in a region. Owns nothing; relies on regions and on the removal of a
-   particle. */
+/* Taking out the records of what passed exits, and the particles in a region. Owns nothing; relies on regions and on
+   the removal of a particle. */
 #pragma once
 #include "remove.h"
 #include "../measure/getters.h"

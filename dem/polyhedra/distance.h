@@ -1,6 +1,6 @@
-/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Promises: a separation that is
-   returned is never more than the true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge) and a
-   triangle (3 corners, 3 edges, 2 faces) are cores like any other. */
+/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Promises: a separation that is returned
+   is never more than the true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge)
+   and a triangle (3 corners, 3 edges, 2 faces) are cores like any other. */
 #pragma once
 #include "shape.h"
 
@@ -25,7 +25,8 @@ DEM_INLINE int dem__farthest(const dem_convex *s, dem_vec u) {
     return best;
 }
 
-/* A simplex of corners of the difference of two cores: the corners of each, their places, and their weights in the nearest point. */
+/* A simplex of corners of the difference of two cores: the corners of each, their places, and their weights in the
+   nearest point. */
 typedef struct dem__simplex {
     int n;
     uint8_t a[4], b[4];
@@ -41,7 +42,8 @@ DEM_INLINE void dem__keep_corners(dem__simplex *s, int n, const int *kept, const
     s->n = n;
 }
 
-/* Returns the point of segment i, j of a simplex that is nearest to the origin, and keeps the corners between which it lies. */
+/* Returns the point of segment i, j of a simplex that is nearest to the origin, and keeps the corners between which it
+   lies. */
 static inline dem_vec dem__near_segment(dem__simplex *s, int i, int j) {
     const dem_vec p = s->at[i], u = dem__sub(s->at[j], p);
     const double along = -dem__dot(p, u), length = dem__dot(u, u);
@@ -61,7 +63,8 @@ static inline dem_vec dem__near_segment(dem__simplex *s, int i, int j) {
 static inline dem_vec dem__near_triangle(dem__simplex *s, int i, int j, int k) {
     const dem_vec a = s->at[i], ab = dem__sub(s->at[j], a), ac = dem__sub(s->at[k], a);
     const double d1 = -dem__dot(ab, a), d2 = -dem__dot(ac, a);
-    const double d3 = -dem__dot(ab, s->at[j]), d4 = -dem__dot(ac, s->at[j]), d5 = -dem__dot(ab, s->at[k]), d6 = -dem__dot(ac, s->at[k]);
+    const double d3 = -dem__dot(ab, s->at[j]), d4 = -dem__dot(ac, s->at[j]), d5 = -dem__dot(ab, s->at[k]),
+                 d6 = -dem__dot(ac, s->at[k]);
     const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4, all = va + vb + vc;
     if (!(all > 0.0) || vc <= 0.0 || vb <= 0.0 || va <= 0.0) { /* on the border: the nearest of three segments */
         const int pair[3][2] = {{i, j}, {i, k}, {j, k}};
@@ -89,7 +92,8 @@ static inline dem_vec dem__near_tetrahedron(dem__simplex *s) {
     dem_vec least = dem_vec3(0.0, 0.0, 0.0);
     double shortest = HUGE_VAL;
     for (int f = 0; f < 4; f++) {
-        const dem_vec p = s->at[face[f][0]], n = dem__cross(dem__sub(s->at[face[f][1]], p), dem__sub(s->at[face[f][2]], p));
+        const dem_vec p = s->at[face[f][0]],
+                      n = dem__cross(dem__sub(s->at[face[f][1]], p), dem__sub(s->at[face[f][2]], p));
         const double inner = dem__dot(n, dem__sub(s->at[face[f][3]], p)), origin = -dem__dot(n, p);
         if (inner * origin > 0.0) continue; /* on the side of the fourth corner */
         dem__simplex side = *s;
@@ -110,13 +114,14 @@ static inline dem_vec dem__near_simplex(dem__simplex *s) {
 /* Distance of two cores. */
 typedef struct dem__gap_of_cores {
     dem_vec normal;      /* from b to a, a unit vector */
-    double separation;   /* of the two cores along it: their distance, or a lower limit of it; less than 0 where they overlap */
+    double separation;   /* of the two cores along it: their distance, or a lower limit of it; less than 0 where they
+                            overlap */
     dem_vec at_a, at_b;  /* the points nearest to each other, where they do not overlap */
     int overlap, rounds; /* whether they overlap; number of iterations */
 } dem__gap_of_cores;
 
-DEM_INLINE void dem__add_corners(dem__simplex *s, const dem_convex *a, const dem__placed *pa, int i, const dem_convex *b,
-                                 const dem__placed *pb, int j) {
+DEM_INLINE void dem__add_corners(dem__simplex *s, const dem_convex *a, const dem__placed *pa, int i,
+                                 const dem_convex *b, const dem__placed *pb, int j) {
     const int k = s->n++;
     s->a[k] = (uint8_t)i, s->b[k] = (uint8_t)j;
     s->at[k] = dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j));
@@ -129,7 +134,8 @@ static inline void dem__begin_simplex(dem__simplex *s, const dem_convex *a, cons
     for (int k = 0; cache && k < cache->n; k++) dem__add_corners(s, a, pa, cache->a[k], b, pb, cache->b[k]);
     if (s->n > 0) return;
     const dem_vec d = dem__sub(pa->x, pb->x);
-    dem__add_corners(s, a, pa, dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, d))), b, pb, dem__farthest(b, dem__into_core(pb, d)));
+    dem__add_corners(s, a, pa, dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, d))), b, pb,
+                     dem__farthest(b, dem__into_core(pb, d)));
 }
 
 /* Returns how far a core extends from its centre in the direction n [m]. */
@@ -138,29 +144,34 @@ DEM_INLINE double dem__reach_along(const dem_convex *s, const dem__placed *p, de
     if (s->is_box) return fabs(u.x) * s->half.x + fabs(u.y) * s->half.y + fabs(u.z) * s->half.z;
     return dem__dot(u, dem__point(s->corner[dem__farthest(s, u)]));
 }
-/* Returns a lower limit of the distance of two cores [m]: that along n, a unit vector from b to a. A negative value says nothing: they may
-   be apart in another direction. */
-DEM_INLINE double dem__apart_along(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec n) {
+/* Returns a lower limit of the distance of two cores [m]: that along n, a unit vector from b to a. A negative value
+   says nothing: they may be apart in another direction. */
+DEM_INLINE double dem__apart_along(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                   const dem__placed *pb, dem_vec n) {
     if (n.x == 0.0 && n.y == 0.0 && n.z == 0.0) return -HUGE_VAL;
-    return dem__dot(n, dem__sub(pa->x, pb->x)) - dem__reach_along(a, pa, dem__scale(-1.0, n)) - dem__reach_along(b, pb, n);
+    return dem__dot(n, dem__sub(pa->x, pb->x)) - dem__reach_along(a, pa, dem__scale(-1.0, n)) -
+           dem__reach_along(b, pb, n);
 }
-/* Two boxes, seen from the first one: where the other one's centre is not, but whence it is seen (from b to a), and its axes. */
+/* Two boxes, seen from the first one: where the other one's centre is not, but whence it is seen (from b to a), and its
+   axes. */
 typedef struct dem__two_boxes {
     const dem_convex *a, *b;
-    double from[3], turn[3][3], size[3][3]; /* along a's axes; turn[i][m]: cosine of a's axis i and b's axis m; size: without sign */
+    double from[3], turn[3][3],
+        size[3][3]; /* along a's axes; turn[i][m]: cosine of a's axis i and b's axis m; size: without sign */
 } dem__two_boxes;
 
-/* Finds the axis k < 3 of a, or k - 3 of b, along which two boxes are farthest apart. Returns how far, as dem__apart_along; along: k, and
-   the component of the distance along it. */
+/* Finds the axis k < 3 of a, or k - 3 of b, along which two boxes are farthest apart. Returns how far, as
+   dem__apart_along; along: k, and the component of the distance along it. */
 static inline double dem__apart_along_faces(const dem__two_boxes *q, int *k, double *along) {
     double most = -HUGE_VAL;
     for (int n = 0; n < 6; n++) {
         const int i = n % 3, of_a = n < 3;
         const double *u = q->size[i];
         const dem_vec half = of_a ? q->b->half : q->a->half;
-        const double d = of_a ? q->from[i] : q->from[0] * q->turn[0][i] + q->from[1] * q->turn[1][i] + q->from[2] * q->turn[2][i];
-        const double reach =
-            of_a ? half.x * u[0] + half.y * u[1] + half.z * u[2] : half.x * q->size[0][i] + half.y * q->size[1][i] + half.z * q->size[2][i];
+        const double d =
+            of_a ? q->from[i] : q->from[0] * q->turn[0][i] + q->from[1] * q->turn[1][i] + q->from[2] * q->turn[2][i];
+        const double reach = of_a ? half.x * u[0] + half.y * u[1] + half.z * u[2]
+                                  : half.x * q->size[0][i] + half.y * q->size[1][i] + half.z * q->size[2][i];
         const double apart = fabs(d) - dem_axis(of_a ? q->a->half : q->b->half, i) - reach;
         if (apart > most) most = apart, *k = n, *along = d;
     }
@@ -173,8 +184,9 @@ static inline double dem__apart_along_edges(const dem__two_boxes *q, int *k, dou
         const int i = n / 3, m = n % 3, j = (i + 1) % 3, l = (i + 2) % 3, r = (m + 1) % 3, s = (m + 2) % 3;
         const double square = 1.0 - q->turn[i][m] * q->turn[i][m];
         const double d = q->from[l] * q->turn[j][m] - q->from[j] * q->turn[l][m];
-        const double apart = fabs(d) - dem_axis(q->a->half, j) * q->size[l][m] - dem_axis(q->a->half, l) * q->size[j][m] -
-                             dem_axis(q->b->half, r) * q->size[i][s] - dem_axis(q->b->half, s) * q->size[i][r];
+        const double apart = fabs(d) - dem_axis(q->a->half, j) * q->size[l][m] -
+                             dem_axis(q->a->half, l) * q->size[j][m] - dem_axis(q->b->half, r) * q->size[i][s] -
+                             dem_axis(q->b->half, s) * q->size[i][r];
         if (!(apart > 0.0) || !(square > 1e-6)) continue;
         const double distance = apart / sqrt(square);
         if (distance > most) most = distance, *k = n, *along = d;
@@ -182,10 +194,11 @@ static inline double dem__apart_along_edges(const dem__two_boxes *q, int *k, dou
     return most;
 }
 
-/* Looks for a direction along which two boxes are farther apart than `enough`, a unit vector from b to a, among the normals of faces, then
-   the products of edges (separating axes). Returns how far, as dem__apart_along; if it is not enough, the direction is not set. */
-static inline double dem__part_boxes(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
-                                     dem_vec *normal) {
+/* Looks for a direction along which two boxes are farther apart than `enough`, a unit vector from b to a, among the
+   normals of faces, then the products of edges (separating axes). Returns how far, as dem__apart_along; if it is not
+   enough, the direction is not set. */
+static inline double dem__part_boxes(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                     const dem__placed *pb, double enough, dem_vec *normal) {
     dem__two_boxes q;
     int k = 0;
     double along = 0.0;
@@ -193,7 +206,8 @@ static inline double dem__part_boxes(const dem_convex *a, const dem__placed *pa,
     q.a = a, q.b = b;
     q.from[0] = d.x, q.from[1] = d.y, q.from[2] = d.z;
     for (int i = 0; i < 3; i++) {
-        for (int m = 0; m < 3; m++) q.turn[i][m] = dem__dot(pa->axis[i], pb->axis[m]), q.size[i][m] = fabs(q.turn[i][m]);
+        for (int m = 0; m < 3; m++)
+            q.turn[i][m] = dem__dot(pa->axis[i], pb->axis[m]), q.size[i][m] = fabs(q.turn[i][m]);
     }
     double apart = dem__apart_along_faces(&q, &k, &along);
     dem_vec n = k < 3 ? pa->axis[k] : pb->axis[k - 3];
@@ -207,10 +221,10 @@ static inline double dem__part_boxes(const dem_convex *a, const dem__placed *pa,
     return apart;
 }
 
-/* Finds the direction of least overlap of two overlapping cores, among the normals of faces and the products of edges (separating axis
-   theorem). */
-static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
-                                      dem__gap_of_cores *gap) {
+/* Finds the direction of least overlap of two overlapping cores, among the normals of faces and the products of edges
+   (separating axis theorem). */
+static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                      const dem__placed *pb, dem__gap_of_cores *gap) {
     const int axes = a->faces + b->faces + a->edges * b->edges;
     gap->separation = -HUGE_VAL, gap->normal = dem_vec3(0.0, 0.0, 1.0);
     for (int m = 0; m < axes; m++) {
@@ -234,8 +248,8 @@ static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa
 }
 
 /* Computes the points of the two cores that are nearest to each other, from a simplex. */
-static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
-                                       const dem__placed *pb, dem__gap_of_cores *gap) {
+static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *a, const dem__placed *pa,
+                                       const dem_convex *b, const dem__placed *pb, dem__gap_of_cores *gap) {
     gap->at_a = gap->at_b = dem_vec3(0.0, 0.0, 0.0);
     for (int k = 0; k < s->n; k++) {
         gap->at_a = dem__plus(gap->at_a, s->part[k], dem__corner_at(a, pa, s->a[k]));
@@ -243,13 +257,15 @@ static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *
     }
 }
 
-/* A direction is good enough to find the points of two cores if they are as far apart along it as this share of the radii. */
+/* A direction is good enough to find the points of two cores if they are as far apart along it as this share of the
+   radii. */
 #define DEM__GOOD_AXIS 0.9
 
-/* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart than `enough`, or
-   certainly nearer and apart along a good direction. cache: of this pair, read and written, or NULL. */
-static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
-                                 dem__nearest_cache *cache, dem__gap_of_cores *gap) {
+/* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart
+   than `enough`, or certainly nearer and apart along a good direction. cache: of this pair, read and written, or NULL.
+   */
+static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
+                                 double enough, dem__nearest_cache *cache, dem__gap_of_cores *gap) {
     dem__simplex s;
     const double tiny = 1e-12 * (a->reach + b->reach);
     gap->separation = -HUGE_VAL, gap->overlap = 0;
@@ -262,7 +278,8 @@ static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, con
             break;
         }
         const dem_vec n = dem__scale(1.0 / distance, v);
-        const int i = dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, n))), j = dem__farthest(b, dem__into_core(pb, n));
+        const int i = dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, n))),
+                  j = dem__farthest(b, dem__into_core(pb, n));
         const double along = dem__dot(n, dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j)));
         int known = s.n == 4;
         if (along > gap->separation) gap->separation = along, gap->normal = n;
@@ -283,7 +300,8 @@ static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, con
 static inline void dem__segment_core(dem_convex *s, dem__placed *p, dem_vec from, dem_vec to, double radius) {
     const dem_vec u = dem__sub(to, from);
     memset(s, 0, sizeof *s);
-    p->x = from, p->axis[0] = dem_vec3(1.0, 0.0, 0.0), p->axis[1] = dem_vec3(0.0, 1.0, 0.0), p->axis[2] = dem_vec3(0.0, 0.0, 1.0);
+    p->x = from, p->axis[0] = dem_vec3(1.0, 0.0, 0.0), p->axis[1] = dem_vec3(0.0, 1.0, 0.0),
+    p->axis[2] = dem_vec3(0.0, 0.0, 1.0);
     s->corners = 2, s->edges = 1, s->radius = radius, s->reach = dem__length(u) + radius;
     s->corner[1][0] = u.x, s->corner[1][1] = u.y, s->corner[1][2] = u.z;
     s->edge[0][1] = 1;

@@ -3,7 +3,8 @@
 #pragma once
 #include "../walls/mesh.h"
 
-#define DEM__FLAT_EDGE 1e-3 /* edges: sine of the angle of two triangles, up to which they are flat; corners: the same for two edges */
+#define DEM__FLAT_EDGE                                                                                                 \
+    1e-3 /* edges: sine of the angle of two triangles, up to which they are flat; corners: the same for two edges */
 
 /* Flags of entry `at`: of an edge, and of the corner at which it begins. */
 enum {
@@ -49,7 +50,8 @@ DEM_INLINE dem_vec dem__into_face(const dem__tree *t, int32_t at) {
 }
 
 /* Finds the sharp edges. */
-static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same, dem__keyed *items) {
+static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same,
+                                        dem__keyed *items) {
     const ptrdiff_t n = 3 * (ptrdiff_t)t->triangles;
     for (int32_t at = 0; at < (int32_t)n; at++) {
         int32_t from, to;
@@ -63,7 +65,8 @@ static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edg
         for (next = k + 1; next < n && items[next].key == items[k].key;) next++;
         edges->kind[at] = next - k == 2 ? 0 : DEM__EDGE | DEM__RIM;
         if (next - k != 2) continue;
-        const dem_vec in = dem__into_face(t, at), other = dem__into_face(t, items[k + 1].index), out = dem__add(in, other);
+        const dem_vec in = dem__into_face(t, at), other = dem__into_face(t, items[k + 1].index),
+                      out = dem__add(in, other);
         if (!(fabs(dem__dot(t->normal[at / 3], other)) > DEM__FLAT_EDGE)) continue;
         edges->kind[at] = DEM__EDGE;
         edges->outward[at] = dem__scale(-1.0, out);
@@ -71,7 +74,8 @@ static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edg
 }
 
 /* Finds the sharp corners: ends of sharp edges, except where only two of these meet in one line. */
-static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same, dem__keyed *items) {
+static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same,
+                                          dem__keyed *items) {
     ptrdiff_t n = 0;
     for (int32_t at = 0; at < 3 * t->triangles; at++) {
         int32_t end[2];
@@ -93,7 +97,8 @@ static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *e
             rims |= edges->kind[at] & DEM__RIM;
         }
         if (next - k == 2 && !(dem__length(sum) > DEM__FLAT_EDGE)) continue;
-        for (ptrdiff_t q = k; q < next; q++) edges->kind[items[q].index / 2] |= items[q].index % 2 ? DEM__TO_END : DEM__FROM_END;
+        for (ptrdiff_t q = k; q < next; q++)
+            edges->kind[items[q].index / 2] |= items[q].index % 2 ? DEM__TO_END : DEM__FROM_END;
         const int32_t at = items[k].index / 2, keeper = items[k].index % 2 == 0 ? at : at % 3 < 2 ? at + 1 : at - 2;
         edges->kind[keeper] |= DEM__CORNER;
         edges->tip[keeper] = rims ? dem_vec3(0.0, 0.0, 0.0) : sum;

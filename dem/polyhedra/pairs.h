@@ -1,6 +1,7 @@
-/* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin and end. Reads bodies,
-   walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact depends on its own pair and step alone,
-   never on earlier tests or on threads. A contact of pair q has near = -2 - q. */
+/* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin
+   and end. Reads bodies, walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact
+   depends on its own pair and step alone, never on earlier tests or on threads. A contact of pair q has near = -2 - q.
+   */
 #pragma once
 #include "../search/bounds.h"
 #include "walls.h"
@@ -13,7 +14,8 @@ static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step
     const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
     dem__placed *place = &w->engine->convex.place[i];
     place->x = dem__in_box(w, p.x);
-    place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn), place->axis[2] = dem__third_axis(turn);
+    place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn),
+    place->axis[2] = dem__third_axis(turn);
 }
 /* Places those among particles first .. end-1 that take steps. */
 static inline void dem__place_active(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -68,10 +70,10 @@ static inline void dem__place_close(dem_world *w, int64_t step) {
 
 /* ---- points ---- */
 
-/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch: then only its gap and normal
-   are set. sphere_first: the sphere is a, the polyhedron b. */
-static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius, int sphere_first,
-                                        dem__convex_point *out) {
+/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch: then
+   only its gap and normal are set. sphere_first: the sphere is a, the polyhedron b. */
+static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius,
+                                        int sphere_first, dem__convex_point *out) {
     dem_vec n;
     const double distance = dem__from_core(s, place, x, HUGE_VAL, &n);
     out->gap = distance - radius - s->radius;
@@ -83,7 +85,8 @@ static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *
 }
 
 /* Finds the points of two particles; `at` is measured from the centre of i. Returns their number. */
-static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out, int64_t *overlaps) {
+static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
+                                      int64_t *overlaps) {
     const dem_convex *a = dem__shape_of(w, p->i), *b = dem__shape_of(w, p->j);
     const dem__convex_state *convex = &w->engine->convex;
     const dem_particle *particle = w->particle;
@@ -96,16 +99,16 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     pa.x = pb.x = dem_vec3(0.0, 0.0, 0.0);
     if (!a || !b) {
         const double radius = particle[a ? p->j : p->i].radius;
-        const int n =
-            a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out) : dem__points_of_sphere(b, &pb, d, radius, 1, out);
+        const int n = a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out)
+                        : dem__points_of_sphere(b, &pb, d, radius, 1, out);
         *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
         if (n == 0) dem__rest_apart(w, p, step, d, out->gap, out->normal);
         return n;
     }
     const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
     pb.x = dem__scale(-1.0, d);
-    /* A direction only decides which features are tested. That of an earlier step can be used as long as the cores are nearly as far apart
-       along it. */
+    /* A direction only decides which features are tested. That of an earlier step can be used as long as the cores are
+       nearly as far apart along it. */
     double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
     if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
     if (!(apart > good)) {
@@ -125,7 +128,8 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
     const dem_convex *s = dem__shape_of(w, p->i);
     const dem__placed *place = &w->engine->convex.place[p->i];
     const int n = dem__touch_with_polyhedron(wall, s, place, out);
-    if (n == 0 && dem__may_rest_at_wall(w, p->i)) dem__rest_from_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
+    if (n == 0 && dem__may_rest_at_wall(w, p->i))
+        dem__rest_from_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
     return n;
 }
 
@@ -197,8 +201,8 @@ DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_poin
     place[DEM__PLACE_GAP][c] = p->gap, place[DEM__PLACE_WEIGHT][c] = p->weight;
 }
 
-/* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall, which the contact
-   keeps. */
+/* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall,
+   which the contact keeps. */
 static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
@@ -214,8 +218,8 @@ static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__co
     dem__set_place_vec(w, DEM__PLACE_BEFORE, c, p->normal);
 }
 
-/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap above 0, and so
-   ends. */
+/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap
+   above 0, and so ends. */
 static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__contacts *contacts = &w->engine->contacts;
     (void)part, (void)context;
@@ -242,10 +246,12 @@ static inline void dem__follow_polyhedra(dem_world *w, int64_t step) {
         w->status = DEM_OUT_OF_MEMORY;
         return;
     }
-    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count, dem__follow_points, NULL);
+    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count,
+                  dem__follow_points, NULL);
     for (ptrdiff_t q = 0; q < convex->pairs; q++) {
         const dem__convex_pair *p = &convex->pair[q];
-        for (const dem__convex_point *point = convex->point + p->first; point < convex->point + p->first + p->count; point++) {
+        for (const dem__convex_point *point = convex->point + p->first; point < convex->point + p->first + p->count;
+             point++) {
             if (point->taken) continue;
             if (!dem__new_contact(w, p->i, p->j, point->key, (int32_t)(-2 - q))) return;
             dem__set_first_place(w, dem__next_slot(w) - 1, point);
@@ -294,7 +300,8 @@ static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pa
     return n;
 }
 
-/* Lists the pairs anew, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of memory. */
+/* Lists the pairs anew, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of memory.
+ */
 static inline int dem__list_convex_pairs(dem_world *w) {
     dem__convex_state *convex = &w->engine->convex;
     dem__contacts *contacts = &w->engine->contacts;

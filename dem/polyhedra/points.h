@@ -1,13 +1,18 @@
-/* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Promises: a point depends on its own two features alone; weight times overlap along the normals
-   is the gradient of a potential (of a linear law), and continuous in the motion. */
+/* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Promises: a
+   point depends on its own two features alone; weight times overlap along the normals is the gradient of a potential
+   (of a linear law), and continuous in the motion. */
 #pragma once
 #include "distance.h"
 
-enum { DEM__POINTS_MAX = 256 }; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
-#define DEM__WINDOW 1.000001    /* features are tested up to this multiple of the radii, so that rounding of directions does not decide */
+enum {
+    DEM__POINTS_MAX = 256
+}; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
+#define DEM__WINDOW                                                                                                    \
+    1.000001 /* features are tested up to this multiple of the radii, so that rounding of directions does not decide   \
+              */
 
-/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. Beyond `enough`, any larger value
-   without a direction. */
+/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. Beyond `enough`,
+   any larger value without a direction. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, double enough, dem_vec *n) {
     const dem_vec out = dem_vec3(fabs(p.x) - half.x, fabs(p.y) - half.y, fabs(p.z) - half.z);
     const dem_vec d = dem_vec3(out.x > 0.0 ? out.x : 0.0, out.y > 0.0 ? out.y : 0.0, out.z > 0.0 ? out.z : 0.0);
@@ -52,8 +57,10 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
     }
     const dem_vec outward = *n;
     for (int e = 0; e < s->edges || e == 0; e++) { /* a point has a corner, but no edge */
-        const dem_vec from = dem__point(s->corner[s->edge[e][0]]), u = dem__sub(dem__point(s->corner[s->edge[e][1]]), from);
-        const double length = dem__dot(u, u), t = length > 0.0 ? dem__clamp(dem__dot(dem__sub(p, from), u) / length, 0.0, 1.0) : 0.0;
+        const dem_vec from = dem__point(s->corner[s->edge[e][0]]),
+                      u = dem__sub(dem__point(s->corner[s->edge[e][1]]), from);
+        const double length = dem__dot(u, u),
+                     t = length > 0.0 ? dem__clamp(dem__dot(dem__sub(p, from), u) / length, 0.0, 1.0) : 0.0;
         const dem_vec d = dem__sub(p, dem__plus(from, t, u));
         const double distance = dem__length(d);
         if (!(distance < least)) continue;
@@ -63,7 +70,8 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
     return least;
 }
 
-/* Returns the signed distance of a point p from a core; n: the direction away from it. Beyond `enough`, any larger value. */
+/* Returns the signed distance of a point p from a core; n: the direction away from it. Beyond `enough`, any larger
+   value. */
 DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, double enough, dem_vec *n) {
     const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
     dem_vec m = dem_vec3(0.0, 0.0, 1.0);
@@ -72,13 +80,14 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
     return distance;
 }
 
-/* An edge in the world: where it begins, its direction, its length; in each of its two faces the direction away from it; the sum of their
-   normals. */
+/* An edge in the world: where it begins, its direction, its length; in each of its two faces the direction away from
+   it; the sum of their normals. */
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
-    double length, middle, half; /* [m]; the middle of the part that is near the other core, along it, and half the length of that */
-    int number, ends;            /* ends: bits of the ends that are corners, which have points of their own */
-    int sided;                   /* of a wall's edge: whether it is touched only from the side of `outward` */
+    double length, middle,
+        half; /* [m]; the middle of the part that is near the other core, along it, and half the length of that */
+    int number, ends; /* ends: bits of the ends that are corners, which have points of their own */
+    int sided;        /* of a wall's edge: whether it is touched only from the side of `outward` */
 } dem__placed_edge;
 
 /* Heights of corners along a direction, and which corners are near the other core. */
@@ -104,13 +113,15 @@ DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, do
 /* Chooses the corners whose height times sign is below `low`. */
 DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
     side->n = 0, side->limit = low, side->sign = sign;
-    for (int k = 0; k < side->shape->corners; k++) { /* without branches, as is all that follows: they could not be predicted */
+    for (int k = 0; k < side->shape->corners;
+         k++) { /* without branches, as is all that follows: they could not be predicted */
         side->corner[side->n] = (uint8_t)k;
         side->n += side->is_near[k] = sign * side->height[k] < low;
     }
 }
 
-/* Finds the part of an edge that is near the other core: all of it, or from its near end to the limit. a, b: heights of its ends [m]. */
+/* Finds the part of an edge that is near the other core: all of it, or from its near end to the limit. a, b: heights of
+   its ends [m]. */
 DEM_INLINE void dem__find_near_part(const dem__side *side, double a, double b, dem__placed_edge *p) {
     a *= side->sign, b *= side->sign;
     const double at_limit = p->length * ((side->limit - a) / (b != a ? b - a : 1.0));
@@ -149,7 +160,8 @@ static inline void dem__place_edge(const dem__side *side, int e, int apart, dem_
     if (dem__dot(p->outward, p->outward) < 1e-6) p->outward = dem__scale(-1.0, p->in[0]); /* the rim of a sheet */
 }
 
-/* Returns how much the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals. */
+/* Returns how much the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals.
+ */
 DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
     double lean = 0.0;
     for (int f = 0; f < 2; f++) {
@@ -177,16 +189,18 @@ DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *
     return distance;
 }
 
-/* Finds where two edges cross: s along p, the unit vector from q to p, and the signed distance. Returns 0 if they do not cross. apart: the
-   cores do not overlap, so that nearest points tell the direction. */
-static inline int dem__find_crossing(const dem__placed_edge *p, const dem__placed_edge *q, int apart, double *s, dem_vec *normal,
-                                     double *distance) {
+/* Finds where two edges cross: s along p, the unit vector from q to p, and the signed distance. Returns 0 if they do
+   not cross. apart: the cores do not overlap, so that nearest points tell the direction. */
+static inline int dem__find_crossing(const dem__placed_edge *p, const dem__placed_edge *q, int apart, double *s,
+                                     dem_vec *normal, double *distance) {
     const dem_vec d = dem__sub(p->from, q->from), product = dem__cross(p->along, q->along);
     const double c = dem__dot(p->along, q->along), square = dem__dot(product, product);
     if (!(square > 1e-12)) return 0; /* parallel: corners suffice */
-    const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), s_square = c * on_q - on_p, t_square = on_q - c * on_p;
+    const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), s_square = c * on_q - on_p,
+                 t_square = on_q - c * on_p;
     const double wide = DEM__WINDOW * square; /* most do not cross, which is seen without a division */
-    if (!((s_square > 0.0) & (s_square < p->length * wide) & (t_square > 0.0) & (t_square < q->length * wide))) return 0;
+    if (!((s_square > 0.0) & (s_square < p->length * wide) & (t_square > 0.0) & (t_square < q->length * wide)))
+        return 0;
     const double t = t_square / square;
     *s = s_square / square;
     if (!(*s > 0.0 && *s < p->length && t > 0.0 && t < q->length)) return 0;
@@ -201,12 +215,13 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
     return apart || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
 }
 
-/* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the crossing counts only
-   beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2. It is 0 with slope 0
-   where the crossing reaches an end, and that corner's own point continues. Forces are its gradient: D at the crossing and D_i at the ends,
-   with weights. The point of the crossing gets `key`, those of the ends the next four. */
-static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, int32_t key,
-                                   dem__convex_point *out) {
+/* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the
+   crossing counts only beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1
+   - (D_i/D)^2) k/2. It is 0 with slope 0 where the crossing reaches an end, and that corner's own point continues.
+   Forces are its gradient: D at the crossing and D_i at the ends, with weights. The point of the crossing gets `key`,
+   those of the ends the next four. */
+static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart,
+                                   int32_t key, dem__convex_point *out) {
     double s, distance, rest[4], left = 1.0, share[4];
     if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
     const double overlap = radii - distance;
@@ -248,9 +263,10 @@ DEM_INLINE int dem__passes_box(const dem__side *box, dem_vec x, double distance)
     return passes;
 }
 
-/* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if above 0, a and b have
-   changed places. */
-static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out, int n) {
+/* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if above 0,
+   a and b have changed places. */
+static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out,
+                                          int n) {
     const double radii = a->shape->radius + b->shape->radius;
     for (int m = 0; m < a->n && n < DEM__POINTS_MAX; m++) {
         const int k = a->corner[m];
@@ -270,19 +286,22 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
     return n;
 }
 
-/* Returns which sides of a box the near part of edge e of another core comes near to: bits 2 k and 2 k + 1 for the lower and the upper side
-   across axis k; 0 if it is not near to two sides that meet, where an edge of the box could be. seen: the core's place in the box's
-   frame. */
-DEM_INLINE unsigned dem__sides_near(const dem__side *side, const dem__placed *seen, int e, const dem_convex *box, double radii) {
+/* Returns which sides of a box the near part of edge e of another core comes near to: bits 2 k and 2 k + 1 for the
+   lower and the upper side across axis k; 0 if it is not near to two sides that meet, where an edge of the box could
+   be. seen: the core's place in the box's frame. */
+DEM_INLINE unsigned dem__sides_near(const dem__side *side, const dem__placed *seen, int e, const dem_convex *box,
+                                    double radii) {
     const uint8_t *end = side->shape->edge[e];
     const double a = side->sign * side->height[end[0]], b = side->sign * side->height[end[1]];
     const double at_limit = (side->limit - a) / (b != a ? b - a : 1.0);
     const double begins = a < side->limit ? 0.0 : at_limit, ends = b < side->limit ? 1.0 : at_limit;
-    const dem_vec from = dem__corner_at(side->shape, seen, end[0]), u = dem__sub(dem__corner_at(side->shape, seen, end[1]), from);
+    const dem_vec from = dem__corner_at(side->shape, seen, end[0]),
+                  u = dem__sub(dem__corner_at(side->shape, seen, end[1]), from);
     const dem_vec at = dem__plus(from, 0.5 * (begins + ends), u);
     const double half_part = 0.5 * (ends - begins);
     const double x[3] = {at.x, at.y, at.z}, half[3] = {box->half.x, box->half.y, box->half.z};
-    const double reach[3] = {half_part * fabs(u.x) + radii, half_part * fabs(u.y) + radii, half_part * fabs(u.z) + radii};
+    const double reach[3] = {half_part * fabs(u.x) + radii, half_part * fabs(u.y) + radii,
+                             half_part * fabs(u.z) + radii};
     unsigned sides = 0, across = 0, passes = 0;
     for (int k = 0; k < 3; k++) {
         const unsigned low = fabs(x[k] + half[k]) < reach[k], high = fabs(x[k] - half[k]) < reach[k];
@@ -302,7 +321,8 @@ DEM_INLINE unsigned dem__sides_of(const dem_convex *box, int corner) {
 typedef struct dem__edge_list {
     int n;
     uint8_t number[DEM_EDGES_MAX];
-    uint8_t sides[DEM_EDGES_MAX]; /* of a box: those at which an edge lies; or those of the other box that it is not near to */
+    uint8_t sides[DEM_EDGES_MAX]; /* of a box: those at which an edge lies; or those of the other box that it is not
+                                     near to */
 } dem__edge_list;
 
 /* Lists the edges that end at a near corner. */
@@ -317,7 +337,9 @@ static inline void dem__list_near_edges(const dem__side *side, dem__edge_list *l
 static inline void dem__find_sides(const dem__side *side, dem__edge_list *list) {
     for (int m = 0; m < list->n; m++) {
         const uint8_t *end = side->shape->edge[list->number[m]];
-        list->sides[m] = side->shape->is_box ? (uint8_t)(dem__sides_of(side->shape, end[0]) & dem__sides_of(side->shape, end[1])) : 0;
+        list->sides[m] = side->shape->is_box
+                             ? (uint8_t)(dem__sides_of(side->shape, end[0]) & dem__sides_of(side->shape, end[1]))
+                             : 0;
     }
 }
 /* Keeps the edges of a list that can cross one of the other core. */
@@ -337,9 +359,11 @@ static inline void dem__keep_edges(const dem__side *side, const dem__side *other
     list->n = kept;
 }
 
-/* Appends the points where edges cross to a list of n. Returns the new number. The core with fewer near edges is looked at first: if none
-   of these can cross one of the other core, nothing else is done. Edges are placed as soon as they are needed. */
-static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out, int n) {
+/* Appends the points where edges cross to a list of n. Returns the new number. The core with fewer near edges is looked
+   at first: if none of these can cross one of the other core, nothing else is done. Edges are placed as soon as they
+   are needed. */
+static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out,
+                                        int n) {
     const double radii = a->shape->radius + b->shape->radius, window = DEM__WINDOW * radii;
     uint8_t is_placed[DEM_EDGES_MAX], other[DEM_EDGES_MAX];
     dem__placed_edge p, edge[DEM_EDGES_MAX]; /* of a, and all of b: a second table would make the frame too large */
@@ -368,10 +392,10 @@ static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, 
     return n;
 }
 
-/* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. Returns their number. If a
-   core is a point, only its own corner counts; otherwise it would be counted twice. */
-static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec normal,
-                                   dem__convex_point *out) {
+/* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. Returns
+   their number. If a core is a point, only its own corner counts; otherwise it would be counted twice. */
+static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                   const dem__placed *pb, dem_vec normal, dem__convex_point *out) {
     dem__side sa, sb;
     const double radii = DEM__WINDOW * (a->radius + b->radius);
     double low_a, high_a, low_b, high_b;

@@ -3,7 +3,8 @@
 #pragma once
 #include "../base/definition.h"
 
-/* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough. */
+/* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough.
+ */
 #define DEM__FLAT 1e-6
 
 /* The hull of a set of points: the planes that have all other points behind them, and the points in each. */
@@ -20,14 +21,15 @@ static inline double dem__half_size(const double *x, int n) {
     double size = 0.0;
     for (int a = 0; a < 3; a++) {
         double low = x[a], high = x[a];
-        for (int k = 1; k < n; k++) low = x[3 * k + a] < low ? x[3 * k + a] : low, high = x[3 * k + a] > high ? x[3 * k + a] : high;
+        for (int k = 1; k < n; k++)
+            low = x[3 * k + a] < low ? x[3 * k + a] : low, high = x[3 * k + a] > high ? x[3 * k + a] : high;
         size = 0.5 * (high - low) > size ? 0.5 * (high - low) : size;
     }
     return size;
 }
 
-/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. Returns 0 if there are too
-   many. */
+/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. Returns
+   0 if there are too many. */
 static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, double offset, double area) {
     int f = 0;
     while (f < hull->faces && hull->holds[f] != holds) f++;
@@ -41,8 +43,8 @@ static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, doub
 
 /* Adds the face in which three points lie, if no point is in front of it. Returns 0 if there are too many faces. */
 static inline int dem__try_face(dem__hull *hull, const double *x, int n, int a, int b, int c, double flat) {
-    const dem_vec p = dem__point(x + 3 * a), u = dem__sub(dem__point(x + 3 * b), p), v = dem__sub(dem__point(x + 3 * c), p),
-                  cross = dem__cross(u, v);
+    const dem_vec p = dem__point(x + 3 * a), u = dem__sub(dem__point(x + 3 * b), p),
+                  v = dem__sub(dem__point(x + 3 * c), p), cross = dem__cross(u, v);
     const double area = dem__length(cross), longest = dem__dot(u, u) > dem__dot(v, v) ? dem__dot(u, u) : dem__dot(v, v);
     double lowest = 0.0, highest = 0.0;
     uint32_t holds = 0;
@@ -54,7 +56,8 @@ static inline int dem__try_face(dem__hull *hull, const double *x, int n, int a, 
         if (fabs(height) <= flat) holds |= (uint32_t)1 << k;
     }
     if (highest <= flat && lowest < -flat) return dem__add_face(hull, holds, normal, dem__dot(normal, p), area);
-    if (lowest >= -flat && highest > flat) return dem__add_face(hull, holds, dem__scale(-1.0, normal), -dem__dot(normal, p), area);
+    if (lowest >= -flat && highest > flat)
+        return dem__add_face(hull, holds, dem__scale(-1.0, normal), -dem__dot(normal, p), area);
     return 1;
 }
 
@@ -71,7 +74,8 @@ static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double
     return 1;
 }
 
-/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they are no polygon. */
+/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they are no
+   polygon. */
 static inline int dem__go_round(const dem__hull *hull, int f, const double *x, int n, uint8_t *corner, int count) {
     const dem_vec normal = dem__point(hull->plane[f]);
     const int begin = count;
@@ -86,15 +90,17 @@ static inline int dem__go_round(const dem__hull *hull, int f, const double *x, i
         for (int k = 0; k < n; k++) {
             if (k == at || !(hull->holds[f] >> k & 1)) continue;
             const dem_vec u = dem__sub(dem__point(x + 3 * k), dem__point(x + 3 * at));
-            if (next < 0 || dem__dot(normal, dem__cross(dem__sub(dem__point(x + 3 * next), dem__point(x + 3 * at)), u)) < 0.0) next = k;
+            if (next < 0 ||
+                dem__dot(normal, dem__cross(dem__sub(dem__point(x + 3 * next), dem__point(x + 3 * at)), u)) < 0.0)
+                next = k;
         }
         at = next;
     } while (at != first);
     return count - begin == total && total > 2 ? count : 0;
 }
 
-/* Finds the edges from the corners of faces. Returns 0 if an edge has not two faces or is too short, or the surface is not that of a
-   ball. */
+/* Finds the edges from the corners of faces. Returns 0 if an edge has not two faces or is too short, or the surface is
+   not that of a ball. */
 static inline int dem__find_edges(dem_convex *s, double shortest) {
     s->edges = 0;
     for (int f = 0; f < s->faces; f++) {
@@ -156,13 +162,15 @@ static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
             bulk->volume += six / 6.0;
             bulk->first = dem__plus(bulk->first, six / 24.0, dem__point(sum));
             for (int p = 0; p < 3; p++) {
-                for (int q = 0; q < 3; q++) bulk->second[p][q] += six / 120.0 * (sum[p] * sum[q] + a[p] * a[q] + b[p] * b[q] + c[p] * c[q]);
+                for (int q = 0; q < 3; q++)
+                    bulk->second[p][q] += six / 120.0 * (sum[p] * sum[q] + a[p] * a[q] + b[p] * b[q] + c[p] * c[q]);
             }
         }
     }
 }
 
-/* Turns a symmetric matrix to its principal axes (Jacobi); axis[k][a]: component a of axis k. A diagonal matrix is left as it is. */
+/* Turns a symmetric matrix to its principal axes (Jacobi); axis[k][a]: component a of axis k. A diagonal matrix is left
+   as it is. */
 static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
     const double size = m[0][0] + m[1][1] + m[2][2];
     for (int p = 0; p < 3; p++) {
@@ -173,7 +181,8 @@ static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
             for (int q = p + 1; q < 3; q++) {
                 if (fabs(m[p][q]) <= 1e-13 * size) continue;
                 const double theta = 0.5 * (m[q][q] - m[p][p]) / m[p][q], root = sqrt(theta * theta + 1.0);
-                const double t = theta < 0.0 ? -1.0 / (root - theta) : 1.0 / (root + theta), c = 1.0 / sqrt(t * t + 1.0), s = t * c;
+                const double t = theta < 0.0 ? -1.0 / (root - theta) : 1.0 / (root + theta),
+                             c = 1.0 / sqrt(t * t + 1.0), s = t * c;
                 for (int a = 0; a < 3; a++) {
                     const double old = m[a][p];
                     m[a][p] = c * old - s * m[a][q], m[a][q] = s * old + c * m[a][q];
@@ -189,8 +198,8 @@ static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
     }
 }
 
-/* Sets volume, centroid and moments; moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what is
-   wrong. */
+/* Sets volume, centroid and moments; moves the corners to the centroid and turns them to the principal axes. Returns
+   NULL, or what is wrong. */
 static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
     dem__moments bulk;
     double second[3][3], axis[3][3];
@@ -206,7 +215,8 @@ static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
     for (int a = 0; a < 3; a++) {
         s->axis[a] = dem__point(axis[a]);
         s->moment[a] = second[(a + 1) % 3][(a + 1) % 3] + second[(a + 2) % 3][(a + 2) % 3];
-        if (!(s->moment[a] > 0.0 && s->moment[a] < HUGE_VAL)) return "it is too small or too large for its inertia to be a number";
+        if (!(s->moment[a] > 0.0 && s->moment[a] < HUGE_VAL))
+            return "it is too small or too large for its inertia to be a number";
     }
     for (int k = 0; k < s->corners; k++) {
         const dem_vec d = dem__sub(dem__point(s->corner[k]), c);
@@ -220,13 +230,15 @@ static inline double dem__meet(const double *p, const double *q, const double *r
     const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
     const double det = dem__dot(a, bc);
     if (fabs(det) < 1e-6) return 0.0;
-    const dem_vec sum = dem__add(dem__scale(p[3] - inwards, bc),
-                                 dem__add(dem__scale(q[3] - inwards, dem__cross(c, a)), dem__scale(r[3] - inwards, dem__cross(a, b))));
+    const dem_vec sum =
+        dem__add(dem__scale(p[3] - inwards, bc),
+                 dem__add(dem__scale(q[3] - inwards, dem__cross(c, a)), dem__scale(r[3] - inwards, dem__cross(a, b))));
     *at = dem__scale(1.0 / det, sum);
     return fabs(det);
 }
 
-/* Adds a corner of the core unless it is there; of two equal ones the better determined one stays. Returns 0 if there are too many. */
+/* Adds a corner of the core unless it is there; of two equal ones the better determined one stays. Returns 0 if there
+   are too many. */
 static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, double det, double same) {
     int k = 0;
     while (k < core->corners && !(dem__length(dem__sub(x, dem__point(core->corner[k]))) <= same)) k++;
@@ -238,8 +250,8 @@ static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, dou
     return 1;
 }
 
-/* Finds the corners of a shape whose faces have moved inwards by a radius: where three of the planes meet, behind all others. Returns 0 if
-   there are too many. */
+/* Finds the corners of a shape whose faces have moved inwards by a radius: where three of the planes meet, behind all
+   others. Returns 0 if there are too many. */
 static inline int dem__erode(const dem_convex *s, dem_convex *core, double radius, double flat) {
     double sure[DEM_CORNERS_MAX];
     core->corners = 0;
@@ -250,7 +262,8 @@ static inline int dem__erode(const dem_convex *s, dem_convex *core, double radiu
                 int f = 0;
                 const double det = dem__meet(s->plane[a], s->plane[b], s->plane[c], radius, &x);
                 if (det == 0.0) continue;
-                while (f < s->faces && dem__dot(dem__point(s->plane[f]), x) <= s->plane[f][3] - radius + 0.1 * flat) f++;
+                while (f < s->faces && dem__dot(dem__point(s->plane[f]), x) <= s->plane[f][3] - radius + 0.1 * flat)
+                    f++;
                 if (f == s->faces && !dem__add_corner(core, sure, x, det, flat)) return 0;
             }
         }
@@ -272,8 +285,8 @@ static inline double dem__least_width(const dem_convex *s) {
     return least;
 }
 
-/* Finds whether the core is a box along the axes, with its middle at the centroid. Sets its corners to the half lengths to the last bit,
-   because its distances are computed from these. */
+/* Finds whether the core is a box along the axes, with its middle at the centroid. Sets its corners to the half lengths
+   to the last bit, because its distances are computed from these. */
 static inline void dem__find_box(dem_convex *s) {
     const double *h = s->corner[0];
     s->half = dem_vec3(fabs(h[0]), fabs(h[1]), fabs(h[2]));
@@ -282,22 +295,25 @@ static inline void dem__find_box(dem_convex *s) {
         for (int a = 0; a < 3; a++) s->is_box &= fabs(fabs(s->corner[k][a]) - dem_axis(s->half, a)) <= 1e-9 * s->reach;
     }
     for (int k = 0; k < s->corners && s->is_box; k++) {
-        for (int a = 0; a < 3; a++) s->corner[k][a] = s->corner[k][a] < 0.0 ? -dem_axis(s->half, a) : dem_axis(s->half, a);
+        for (int a = 0; a < 3; a++)
+            s->corner[k][a] = s->corner[k][a] < 0.0 ? -dem_axis(s->half, a) : dem_axis(s->half, a);
     }
 }
 
-/* Returns the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), as a mean over all
-   directions. Weight: the energy that this corner takes up in an impact, which is proportional to the share. Directions: the middles of 8 x
-   8 squares on each side of a cube. */
+/* Returns the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), as
+   a mean over all directions. Weight: the energy that this corner takes up in an impact, which is proportional to the
+   share. Directions: the middles of 8 x 8 squares on each side of a cube. */
 static inline double dem__mean_share(const dem_convex *s) {
     double sum = 0.0, weights = 0.0;
     for (int k = 0; k < 6 * 64; k++) {
-        const double a = 0.25 * (double)(k % 8) - 0.875, b = 0.25 * (double)(k / 8 % 8) - 0.875, c = k % 128 < 64 ? 1.0 : -1.0;
+        const double a = 0.25 * (double)(k % 8) - 0.875, b = 0.25 * (double)(k / 8 % 8) - 0.875,
+                     c = k % 128 < 64 ? 1.0 : -1.0;
         const int side = k / 128;
         const double length = sqrt(1.0 + a * a + b * b), weight = 1.0 / (length * length * length);
         double farthest = -HUGE_VAL, turned = 0.0;
         dem_vec n;
-        *dem_axis_of(&n, side) = c / length, *dem_axis_of(&n, (side + 1) % 3) = a / length, *dem_axis_of(&n, (side + 2) % 3) = b / length;
+        *dem_axis_of(&n, side) = c / length, *dem_axis_of(&n, (side + 1) % 3) = a / length,
+                         *dem_axis_of(&n, (side + 2) % 3) = b / length;
         for (int q = 0; q < s->corners; q++) {
             const dem_vec r = dem__point(s->corner[q]), t = dem__cross(r, n);
             if (dem__dot(r, n) <= farthest) continue;
@@ -321,8 +337,10 @@ static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double 
     if ((reason = dem__find_surface(s, flat)) != NULL) return reason; /* planes in the new frame */
     core = *s;
     core.radius = rounding * dem__least_width(s);
-    if (!dem__erode(s, &core, core.radius, flat)) return "its core has more than DEM_CORNERS_MAX corners: where over three faces meet";
-    if ((reason = dem__find_surface(&core, 0.1 * flat)) != NULL) return "its core is no polyhedron: a smaller rounding leaves one";
+    if (!dem__erode(s, &core, core.radius, flat))
+        return "its core has more than DEM_CORNERS_MAX corners: where over three faces meet";
+    if ((reason = dem__find_surface(&core, 0.1 * flat)) != NULL)
+        return "its core is no polyhedron: a smaller rounding leaves one";
     core.reach = 0.0;
     for (int k = 0; k < core.corners; k++) {
         const double far = dem__length(dem__point(core.corner[k])) + core.radius;
@@ -334,7 +352,8 @@ static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double 
     return NULL;
 }
 
-DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding, const char **reason) {
+DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding,
+                                   const char **reason) {
     const char *wrong = NULL;
     dem_vec middle = dem_vec3(0.0, 0.0, 0.0);
     if (!shape || !corners) wrong = "there is no place for the shape, or there are no corners";
@@ -398,15 +417,19 @@ static inline int dem__is_convex(const dem_mesh *mesh) {
 DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason) {
     const char *wrong = NULL;
     if (!mesh || !mesh->vertex || !mesh->triangle) wrong = "there is no mesh";
-    else if (mesh->vertices < 4 || mesh->vertices > DEM_CORNERS_MAX) wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
-    else if (mesh->triangles < 4 || mesh->triangles > DEM_FACES_MAX) wrong = "the number of triangles is not 4 .. DEM_FACES_MAX";
+    else if (mesh->vertices < 4 || mesh->vertices > DEM_CORNERS_MAX)
+        wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
+    else if (mesh->triangles < 4 || mesh->triangles > DEM_FACES_MAX)
+        wrong = "the number of triangles is not 4 .. DEM_FACES_MAX";
     for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->triangles; k++) {
-        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices) wrong = "a triangle has a corner that is not there";
+        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices)
+            wrong = "a triangle has a corner that is not there";
     }
     for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->vertices; k++) {
         if (!dem__moderate(mesh->vertex[k])) wrong = "a corner is not finite";
     }
-    if (!wrong && !dem__is_closed(mesh)) wrong = "the surface is not closed: an edge has not two triangles that run along it both ways";
+    if (!wrong && !dem__is_closed(mesh))
+        wrong = "the surface is not closed: an edge has not two triangles that run along it both ways";
     if (!wrong && !dem__is_convex(mesh)) wrong = "the surface is not convex, or its triangles face inwards";
     if (!wrong) return dem_make_convex(shape, (int)mesh->vertices, mesh->vertex, rounding, reason);
     if (reason) *reason = wrong;

@@ -1,5 +1,6 @@
-/* Contacts of a polyhedron with a wall: its corners are spheres, its edges capsules, and its faces touch the wall's own corners. Reads a
-   wall, a shape and its place. Promises: a point depends on these alone; forces are the gradient of a potential, as between polyhedra. */
+/* Contacts of a polyhedron with a wall: its corners are spheres, its edges capsules, and its faces touch the wall's own
+   corners. Reads a wall, a shape and its place. Promises: a point depends on these alone; forces are the gradient of a
+   potential, as between polyhedra. */
 #pragma once
 #include "points.h"
 #include "mesh_edges.h"
@@ -27,8 +28,8 @@ enum {
     DEM__CROSSINGS_MAX = 4 /* of an edge with a cone, at most */
 };
 
-/* Returns the key of a corner at an element of a wall: a bar of a screen by its number, a place of a mesh by the direction of its normal in
-   the wall's frame. */
+/* Returns the key of a corner at an element of a wall: a bar of a screen by its number, a place of a mesh by the
+   direction of its normal in the wall's frame. */
 static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
     if (wall->kind == DEM_SCREEN) return corner + DEM__BAR_KEYS * (touch->element + DEM__BARS_FROM);
     if (wall->kind != DEM_MESH) return corner;
@@ -58,8 +59,10 @@ static inline void dem__list_edges(dem__at_wall *q) {
     for (int e = 0; e < q->shape->edges; e++) dem__place_edge(&side, e, 0, &q->edge[q->edges++]);
 }
 
-/* Sets an edge of a wall between two places, given from the polyhedron's centre. Returns 0 if it is too far away to touch. */
-DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec to, double radius, int ends, dem__placed_edge *e) {
+/* Sets an edge of a wall between two places, given from the polyhedron's centre. Returns 0 if it is too far away to
+   touch. */
+DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec to, double radius, int ends,
+                                  dem__placed_edge *e) {
     const dem_vec u = dem__sub(to, from);
     dem_vec n;
     memset(e, 0, sizeof *e);
@@ -71,7 +74,8 @@ DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec t
 
 /* Returns whether an edge of a wall lies wholly beyond a face of the core, by more than a distance. */
 static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_edge *e, double distance) {
-    const dem_vec from = dem__into_core(&q->core, e->from), to = dem__plus(from, e->length, dem__into_core(&q->core, e->along));
+    const dem_vec from = dem__into_core(&q->core, e->from),
+                  to = dem__plus(from, e->length, dem__into_core(&q->core, e->along));
     for (int f = 0; f < q->shape->faces; f++) {
         const dem_vec n = dem__point(q->shape->plane[f]);
         const double limit = q->shape->plane[f][3] + distance;
@@ -80,21 +84,23 @@ static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_e
     return 0;
 }
 
-/* Adds the points of all edges of the polyhedron at an edge of a wall with a radius. sign: 1 or -1 takes only those whose normals are on
-   that side, 0 all. */
-static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge *e, double radius, int32_t key, dem_vec side, double sign) {
+/* Adds the points of all edges of the polyhedron at an edge of a wall with a radius. sign: 1 or -1 takes only those
+   whose normals are on that side, 0 all. */
+static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge *e, double radius, int32_t key,
+                                        dem_vec side, double sign) {
     if (dem__is_beyond_face(q, e, DEM__WINDOW * (q->shape->radius + radius))) return;
     dem__list_edges(q);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
-        const int n = dem__cross_edges(&q->edge[k], e, q->shape->radius + radius, !e->sided, key + 5 * q->edge[k].number, q->out + q->n);
+        const int n = dem__cross_edges(&q->edge[k], e, q->shape->radius + radius, !e->sided,
+                                       key + 5 * q->edge[k].number, q->out + q->n);
         if (n == 0) continue;
         const double up = dem__dot(q->out[q->n].normal, side);
         if (sign == 0.0 || (sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
     }
 }
 
-/* Adds the point of a wall's corner, a sphere with a radius at x, at the polyhedron's core. tip: its outward direction; 0: it can be
-   touched from all sides. */
+/* Adds the point of a wall's corner, a sphere with a radius at x, at the polyhedron's core. tip: its outward direction;
+   0: it can be touched from all sides. */
 static inline void dem__touch_wall_corner(dem__at_wall *q, dem_vec x, double radius, dem_vec tip, int32_t key) {
     dem__convex_point *point = &q->out[q->n];
     dem_vec n;
@@ -136,13 +142,15 @@ static inline int dem__bar_ends(const dem_wall *w, int family, double index, dem
 }
 /* Finds the first and the last bar of a family near a polyhedron at d from the screen's origin; reach: its own [m]. */
 DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double reach, double *first, double *last) {
-    const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]), half = family ? w->half_x : w->half_y;
+    const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]),
+                 half = family ? w->half_x : w->half_y;
     const double low = dem__clamp(across - reach - 0.5 * w->wire, -half, half);
     const double high = dem__clamp(across + reach + 0.5 * w->wire, -half, half);
     *first = floor(low / pitch + 0.5), *last = floor(high / pitch + 0.5);
 }
 
-/* Adds the points of edges at a bar. A half-round bar is a capsule when touched from above, and two sharp edges when touched from below. */
+/* Adds the points of edges at a bar. A half-round bar is a capsule when touched from above, and two sharp edges when
+   touched from below. */
 static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double index, dem_vec d) {
     const dem_wall *w = q->wall;
     const double half = 0.5 * w->wire;
@@ -168,7 +176,8 @@ static inline void dem__touch_screen_with_edges(dem__at_wall *q) {
     double first, last;
     for (int family = 0; family < 2; family++) {
         dem__bars_near(w, family, d, q->shape->reach, &first, &last);
-        for (double index = first; index <= last && q->n < DEM__POINTS_MAX; index += 1.0) dem__touch_bar_with_edges(q, family, index, d);
+        for (double index = first; index <= last && q->n < DEM__POINTS_MAX; index += 1.0)
+            dem__touch_bar_with_edges(q, family, index, d);
     }
 }
 
@@ -178,11 +187,13 @@ static inline void dem__touch_cylinder_with_edges(dem__at_wall *q) {
     const dem_vec d = dem__sub(w->position, q->centre), foot = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
     const double far_off = 4.0 * (q->shape->reach + w->radius);
     dem__placed_edge e;
-    if (dem__set_wall_edge(q, dem__plus(foot, -far_off, w->axis[2]), dem__plus(foot, far_off, w->axis[2]), w->radius, 0, &e))
+    if (dem__set_wall_edge(q, dem__plus(foot, -far_off, w->axis[2]), dem__plus(foot, far_off, w->axis[2]), w->radius, 0,
+                           &e))
         dem__cross_wall_edge(q, &e, w->radius, DEM_CORNERS_MAX, w->axis[2], 0.0);
 }
 
-/* Returns the key of an edge of a mesh. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the order of the tree. */
+/* Returns the key of an edge of a mesh. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the
+   order of the tree. */
 DEM_INLINE int32_t dem__mesh_key(int32_t at) {
     return DEM_CORNERS_MAX * DEM__MESH_PLACES + (int32_t)((int64_t)(at % DEM__MESH_EDGES_MAX) * DEM__MESH_KEYS);
 }
@@ -242,8 +253,8 @@ static inline double dem__nearest_between(const dem__at_wall *q, const dem__plac
     return 0.5 * (low + high);
 }
 
-/* Finds the places at which an edge touches a cone between its ends, by steps along it: long ones where no contact is possible, otherwise
-   short ones. Returns their number. */
+/* Finds the places at which an edge touches a cone between its ends, by steps along it: long ones where no contact is
+   possible, otherwise short ones. Returns their number. */
 static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_edge *e, double *at) {
     const double step = 0.25 * q->shape->radius, least = 0.0625 * step;
     dem__touch was = dem__touch_cone_along(q, e, 0.0);
@@ -302,14 +313,17 @@ static inline void dem__touch_cone_with_edges(dem__at_wall *q) {
         const dem_vec middle = dem__plus(dem__sub(w->position, q->centre), ring ? w->length : 0.0, w->axis[2]);
         if (!(dem__length(middle) < radius + q->shape->reach)) continue;
         for (int k = 0; k < (radius > 0.0 ? DEM__RING_POINTS : 1); k++) {
-            const dem_vec out = dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI / (double)DEM__RING_POINTS * (double)k);
-            dem__touch_wall_corner(q, dem__plus(middle, radius, out), 0.0, dem_vec3(0.0, 0.0, 0.0), rings + DEM__RING_POINTS * ring + k);
+            const dem_vec out =
+                dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI / (double)DEM__RING_POINTS * (double)k);
+            dem__touch_wall_corner(q, dem__plus(middle, radius, out), 0.0, dem_vec3(0.0, 0.0, 0.0),
+                                   rings + DEM__RING_POINTS * ring + k);
         }
     }
 }
 
 /* Finds the points of a polyhedron at a wall, both at the end of the step. Returns their number. */
-static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place, dem__convex_point *out) {
+static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
+                                             dem__convex_point *out) {
     dem__touch touch[DEM__TOUCHES];
     dem__at_wall q;
     double least;
@@ -329,9 +343,11 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     return q.n;
 }
 
-/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that along the normal of
-   the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart in another direction. */
-static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t, int32_t k, double enough) {
+/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that
+   along the normal of the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart
+   in another direction. */
+static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t,
+                                              int32_t k, double enough) {
     const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
     const double height = dem__dot(d, up);
     double most = fabs(height) - dem__reach_along(s, core, dem__scale(height > 0.0 ? -1.0 : 1.0, up));
@@ -374,7 +390,8 @@ static inline double dem__clear_of_wall(const dem_wall *wall, const dem_convex *
     dem__touch touch[DEM__TOUCHES];
     double least = HUGE_VAL, gap;
     if (wall->kind == DEM_MESH) return dem__clear_of_mesh(wall, s, place) - s->radius;
-    if (wall->kind != DEM_PLANE && !(wall->inside && (wall->kind == DEM_CYLINDER || wall->kind == DEM_SPHERE))) return 0.0;
+    if (wall->kind != DEM_PLANE && !(wall->inside && (wall->kind == DEM_CYLINDER || wall->kind == DEM_SPHERE)))
+        return 0.0;
     for (int k = 0; k < s->corners; k++) { /* nothing of it is nearer than a corner */
         dem__touch_wall(wall, dem__corner_at(s, place, k), s->radius, 0.0, touch, &gap);
         least = gap < least ? gap : least;
@@ -389,25 +406,30 @@ static inline int dem__passes_triangle(dem_vec p, dem_vec q, dem_vec a, dem_vec 
     const dem_vec n = dem__cross(dem__sub(b, a), dem__sub(c, a)), u = dem__sub(q, p);
     const dem_vec pa = dem__sub(a, p), pb = dem__sub(b, p), pc = dem__sub(c, p);
     if (!(dem__dot(n, pa) * dem__dot(n, dem__sub(a, q)) < 0.0)) return 0;
-    const double ab = dem__dot(u, dem__cross(pa, pb)), bc = dem__dot(u, dem__cross(pb, pc)), ca = dem__dot(u, dem__cross(pc, pa));
+    const double ab = dem__dot(u, dem__cross(pa, pb)), bc = dem__dot(u, dem__cross(pb, pc)),
+                 ca = dem__dot(u, dem__cross(pc, pa));
     return (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
 }
 /* Returns whether the line from p to q, given from a cone's lower end, passes through the cone. */
 static inline int dem__passes_cone(const dem_wall *w, dem_vec p, dem_vec q) {
     const dem_vec u = dem__sub(q, p);
-    const double slope = (w->high_radius - w->radius) / w->length, z = dem__dot(p, w->axis[2]), along = dem__dot(u, w->axis[2]);
+    const double slope = (w->high_radius - w->radius) / w->length, z = dem__dot(p, w->axis[2]),
+                 along = dem__dot(u, w->axis[2]);
     const double r = w->radius + slope * z, dr = slope * along; /* radius of the cone at p, and its change to q */
     const double a = dem__dot(u, u) - along * along - dr * dr, b = dem__dot(p, u) - z * along - r * dr;
     const double c = dem__dot(p, p) - z * z - r * r, root = sqrt(b * b > a * c ? b * b - a * c : 0.0);
     const double t[2] = {b > 0.0 ? c / (-b - root) : (root - b) / a, b > 0.0 ? (-b - root) / a : c / (root - b)};
     if (b * b < a * c) return 0;
     for (int k = 0; k < 2; k++) {
-        if (t[k] >= 0.0 && t[k] <= 1.0 && z + t[k] * along >= 0.0 && z + t[k] * along <= w->length && r + t[k] * dr >= 0.0) return 1;
+        if (t[k] >= 0.0 && t[k] <= 1.0 && z + t[k] * along >= 0.0 && z + t[k] * along <= w->length &&
+            r + t[k] * dr >= 0.0)
+            return 1;
     }
     return 0;
 }
 /* Returns whether an edge of a core, whose corners are given in a mesh's frame, passes through the mesh. */
-static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s, const dem_vec *corner, dem_vec centre) {
+static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s, const dem_vec *corner,
+                                        dem_vec centre) {
     for (int32_t b = 0; b < t->nodes;) {
         const dem__node *node = &t->node[b];
         if (dem__is_far(node, centre, s->reach)) {
@@ -419,7 +441,8 @@ static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s,
             const dem_vec *v = t->vertex;
             const int32_t *c = t->corner + k;
             for (int e = 0; e < s->edges; e++) {
-                if (dem__passes_triangle(corner[s->edge[e][0]], corner[s->edge[e][1]], v[c[0]], v[c[1]], v[c[2]])) return 1;
+                if (dem__passes_triangle(corner[s->edge[e][0]], corner[s->edge[e][1]], v[c[0]], v[c[1]], v[c[2]]))
+                    return 1;
             }
         }
     }
@@ -451,7 +474,8 @@ static inline int dem__core_passes_screen(const dem_wall *w, const dem_convex *s
     }
     return 0;
 }
-/* Returns whether a core has passed into a sheet, a mesh or a cone, or into the axis of a bar: beyond them its corners touch nothing. */
+/* Returns whether a core has passed into a sheet, a mesh or a cone, or into the axis of a bar: beyond them its corners
+   touch nothing. */
 static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
     dem_vec corner[DEM_CORNERS_MAX];
     if (w->kind == DEM_SCREEN) return dem__core_passes_screen(w, s, place);

@@ -101,10 +101,14 @@ static inline void dem__material_fields(dem_material *m, dem__group *g) {
 static inline void dem__pair_fields(dem_pair_def *p, dem__group *g) {
     const size_t s = sizeof *p;
     const dem__saved_field fields[] = {
-        DEM__DOUBLES("pair.stiffness", p->stiffness, s), DEM__DOUBLES("pair.restitution", p->restitution, s),
-        DEM__DOUBLES("pair.friction", p->friction, s),   DEM__DOUBLES("pair.tangential_ratio", p->tangential_ratio, s),
-        DEM__DOUBLES("pair.rolling", p->rolling, s),     DEM__DOUBLES("pair.tangential_damping", p->tangential_damping, s),
-        DEM__INTEGER("pair.mode", p->mode, s),           DEM__INTEGER("pair.given", p->given, s),
+        DEM__DOUBLES("pair.stiffness", p->stiffness, s),
+        DEM__DOUBLES("pair.restitution", p->restitution, s),
+        DEM__DOUBLES("pair.friction", p->friction, s),
+        DEM__DOUBLES("pair.tangential_ratio", p->tangential_ratio, s),
+        DEM__DOUBLES("pair.rolling", p->rolling, s),
+        DEM__DOUBLES("pair.tangential_damping", p->tangential_damping, s),
+        DEM__INTEGER("pair.mode", p->mode, s),
+        DEM__INTEGER("pair.given", p->given, s),
     };
     dem__set_fields(g, fields, sizeof fields, 3);
 }
@@ -209,7 +213,8 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
         g->fields += 3;
     }
     if (w->engine->convex.shapes > 0) {
-        const dem__saved_field shape[] = {DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
+        const dem__saved_field shape[] = {
+            DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
         g->field[g->fields++] = shape[0];
     }
     if (!bodies->rigid) return;
@@ -259,7 +264,8 @@ static inline void dem__contact_fields(dem_world *w, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 5);
     dem__add_fields(g, "contact.state", contacts->state, contacts->states);
     g->needed = g->fields;
-    const int places = w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_FOOTING; /* a footing is found anew */
+    const int places =
+        w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_FOOTING; /* a footing is found anew */
     if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, places);
     dem__add_fields(g, "contact.wrench", contacts->wrench, 9);
     if (w->engine->ledger.on) {
@@ -298,7 +304,8 @@ static inline void dem__chunk_fields(dem__saved_chunk *chunk, dem__group *g) {
 }
 
 /* Lists corners and triangles of the mesh of a wall: two groups of one field each. */
-static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, dem__group *vertices, dem__group *triangles) {
+static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, dem__group *vertices,
+                                    dem__group *triangles) {
     const dem__saved_field corners[] = {{"mesh00.vertex", vertex, sizeof *vertex, 3, sizeof(double)}};
     const dem__saved_field triples[] = {{"mesh00.triangle", corner, 3 * sizeof *corner, 3, sizeof *corner}};
     dem__set_fields(vertices, corners, sizeof corners, 1);

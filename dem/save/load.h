@@ -1,5 +1,5 @@
-/* Loading: makes a world from the records that save/save.h writes, and trusts none of them: every index, count and number that the engine
-   relies on is checked here. */
+/* Loading: makes a world from the records that save/save.h writes, and trusts none of them: every index, count and
+   number that the engine relies on is checked here. */
 #pragma once
 #include "../polyhedra/add.h"
 #include "../polyhedra/save.h"
@@ -29,10 +29,13 @@ static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first
     dem__record r;
     memset(name, 0, sizeof name);
     memcpy(name, first, strlen(first));
-    return dem__find_record(file->bytes, file->first, file->end, name, &r) && r.count < INT32_MAX / 4 ? (ptrdiff_t)r.count : 0;
+    return dem__find_record(file->bytes, file->first, file->end, name, &r) && r.count < INT32_MAX / 4
+               ? (ptrdiff_t)r.count
+               : 0;
 }
 
-/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of another kind. */
+/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of
+   another kind. */
 static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
     const dem__saved_field *f = &g->field[field];
     dem__record r;
@@ -76,26 +79,32 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     dem__material_fields(w->def.material, g);
     if (!dem__read_group(file, g, DEM_MATERIALS_MAX)) return 0;
     /* older files do not say which pairs were set */
-    for (int k = 0; k < DEM_MATERIALS_MAX * DEM_MATERIALS_MAX; k++) w->def.pair[k / DEM_MATERIALS_MAX][k % DEM_MATERIALS_MAX].given = 1;
+    for (int k = 0; k < DEM_MATERIALS_MAX * DEM_MATERIALS_MAX; k++)
+        w->def.pair[k / DEM_MATERIALS_MAX][k % DEM_MATERIALS_MAX].given = 1;
     dem__pair_fields(&w->def.pair[0][0], g);
     if (!dem__read_group(file, g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX)) return 0;
-    const int64_t counts[] = {w->step, e->run.start_step, w->particle_steps, w->contact_steps, w->looks, w->rebuilds, w->passed_total};
+    const int64_t counts[] = {w->step,  e->run.start_step, w->particle_steps, w->contact_steps,
+                              w->looks, w->rebuilds,       w->passed_total};
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
     }
-    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) || !dem__is_flag(e->bodies.has_fixed) ||
-        !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
+    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) ||
+        !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
         return 0;
-    if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 || e->links.states > DEM_STATE_MAX) return 0;
+    if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 ||
+        e->links.states > DEM_STATE_MAX)
+        return 0;
     if (!dem__not_negative(e->links.near) || !dem__not_negative(e->links.interval)) return 0;
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
-    if (!dem__is_thread_count(w->def.threads)) w->def.threads = 1; /* the caller of the saved world had set it to something else */
+    if (!dem__is_thread_count(w->def.threads))
+        w->def.threads = 1; /* the caller of the saved world had set it to something else */
     return dem__bad_field(&w->def) == NULL;
 }
 
 /* Reads the triangles of a mesh, and builds its tree anew. */
-static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocator *memory, int wall, dem_wall *a, dem__group *g) {
+static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocator *memory, int wall, dem_wall *a,
+                                        dem__group *g) {
     dem__group triangles;
     dem_status status = DEM_OK;
     dem__mesh_fields(NULL, NULL, wall, g, &triangles);
@@ -141,7 +150,8 @@ static inline dem_status dem__read_walls(const dem__file *file, dem_world *w, de
     for (w->walls = 0; w->walls < n; w->walls++) {
         dem_wall *a = &w->wall[w->walls];
         if (!dem__is_sound_wall(w, a)) return DEM_BAD_DATA;
-        const dem_status status = a->kind == DEM_MESH ? dem__read_mesh(file, &w->def.allocator, w->walls, a, g) : DEM_OK;
+        const dem_status status =
+            a->kind == DEM_MESH ? dem__read_mesh(file, &w->def.allocator, w->walls, a, g) : DEM_OK;
         if (status != DEM_OK) return status;
         if (a->kind == DEM_MESH) dem__count_mesh(w);
         walls->touch_keepers += a->kind == DEM_MESH || a->kind == DEM_CONE;
@@ -165,7 +175,8 @@ static inline int dem__read_chunks(const dem__file *file, dem_world *w, dem__gro
         const int is_last = q == n - 1;
         if (count < 0 || count > left || capacity < 0 || capacity > 64 * (all + DEM__BLOCK + present)) return 0;
         if (!is_last && count > capacity) return 0;
-        contacts->chunk[q].first = first, contacts->chunk[q].count = (ptrdiff_t)count, contacts->chunk[q].capacity = (ptrdiff_t)capacity;
+        contacts->chunk[q].first = first, contacts->chunk[q].count = (ptrdiff_t)count,
+        contacts->chunk[q].capacity = (ptrdiff_t)capacity;
         contacts->chunk[q].first_particle = is_last ? 0 : chunk[q].first_particle;
         first += (ptrdiff_t)capacity, left -= (ptrdiff_t)count;
     }
@@ -179,7 +190,8 @@ static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, d
     dem__convex_state *convex = &w->engine->convex;
     const ptrdiff_t n = dem__entries_of(file, "shape.corners");
     if (n == 0) return DEM_OK;
-    convex->shape = (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
+    convex->shape =
+        (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
     if (!convex->shape) return DEM_OUT_OF_MEMORY;
     memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
     convex->shapes = (int)n, convex->calls = &dem__polyhedra;
@@ -198,13 +210,16 @@ static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff
     dem__array list[DEM__ARRAYS_MAX];
     const ptrdiff_t live = e->contacts.count;
     e->contacts.count = 0; /* growing has nothing to keep yet */
-    if (!dem__grow_group(w, list, dem__particle_arrays(w, list), &e->bodies.block, &e->bodies.bytes, &e->bodies.capacity, present + 1))
+    if (!dem__grow_group(w, list, dem__particle_arrays(w, list), &e->bodies.block, &e->bodies.bytes,
+                         &e->bodies.capacity, present + 1))
         return 0;
     if (!dem__grow_contacts(w, dem__next_slot(w) + 1)) return 0;
-    if (links > 0 && !dem__grow_group(w, list, dem__link_arrays(w, list), &e->links.block, &e->links.bytes, &e->links.capacity, links))
+    if (links > 0 && !dem__grow_group(w, list, dem__link_arrays(w, list), &e->links.block, &e->links.bytes,
+                                      &e->links.capacity, links))
         return 0;
     if (passed > 0) {
-        w->passed = (dem_passed *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)passed * sizeof *w->passed);
+        w->passed =
+            (dem_passed *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)passed * sizeof *w->passed);
         if (!w->passed) return 0;
         memset(w->passed, 0, (size_t)passed * sizeof *w->passed);
         e->bodies.passed_capacity = passed;
@@ -214,7 +229,8 @@ static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff
     return 1;
 }
 
-/* Reads rigid bodies, for which there is room, and assigns their particles to them. Returns 0 if the file is not valid. */
+/* Reads rigid bodies, for which there is room, and assigns their particles to them. Returns 0 if the file is not valid.
+ */
 static inline int dem__read_bodies(const dem__file *file, dem_world *w, dem__group *g, ptrdiff_t n) {
     dem__bodies *bodies = &w->engine->bodies;
     if (n == 0) return 1;
@@ -225,12 +241,14 @@ static inline int dem__read_bodies(const dem__file *file, dem_world *w, dem__gro
         const dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
         const dem_quaternion t = r->turn;
         if (r->first < 0 || r->pieces < 1 || r->first > w->count - r->pieces) return 0;
-        if (!dem__positive(r->moments.x) || !dem__positive(r->moments.y) || !dem__positive(r->moments.z) || !dem__positive(r->mass))
+        if (!dem__positive(r->moments.x) || !dem__positive(r->moments.y) || !dem__positive(r->moments.z) ||
+            !dem__positive(r->mass))
             return 0;
         if (!(fabs(t.w * t.w + t.x * t.x + t.y * t.y + t.z * t.z - 1.0) < 1e-6)) return 0;
         for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
             if (dem__is_fixed(w, i) != dem__is_fixed(w, r->first)) return 0;
-            if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin || w->particle[i].mass != r->mass)
+            if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin ||
+                w->particle[i].mass != r->mass)
                 return 0;
             bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
         }
@@ -251,7 +269,8 @@ static inline dem_status dem__read_state(const dem__file *file, dem_world *w, de
         w->engine->bodies.number[i] = (int32_t)i;
         w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
     }
-    if (!dem__read_group(file, g, present) || !dem__read_bodies(file, w, g, bodies) || !dem__read_contacts(file, w, g)) return DEM_BAD_DATA;
+    if (!dem__read_group(file, g, present) || !dem__read_bodies(file, w, g, bodies) || !dem__read_contacts(file, w, g))
+        return DEM_BAD_DATA;
     if (links > 0) {
         dem__link_fields(w, g);
         if (!dem__read_group(file, g, links)) return DEM_BAD_DATA;

@@ -1,5 +1,6 @@
-/* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows bytes and memory,
-   no physics. Relies on nothing; save/fields.h names what is saved, save/save.h and save/load.h use both. */
+/* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows
+   bytes and memory, no physics. Relies on nothing; save/fields.h names what is saved, save/save.h and save/load.h use
+   both. */
 #pragma once
 #include "../base/compiler.h"
 
@@ -11,9 +12,9 @@ typedef struct dem__saved_field {
     size_t stride;
     int numbers, width; /* numbers of an entry; bytes of a number: 1, 4 or 8 */
 } dem__saved_field;
-#define DEM__DOUBLES(name, first, stride)                                                                                                  \
+#define DEM__DOUBLES(name, first, stride)                                                                              \
     { name, &(first), stride, (int)(sizeof(first) / (sizeof(double))), sizeof(double) }
-#define DEM__INTEGER(name, first, stride)                                                                                                  \
+#define DEM__INTEGER(name, first, stride)                                                                              \
     { name, &(first), stride, 1, (int)sizeof(first) }
 
 /* Bytes that are written, only counted, or read. */
@@ -68,7 +69,8 @@ typedef struct dem__record {
     uint64_t bytes, count;
 } dem__record;
 
-/* Reads the head of the record at `at` of a file whose records end at `end`. Returns 0 if the record does not fit there. */
+/* Reads the head of the record at `at` of a file whose records end at `end`. Returns 0 if the record does not fit
+   there. */
 static inline int dem__read_head(const unsigned char *file, size_t end, size_t at, dem__record *r) {
     dem__stream s;
     if (end - at < DEM__HEAD_BYTES) return 0;

@@ -1,11 +1,14 @@
-/* Saving: writes the groups of save/fields.h as records. Reads a const world and writes nothing of it, so that several threads may save one. */
+/* Saving: writes the groups of save/fields.h as records. Reads a const world and writes nothing of it, so that several
+   threads may save one. */
 #pragma once
 #include "../particles/particles.h"
 #include "../polyhedra/save.h"
 #include "fields.h"
 
-/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among those present. */
-static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at, int is_body) {
+/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among
+   those present. */
+static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at,
+                                    int is_body) {
     if (!is_body) {
         dem__stream_entry(s, f, at);
         return;
@@ -140,14 +143,16 @@ static inline void dem__hash_particle(uint64_t *hash, const dem_world *w, ptrdif
     dem__hash_f64(hash, &p->radius, 1), dem__hash_f64(hash, &p->mass, 1), dem__hash_f64(hash, bodies->load[i], 6);
     dem__hash_i64(hash, p->origin), dem__hash_u64(hash, w->id[i]);
     dem__hash_i64(hash, w->material[i]), dem__hash_i64(hash, w->group[i]);
-    if (dem__is_fixed(w, i)) dem__hash_f64(hash, bodies->fixed[i].load, 6), dem__hash_vec(hash, bodies->fixed[i].impulse);
+    if (dem__is_fixed(w, i))
+        dem__hash_f64(hash, bodies->fixed[i].load, 6), dem__hash_vec(hash, bodies->fixed[i].impulse);
     if (!w->engine->links.on) return;
     dem__hash_f64(hash, bodies->external[i], 6);
     dem__hash_i64(hash, w->engine->links.is_loaded[i]);
 }
 
 static inline void dem__hash_quaternion(uint64_t *hash, dem_quaternion q) {
-    dem__hash_f64(hash, &q.w, 1), dem__hash_f64(hash, &q.x, 1), dem__hash_f64(hash, &q.y, 1), dem__hash_f64(hash, &q.z, 1);
+    dem__hash_f64(hash, &q.w, 1), dem__hash_f64(hash, &q.x, 1), dem__hash_f64(hash, &q.y, 1),
+        dem__hash_f64(hash, &q.z, 1);
 }
 
 static inline void dem__hash_rigid(uint64_t *hash, const dem_world *w, const dem__rigid *r) {
@@ -184,7 +189,8 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
     dem__hash_i64(&hash, w->step);
     for (int k = 0; k < w->walls; k++) {
         const dem_wall *a = &w->wall[k];
-        if (a->asked.drive >= DEM_FORCE_CONTROLLED) dem__hash_f64(&hash, &a->coordinate, 1), dem__hash_f64(&hash, &a->rate, 1);
+        if (a->asked.drive >= DEM_FORCE_CONTROLLED)
+            dem__hash_f64(&hash, &a->coordinate, 1), dem__hash_f64(&hash, &a->rate, 1);
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__hash_particle(&hash, w, i);

@@ -4,42 +4,54 @@
 #include "../base/parallel.h"
 #include "timers.h"
 
-/* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present forces. */
+/* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present
+   forces. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) return w->engine->bodies.calls->link_drift(w, r, i);
-    return (double)w->engine->links.every * w->engine->run.dt / w->particle[i].mass * dem__length(dem__first(w->engine->bodies.load[i]));
+    return (double)w->engine->links.every * w->engine->run.dt / w->particle[i].mass *
+           dem__length(dem__first(w->engine->bodies.load[i]));
 }
 
-/* Returns a limit of the change of velocity by an acceleration in one step [m/s]; the sum of components needs no root. */
-DEM_INLINE double dem__most_change(double dt, dem_vec pull) { return dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z)); }
+/* Returns a limit of the change of velocity by an acceleration in one step [m/s]; the sum of components needs no root.
+ */
+DEM_INLINE double dem__most_change(double dt, dem_vec pull) {
+    return dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z));
+}
 
-/* Sets how much of a particle's tolerance is left after the next step [m/s]. strayed: the deviation of its velocity now [m/s]. */
+/* Sets how much of a particle's tolerance is left after the next step [m/s]. strayed: the deviation of its velocity now
+   [m/s]. */
 DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double strayed) {
     w->particle[i].tolerance_left__ =
-        w->engine->bodies.bound[i].tolerance - strayed - dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
+        w->engine->bodies.bound[i].tolerance - strayed -
+        dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
 
-/* Sets a new bound for particle i, which is at x and has velocity v at a step. In an impact that has just begun, the velocity changes about
-   as much after its middle as before: the bound has the velocity of the middle, and its tolerance includes both ends, so that one bound
-   lasts for the whole impact. Otherwise the tolerance allows 16 steps of the present force and a little more. In flight it is very small:
-   only a contact changes the velocity, and small tolerances give late timers. */
+/* Sets a new bound for particle i, which is at x and has velocity v at a step. In an impact that has just begun, the
+   velocity changes about as much after its middle as before: the bound has the velocity of the middle, and its
+   tolerance includes both ends, so that one bound lasts for the whole impact. Otherwise the tolerance allows 16 steps
+   of the present force and a little more. In flight it is very small: only a contact changes the velocity, and small
+   tolerances give late timers. */
 DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec x, dem_vec v) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__pairs *pairs = &w->engine->pairs;
     const dem__links *links = &w->engine->links;
     const double t = dem__since_listed(w, step);
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
-    const dem__rigid *body = w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight it turns about the centre of mass */
+    const dem__rigid *body =
+        w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight it turns about the centre of mass */
     const double swing = body ? bodies->calls->swing(body, dem__length(bodies->offset[i])) : 0.0;
-    const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a) : dem__add(v, impact);
+    const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a)
+                           : dem__add(v, impact);
     const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),
                  held = 16.0 * w->engine->run.dt * dem__length(dem__sub(w->particle[i].a, g));
     dem__bound *c = &bodies->bound[i];
     c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
-    c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y), c->z = x.z - t * (u.z - 0.5 * t * g.z);
+    c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y),
+    c->z = x.z - t * (u.z - 0.5 * t * g.z);
     bodies->shifted[i] = 0.0;
-    if (turn > 0.0 && !body) c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
+    if (turn > 0.0 && !body)
+        c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
     c->tolerance += swing;
     if (links->on && (links->first_link[i] >= 0 || dem__rigid_of(w, i))) c->tolerance += 2.0 * dem__link_drift(w, i);
@@ -57,7 +69,8 @@ static inline double dem__position_rounding(const dem_world *w) {
     return 8.0 * DBL_EPSILON * farthest;
 }
 
-/* Result of new bounds, one a thread: the step in which the list must be checked, and a particle that is too fast (-1: none). */
+/* Result of new bounds, one a thread: the step in which the list must be checked, and a particle that is too fast (-1:
+   none). */
 typedef struct dem__outcome {
     int64_t check;
     ptrdiff_t fast;
@@ -73,8 +86,8 @@ static inline void dem__apply_outcome(dem_world *w, const dem__outcome *news) {
     w->failed_id = w->id[news->fast];
 }
 
-/* The frame in which the list measures how far particles have moved: its displacement since the list was built [m] and its velocity
-   [m/s]. */
+/* The frame in which the list measures how far particles have moved: its displacement since the list was built [m] and
+   its velocity [m/s]. */
 typedef struct dem__list_frame {
     dem_vec way, velocity;
 } dem__list_frame;
@@ -87,19 +100,21 @@ DEM_INLINE dem__list_frame dem__frame_at(const dem_world *w, int64_t step) {
     return f;
 }
 
-/* How far a particle may move in that frame before it could touch one that is not listed, and how fast it can move there. */
+/* How far a particle may move in that frame before it could touch one that is not listed, and how fast it can move
+   there. */
 typedef struct dem__leeway {
     double left, speed; /* [m], [m/s] */
 } dem__leeway;
 DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, const dem__list_frame *f, dem_vec x, dem_vec v) {
     dem__leeway q;
-    q.left =
-        0.49 * w->engine->pairs.margin - dem__length(dem__nearest_image(w, dem__sub(x, dem__add(w->engine->pairs.listed_at[i], f->way))));
+    q.left = 0.49 * w->engine->pairs.margin -
+             dem__length(dem__nearest_image(w, dem__sub(x, dem__add(w->engine->pairs.listed_at[i], f->way))));
     q.speed = dem__length(dem__sub(v, f->velocity)) + 2.0 * w->engine->bodies.bound[i].tolerance;
     return q;
 }
 
-/* Returns the number of whole steps for which the leeway lasts; the list is checked before the first step that it does not cover. */
+/* Returns the number of whole steps for which the leeway lasts; the list is checked before the first step that it does
+   not cover. */
 DEM_INLINE int dem__steps_left(const dem_world *w, const dem__leeway *q) {
     return dem__steps_until(w, dem__time_to_cover(q->left, q->speed, w->engine->pairs.frame_fall)) - 1;
 }
@@ -109,11 +124,11 @@ DEM_INLINE int dem__lasts(const dem_world *w, const dem__leeway *q, double time)
     return q->left > time * (q->speed + 0.5 * w->engine->pairs.frame_fall * time);
 }
 
-/* Applies the consequences of particle i's new bound: the next check of the list, the speed limit, its wall timers. shifted: how far
-   corrections moved it from the last bound [m]. Returns 1 if a wall must be tested sooner than its timer says; the caller then calls
-   dem__advance_wall_timers. */
-DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const dem__list_frame *f, dem_vec x, dem_vec v, double shifted,
-                                dem__outcome *news) {
+/* Applies the consequences of particle i's new bound: the next check of the list, the speed limit, its wall timers.
+   shifted: how far corrections moved it from the last bound [m]. Returns 1 if a wall must be tested sooner than its
+   timer says; the caller then calls dem__advance_wall_timers. */
+DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const dem__list_frame *f, dem_vec x, dem_vec v,
+                                double shifted, dem__outcome *news) {
     const dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
     dem__wall_state *walls = &w->engine->walls;
@@ -123,7 +138,8 @@ DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const d
     if (!(speed * run->dt <= 0.5 * w->particle[i].radius) && news->fast < 0) news->fast = i;
     speed += 2.0 * bodies->bound[i].tolerance;
     if (!dem__lasts(w, &leeway, (double)(news->check - step) * run->dt)) {
-        const int64_t due = leeway.left > 0.0 ? step + dem__steps_left(w, &leeway) : step; /* 0: a host moved it: at once */
+        const int64_t due =
+            leeway.left > 0.0 ? step + dem__steps_left(w, &leeway) : step; /* 0: a host moved it: at once */
         if (due < news->check) news->check = due;
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return 0;
@@ -132,7 +148,8 @@ DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const d
         slower = bodies->wall_speed[i] / (1.25 * speed);
         bodies->wall_speed[i] = 1.25 * speed;
     }
-    const double lost = shifted > 0.0 ? 1.0 + shifted / (bodies->wall_speed[i] * run->dt) : 0.0; /* the shift, in steps at that speed */
+    const double lost =
+        shifted > 0.0 ? 1.0 + shifted / (bodies->wall_speed[i] * run->dt) : 0.0; /* the shift, in steps at that speed */
     for (int k = 0; k < w->walls; k++) {
         const int32_t e = (int32_t)i * w->walls + k;
         if (walls->timers.due[e] == DEM__STOPPED) continue;
@@ -149,14 +166,16 @@ static inline void dem__advance_wall_timers(dem_world *w, ptrdiff_t i, int64_t s
     for (int k = 0; k < w->walls; k++) {
         const int32_t e = (int32_t)i * w->walls + k;
         const int sure = dem__steps_sure(w, e, step), due = walls->timers.due[e];
-        if (due != DEM__STOPPED && sure < dem__steps_due(&walls->timers, e, step)) dem__set_timer(&walls->timers, e, step + sure);
+        if (due != DEM__STOPPED && sure < dem__steps_due(&walls->timers, e, step))
+            dem__set_timer(&walls->timers, e, step + sure);
     }
 }
 
-/* Sets a new bound for particle i and applies its consequences, except for its pairs: see dem__reset_pair_timers. Not for several threads
-   at once. */
+/* Sets a new bound for particle i and applies its consequences, except for its pairs: see dem__reset_pair_timers. Not
+   for several threads at once. */
 static inline void dem__renew_bound(dem_world *w, ptrdiff_t i, int64_t step) {
-    const double shifted = w->engine->bodies.shifted[i], tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
+    const double shifted = w->engine->bodies.shifted[i],
+                 tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
     const dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     const dem__list_frame frame = dem__frame_at(w, step);
     dem__outcome news = dem__no_outcome(w);
@@ -173,8 +192,8 @@ static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
     }
 }
 
-/* Moves walls to a step. Timers rely on a limit of each wall's speed: a driven wall that exceeds its limit gets a larger one, and is tested
-   with all particles in this step. Returns 0 if a wall's position is not finite. */
+/* Moves walls to a step. Timers rely on a limit of each wall's speed: a driven wall that exceeds its limit gets a
+   larger one, and is tested with all particles in this step. Returns 0 if a wall's position is not finite. */
 static inline int dem__move_walls(dem_world *w, int64_t step) {
     const dem__run *run = &w->engine->run;
     const double time = run->start_time + (double)(step - run->start_step) * run->dt;
@@ -234,7 +253,8 @@ DEM_INLINE int dem__has_pairs(const dem_world *w, ptrdiff_t i, ptrdiff_t low, pt
 }
 
 /* Sets new timers for those pairs of n particles with new bounds that are in pages first .. end-1. */
-DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step) {
+DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end,
+                                     int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t low = first * DEM__PAGE, high = end * DEM__PAGE;
     const double t = dem__since_listed(w, step);
@@ -248,7 +268,8 @@ DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff
             DEM__PREFETCH(list);
             DEM__PREFETCH(list + 16);
         }
-        if (m >= -2 && m + 2 < n && dem__has_pairs(w, reset[m + 2], low, high)) dem__prefetch_neighbours(w, reset[m + 2]);
+        if (m >= -2 && m + 2 < n && dem__has_pairs(w, reset[m + 2], low, high))
+            dem__prefetch_neighbours(w, reset[m + 2]);
         if (m < 0 || !dem__has_pairs(w, reset[m], low, high)) continue;
         const int32_t i = reset[m], begin = pairs->adjacent_start[i], stop = pairs->adjacent_start[i + 1];
         const dem__bound own = dem__bound_at(&w->engine->bodies.bound[i], t);
@@ -261,7 +282,8 @@ DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff
     }
     dem__flush_batch(w, &waits, step);
 }
-DEM__AVX2_CLONE(dem__reset_timers_part, (dem_world * w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step),
+DEM__AVX2_CLONE(dem__reset_timers_part,
+                (dem_world * w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step),
                 (w, reset, n, first, end, step), dem__reset_timers_of(w, reset, n, first, end, step))
 
 /* Particles with new bounds. */
@@ -281,5 +303,6 @@ static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, pt
     dem__reset_list list;
     list.particle = reset, list.n = n, list.step = step;
     if (n == 0 || w->engine->pairs.count == 0) return; /* without pairs there is no list of neighbours */
-    if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, 4 * n), w->engine->pairs.timers.pages, dem__reset_timers_range, &list);
+    if (w->def.skip & DEM_SKIP_PAIRS)
+        dem__in_parts(w, dem__parts(w, 4 * n), w->engine->pairs.timers.pages, dem__reset_timers_range, &list);
 }

@@ -16,13 +16,14 @@ enum { DEM__LEVELS_MAX = 16 }; /* beyond 1 : 2.5^15 the last takes all */
 /* Returns the number of a sphere's size class. */
 DEM_INLINE int dem__level(double radius, double smallest) {
     int level = 0;
-    for (double bound = DEM__CLASS * smallest; radius >= bound && level < DEM__LEVELS_MAX - 1; level++) bound *= DEM__CLASS;
+    for (double bound = DEM__CLASS * smallest; radius >= bound && level < DEM__LEVELS_MAX - 1; level++)
+        bound *= DEM__CLASS;
     return level;
 }
 
-/* Finds the range along an axis in which most points lie: four standard deviations each way from the mean, again among the points in that
-   range as long as this halves its length. The few outside go into the cells at the border; otherwise one particle far away would make all
-   cells large. */
+/* Finds the range along an axis in which most points lie: four standard deviations each way from the mean, again among
+   the points in that range as long as this halves its length. The few outside go into the cells at the border;
+   otherwise one particle far away would make all cells large. */
 static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double *low, double *high) {
     double from = HUGE_VAL, to = -HUGE_VAL, span;
     for (ptrdiff_t i = 0; i < n; i++) {
@@ -38,7 +39,8 @@ static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double
             if (!(v >= from && v <= to)) continue;
             sum += d, square += d * d, inside += 1.0;
         }
-        const double mean = sum / inside, variance = square / inside - mean * mean, reach = variance > 0.0 ? 4.0 * sqrt(variance) : 0.0;
+        const double mean = sum / inside, variance = square / inside - mean * mean,
+                     reach = variance > 0.0 ? 4.0 * sqrt(variance) : 0.0;
         to = mean + reach < span ? from + (mean + reach) : to;
         from = mean - reach > 0.0 ? from + (mean - reach) : from;
     } while (to > from && to - from < 0.5 * span);
@@ -66,10 +68,11 @@ static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size,
     }
 }
 
-/* Finds the cells of an axis that [v - reach, v + reach] meets, each at most once. Returns their number; first: the first one, from which
-   the caller counts on and wraps. */
+/* Finds the cells of an axis that [v - reach, v + reach] meets, each at most once. Returns their number; first: the
+   first one, from which the caller counts on and wraps. */
 DEM_INLINE int32_t dem__cells(const dem__grid *g, int a, double v, double reach, int32_t *first) {
-    const double from = (v - reach - g->low[a]) * g->inverse[a], to = (v + reach - g->low[a]) * g->inverse[a], last = (double)(g->n[a] - 1);
+    const double from = (v - reach - g->low[a]) * g->inverse[a], to = (v + reach - g->low[a]) * g->inverse[a],
+                 last = (double)(g->n[a] - 1);
     if (g->wraps[a]) {
         const double low = floor(from), high = floor(to);
         *first = 0;

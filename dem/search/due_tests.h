@@ -1,5 +1,5 @@
-/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers. Promises: every contact
-   that begins is found; a step that cannot be finished leaves no trace. */
+/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers.
+   Promises: every contact that begins is found; a step that cannot be finished leaves no trace. */
 #pragma once
 #include "../contacts/contacts.h"
 
@@ -19,7 +19,8 @@ static inline int dem__fail(dem_world *w, dem_status status) {
 }
 
 /* Tests the due pairs in pages first .. end-1. */
-DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step, int rigid) {
+DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step,
+                                   int rigid) {
     dem__pairs *pairs = &w->engine->pairs;
     int32_t *due = pairs->timers.list + first * DEM__PAGE;
     ptrdiff_t n;
@@ -46,7 +47,8 @@ static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t 
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
-    dem__in_parts(w, parts, pairs->timers.pages, w->engine->bodies.rigid ? w->engine->bodies.calls->test_due : dem__test_due_range, &step);
+    dem__in_parts(w, parts, pairs->timers.pages,
+                  w->engine->bodies.rigid ? w->engine->bodies.calls->test_due : dem__test_due_range, &step);
     pairs->due_count = 0;
     for (int q = 0; q < parts; q++) {
         dem__timer_batch *batch = &dem__work_of(w, q)->batch;
@@ -84,8 +86,8 @@ static inline void dem__detect(dem_world *w, int64_t step) {
     for (ptrdiff_t k = 0; k < n; k++) dem__test_wall(w, walls->timers.list[k], step);
 }
 
-/* Fails if a contact begins between two different materials whose pair was never set. Until it is set, later runs fail at the same
-   place. */
+/* Fails if a contact begins between two different materials whose pair was never set. Until it is set, later runs fail
+   at the same place. */
 static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t end = dem__next_slot(w);

@@ -1,4 +1,5 @@
-/* The frame and the margin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these fields of pairs. */
+/* The frame and the margin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these
+   fields of pairs. */
 #pragma once
 #include "bounds.h"
 
@@ -12,8 +13,8 @@ static inline double dem__narrowest(const dem_world *w) {
     return narrowest;
 }
 
-/* Chooses the frame in which the list measures how far particles have moved, so that it lasts long: it moves at their mean velocity, and
-   falls with them if most fly. */
+/* Chooses the frame in which the list measures how far particles have moved, so that it lasts long: it moves at their
+   mean velocity, and falls with them if most fly. */
 static inline void dem__choose_frame(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int flies = 2 * w->engine->bodies.active_count < w->count;
@@ -28,7 +29,8 @@ static inline void dem__choose_frame(dem_world *w) {
     pairs->frame_fall = flies ? 0.0 : pairs->gravity_size;
 }
 
-/* Stores where every particle is, and finds the smallest and the largest radius [m]. Returns 0 if a position is not finite. */
+/* Stores where every particle is, and finds the smallest and the largest radius [m]. Returns 0 if a position is not
+   finite. */
 static inline int dem__list_positions(dem_world *w, double *smallest, double *largest) {
     *smallest = HUGE_VAL, *largest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -49,7 +51,8 @@ static inline int dem__list_positions(dem_world *w, double *smallest, double *la
 /* Returns how far two particles can approach each other in the next step [m], in the frame of the list. */
 static inline double dem__most_approach(const dem_world *w) {
     const double dt = w->engine->run.dt;
-    const dem_vec way = dem__scale(dt, dem__plus(w->engine->pairs.frame_velocity, 0.5 * dt, w->engine->pairs.frame_acceleration));
+    const dem_vec way =
+        dem__scale(dt, dem__plus(w->engine->pairs.frame_velocity, 0.5 * dt, w->engine->pairs.frame_acceleration));
     double farthest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
@@ -69,11 +72,13 @@ static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, 
     if (keeps) pairs->margin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
     pairs->margin_factor = dem__clamp(pairs->margin_factor, 1.0, 3.0);
     const double usual = 2.0 * smallest * w->def.skin * pairs->margin_factor, least = 1.05 * dem__most_approach(w),
-                 wanted = usual > least ? usual : least, room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
+                 wanted = usual > least ? usual : least,
+                 room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
     pairs->margin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
     pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * w->engine->run.dt);
     pairs->wall_reach = 4.0 * pairs->margin;
     const double rounding = dem__position_rounding(w), most = 0.25 * pairs->margin;
-    /* as much as slow contacts shift; faster ones are rare, and a larger tolerance would cost more tests of particles that are near */
+    /* as much as slow contacts shift; faster ones are rare, and a larger tolerance would cost more tests of particles
+       that are near */
     pairs->position_tolerance = 2e-6 * smallest + (rounding < most ? rounding : most);
 }

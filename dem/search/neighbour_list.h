@@ -1,5 +1,5 @@
-/* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two spheres that are not
-   listed cannot touch before the next check. */
+/* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two
+   spheres that are not listed cannot touch before the next check. */
 #pragma once
 #include "tests.h"
 #include "../particles/active.h"
@@ -23,7 +23,9 @@ static inline int dem__add_near(const dem_world *w, dem__found_pairs *finds, int
 }
 
 /* Spheres that may be near to those of a cell. */
-enum { DEM__CANDIDATES_MAX = 256 }; /* twice as many as a cell and its neighbours contain in a dense bed of equal spheres */
+enum {
+    DEM__CANDIDATES_MAX = 256
+}; /* twice as many as a cell and its neighbours contain in a dense bed of equal spheres */
 typedef struct dem__candidates {
     double x[DEM__CANDIDATES_MAX], y[DEM__CANDIDATES_MAX], z[DEM__CANDIDATES_MAX], extent[DEM__CANDIDATES_MAX];
     int32_t at[DEM__CANDIDATES_MAX]; /* in the sorted list */
@@ -37,7 +39,8 @@ DEM_INLINE double dem__image(double d, double length) {
 }
 
 /* Lists the candidates near a sphere by their numbers. Without a branch, which would be mispredicted. */
-DEM_INLINE void dem__choose_near(const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count) {
+DEM_INLINE void dem__choose_near(const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near,
+                                 int *count) {
     double room[DEM__CANDIDATES_MAX];
     int m = 0;
     for (int k = 0; k < c->n; k++) {
@@ -52,13 +55,14 @@ DEM_INLINE void dem__choose_near(const dem__candidates *c, const dem__bound *s, 
     }
     *count = m;
 }
-DEM__AVX2_CLONE(dem__choose, (const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count),
+DEM__AVX2_CLONE(dem__choose,
+                (const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count),
                 (c, s, length, near, count), dem__choose_near(c, s, length, near, count))
 
-/* Adds the near pairs of spheres first .. end-1 of the sorted list with candidates that come after each in the list. Returns 0 if there is
-   no room. */
-static inline int dem__pairs_with_candidates(const dem_world *w, const dem__candidates *crowd, int32_t first, int32_t end,
-                                             dem__found_pairs *finds) {
+/* Adds the near pairs of spheres first .. end-1 of the sorted list with candidates that come after each in the list.
+   Returns 0 if there is no room. */
+static inline int dem__pairs_with_candidates(const dem_world *w, const dem__candidates *crowd, int32_t first,
+                                             int32_t end, dem__found_pairs *finds) {
     const double length[3] = {dem__period(w, 0), dem__period(w, 1), dem__period(w, 2)};
     int32_t near[DEM__CANDIDATES_MAX];
     for (int32_t p = first; p < end; p++) {
@@ -72,9 +76,10 @@ static inline int dem__pairs_with_candidates(const dem_world *w, const dem__cand
     return 1;
 }
 
-/* Adds the near pairs of spheres first .. end-1 of the sorted list, all of one cell, with those after each on one level. Returns 0 if there
-   is no room. */
-static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int32_t first, int32_t end, dem__found_pairs *finds) {
+/* Adds the near pairs of spheres first .. end-1 of the sorted list, all of one cell, with those after each on one
+   level. Returns 0 if there is no room. */
+static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int32_t first, int32_t end,
+                                     dem__found_pairs *finds) {
     const int32_t *start = w->engine->pairs.cells;
     const dem__bound *scratch = w->engine->bodies.bound;
     dem_vec low = dem_vec3(scratch[first].x, scratch[first].y, scratch[first].z), high = low;
@@ -92,7 +97,8 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
         const double l = dem_axis(low, a), h = dem_axis(high, a);
         cells[a] = dem__cells(g, a, 0.5 * (l + h), 0.5 * (h - l) + reach, &from[a]);
     }
-    const int32_t before = cells[0] < g->n[0] - from[0] ? cells[0] : g->n[0] - from[0]; /* cells of a row before it wraps */
+    const int32_t before =
+        cells[0] < g->n[0] - from[0] ? cells[0] : g->n[0] - from[0]; /* cells of a row before it wraps */
     crowd.n = 0;
     for (int32_t row = 0; row < cells[1] * cells[2]; row++) {
         const int32_t cy = from[1] + row % cells[1], cz = from[2] + row / cells[1];
@@ -115,8 +121,8 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
     return dem__pairs_with_candidates(w, &crowd, first, end, finds);
 }
 
-/* Sorts the spheres by size class, then by cell of the class's grid. Returns the number of classes; 0 when out of memory. Uses the bounds
-   as scratch memory, because a rebuild sets all of them. */
+/* Sorts the spheres by size class, then by cell of the class's grid. Returns the number of classes; 0 when out of
+   memory. Uses the bounds as scratch memory, because a rebuild sets all of them. */
 static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__pairs *pairs = &w->engine->pairs;
@@ -125,7 +131,8 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     int32_t *sorted = w->engine->scratch.index;
     ptrdiff_t cells = 0;
     int levels = 0;
-    for (ptrdiff_t i = 0; i < w->count; i++) smallest = w->particle[i].radius < smallest ? w->particle[i].radius : smallest;
+    for (ptrdiff_t i = 0; i < w->count; i++)
+        smallest = w->particle[i].radius < smallest ? w->particle[i].radius : smallest;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const double r = w->particle[i].radius;
         const int level = dem__level(r, smallest);
@@ -134,7 +141,8 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
         grid[level].count++;
         sorted[i] = level;
     }
-    for (int a = 0; a < 3; a++) dem__bulk(w->engine->pairs.listed_at, a, w->count, dem_axis_of(&low, a), dem_axis_of(&high, a));
+    for (int a = 0; a < 3; a++)
+        dem__bulk(w->engine->pairs.listed_at, a, w->count, dem_axis_of(&low, a), dem_axis_of(&high, a));
     for (int level = 0; level < DEM__LEVELS_MAX; level++) {
         dem__grid *g = &grid[level];
         if (g->count == 0) continue;
@@ -167,16 +175,18 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     return levels;
 }
 
-/* Finds the near pairs of the spheres whose cells begin in first .. end-1 of the sorted list. Spheres of a cell are compared with the cells
-   around it, on their own level and on coarser ones, and there with those after them in the list. Returns 0 if there is no room. */
-static inline int dem__find_pairs_part(const dem_world *w, const dem__grid *grid, int levels, ptrdiff_t first, ptrdiff_t end,
-                                       dem__found_pairs *finds) {
+/* Finds the near pairs of the spheres whose cells begin in first .. end-1 of the sorted list. Spheres of a cell are
+   compared with the cells around it, on their own level and on coarser ones, and there with those after them in the
+   list. Returns 0 if there is no room. */
+static inline int dem__find_pairs_part(const dem_world *w, const dem__grid *grid, int levels, ptrdiff_t first,
+                                       ptrdiff_t end, dem__found_pairs *finds) {
     const int32_t *start = w->engine->pairs.cells;
     ptrdiff_t of_level = 0, p = first;
     finds->n = 0;
     for (int level = 0; level < levels; level++) {
         for (of_level += grid[level].count; p < of_level && p < end;) {
-            const int32_t cell = w->engine->pairs.cell_of[w->engine->scratch.index[p]], from = start[cell], to = start[cell + 1];
+            const int32_t cell = w->engine->pairs.cell_of[w->engine->scratch.index[p]], from = start[cell],
+                          to = start[cell + 1];
             for (int other = level; other < levels && from == p; other++) {
                 if (grid[other].count > 0 && !dem__find_pairs_of(w, &grid[other], from, to, finds)) return 0;
             }
@@ -214,8 +224,8 @@ static inline void dem__drop_idle_pairs(dem_world *w) {
     pairs->count = kept;
 }
 
-/* Finds the near pairs, those with a gap below the margin. Each thread searches a part of the sorted spheres; if one has no room, all
-   search again with more. Returns 0 when out of memory. */
+/* Finds the near pairs, those with a gap below the margin. Each thread searches a part of the sorted spheres; if one
+   has no room, all search again with more. Returns 0 when out of memory. */
 static inline int dem__find_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__search s;
@@ -331,10 +341,12 @@ static inline void dem__set_new_timers_range(dem_world *w, ptrdiff_t first, ptrd
 }
 static inline void dem__set_all_timers(dem_world *w) {
     const dem__pairs *pairs = &w->engine->pairs;
-    if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, pairs->count), pairs->timers.pages, dem__set_new_timers_range, NULL);
+    if (w->def.skip & DEM_SKIP_PAIRS)
+        dem__in_parts(w, dem__parts(w, pairs->count), pairs->timers.pages, dem__set_new_timers_range, NULL);
 }
 
-/* Makes timers for a new list: near pairs as if apart; those of walls stay (keeps), or are all stopped. Returns 0 when out of memory. */
+/* Makes timers for a new list: near pairs as if apart; those of walls stay (keeps), or are all stopped. Returns 0 when
+   out of memory. */
 static inline int dem__make_timers(dem_world *w, int keeps) {
     dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t walls = w->count * w->walls;
@@ -362,7 +374,8 @@ static inline void dem__set_wall_timers(dem_world *w, int keeps) {
     }
     for (ptrdiff_t i = 0; i < w->count && !keeps && (w->def.skip & DEM_SKIP_SPACE); i++) {
         for (int k = 0; k < w->walls; k++) {
-            if (dem__needs_test(w, i, k)) dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k, w->step + 1);
+            if (dem__needs_test(w, i, k))
+                dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k, w->step + 1);
         }
     }
 }
@@ -374,7 +387,8 @@ static inline int dem__fail_to_list(dem_world *w, dem_status status) {
     return 0;
 }
 
-/* Builds near pairs, timers and bounds anew. Timers of walls stay unless something was changed from outside. Returns 0 after a failure. */
+/* Builds near pairs, timers and bounds anew. Timers of walls stay unless something was changed from outside. Returns 0
+   after a failure. */
 static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -390,13 +404,15 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__choose_frame(w);
     dem__choose_margin(w, keeps, smallest, largest);
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
-    if (!(w->engine->links.near <= 0.01 * pairs->margin) && w->engine->links.count > 0) return dem__fail_to_list(w, DEM_BAD_DEFINITION);
+    if (!(w->engine->links.near <= 0.01 * pairs->margin) && w->engine->links.count > 0)
+        return dem__fail_to_list(w, DEM_BAD_DEFINITION);
     if (pairs->count > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) return dem__fail_to_list(w, DEM_TOO_MANY);
     if (!dem__make_timers(w, keeps)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
-    if (w->engine->convex.calls && !w->engine->convex.calls->list_pairs(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
+    if (w->engine->convex.calls && !w->engine->convex.calls->list_pairs(w))
+        return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     dem__find_links(w);
     pairs->next_check = w->step + DEM__STEPS_MAX;
     pairs->listed_step = w->step;
@@ -412,8 +428,9 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     return 1;
 }
 
-/* Checks whether anything has moved so far that an unlisted pair could touch soon. If so, rebuilds the list; otherwise sets the step of the
-   next check. A list takes as long as forty checks: the older it is, the more steps a check must gain. Returns 0 after a failure. */
+/* Checks whether anything has moved so far that an unlisted pair could touch soon. If so, rebuilds the list; otherwise
+   sets the step of the next check. A list takes as long as forty checks: the older it is, the more steps a check must
+   gain. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
     const int64_t least = 1 + (w->step - w->engine->pairs.listed_step) / 40;

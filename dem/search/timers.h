@@ -3,15 +3,17 @@
 #pragma once
 #include "../particles/particles.h"
 
-/* A timer holds the step of the next test of a near pair, or of a particle and a wall. A test finds a contact, or the next step in which
-   one is possible. */
+/* A timer holds the step of the next test of a near pair, or of a particle and a wall. A test finds a contact, or the
+   next step in which one is possible. */
 
 DEM_INLINE void dem__set_due(dem__timers *t, int32_t e, int32_t due) {
     int32_t *earliest = &t->earliest[(uint32_t)e / DEM__LINE];
     t->due[e] = due;
     *earliest = due < *earliest ? due : *earliest;
 }
-DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) { dem__set_due(t, e, (int32_t)(step - t->from)); }
+DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) {
+    dem__set_due(t, e, (int32_t)(step - t->from));
+}
 DEM_INLINE void dem__stop_timer(dem__timers *t, int32_t e) { t->due[e] = DEM__STOPPED; }
 
 DEM_INLINE int32_t dem__earliest(const int32_t *due) {
@@ -22,7 +24,8 @@ DEM_INLINE int32_t dem__earliest(const int32_t *due) {
 }
 
 /* Appends the timers of line b that are due to a list of length n and sets them to `then`. Returns the new length. */
-DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t now, int32_t then, int32_t *list, ptrdiff_t n) {
+DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t now, int32_t then, int32_t *list,
+                                           ptrdiff_t n) {
     int32_t *due = t->due + b * DEM__LINE;
     t->earliest[b] = dem__earliest(due);
     if (t->earliest[b] > now) return n; /* the earliest timer has been set to a later step since */
@@ -36,8 +39,8 @@ DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t 
     return n;
 }
 
-/* Lists the timers in pages first .. end-1 that are due at a step, from list[first * DEM__PAGE] on, and sets them to `then`. Returns their
-   number. */
+/* Lists the timers in pages first .. end-1 that are due at a step, from list[first * DEM__PAGE] on, and sets them to
+   `then`. Returns their number. */
 DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then) {
     const int32_t now = (int32_t)(step - t->from);
     int32_t *list = t->list + first * DEM__PAGE;
@@ -61,12 +64,16 @@ DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t en
     }
     return n;
 }
-DEM__AVX2_CLONE(dem__list_due, (dem__timers * t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then, ptrdiff_t *n),
+DEM__AVX2_CLONE(dem__list_due,
+                (dem__timers * t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then, ptrdiff_t *n),
                 (t, first, end, step, then, n), *n = dem__find_due(t, first, end, step, then))
 
 /* Returns the number of steps from `step` until the timer is due. */
-DEM_INLINE int dem__steps_due(const dem__timers *t, int32_t e, int64_t step) { return (int)(t->due[e] - (step - t->from)); }
-/* Returns the number of steps from `step` in which no contact with the wall can begin; it may be more than dem__steps_due. */
+DEM_INLINE int dem__steps_due(const dem__timers *t, int32_t e, int64_t step) {
+    return (int)(t->due[e] - (step - t->from));
+}
+/* Returns the number of steps from `step` in which no contact with the wall can begin; it may be more than
+   dem__steps_due. */
 DEM_INLINE int dem__steps_sure(const dem_world *w, int32_t e, int64_t step) {
     return (int)(int32_t)(w->engine->walls.sure[e] - (uint32_t)(uint64_t)step);
 }
@@ -78,22 +85,25 @@ DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
     return n > 0.0 ? 1 + (int)n : 1; /* NaN: 1 */
 }
 
-/* Returns the time [s] to cover a distance [m] at a speed that starts with s [m/s] and grows by g [m/s2]; 0 without a distance. */
+/* Returns the time [s] to cover a distance [m] at a speed that starts with s [m/s] and grows by g [m/s2]; 0 without a
+   distance. */
 DEM_INLINE double dem__time_to_cover(double distance, double s, double g) {
     return distance > 0.0 ? 2.0 * distance / (s + sqrt(s * s + 2.0 * g * distance)) : 0.0;
 }
 
-/* Returns the least time [s] to close a distance [m] at an approach speed u [m/s] (< 0: receding) and an acceleration of at most a [m/s2];
-   infinity if it never closes. */
+/* Returns the least time [s] to close a distance [m] at an approach speed u [m/s] (< 0: receding) and an acceleration
+   of at most a [m/s2]; infinity if it never closes. */
 DEM_INLINE double dem__time_to_close(double distance, double u, double a) {
     const double root = u + sqrt(u * u + 2.0 * a * distance);
     return distance > 0.0 ? (root > 0.0 ? 2.0 * distance / root : HUGE_VAL) : 0.0;
 }
 
-/* Returns the vector from the centre of j to that of i at a step [m], of the nearest image; neither belongs to a rigid body. */
+/* Returns the vector from the centre of j to that of i at a step [m], of the nearest image; neither belongs to a rigid
+   body. */
 DEM_INLINE dem_vec dem__sphere_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
-    return dem__nearest_image(w, dem__sub(dem__sphere_at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
-                                          dem__sphere_at(w, j, (double)(step - w->particle[j].origin) * w->engine->run.dt)));
+    return dem__nearest_image(
+        w, dem__sub(dem__sphere_at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
+                    dem__sphere_at(w, j, (double)(step - w->particle[j].origin) * w->engine->run.dt)));
 }
 /* Returns the same vector for any two particles. */
 DEM_INLINE dem_vec dem__pair_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
@@ -115,8 +125,8 @@ typedef struct dem__timer_batch {
 
 DEM_INLINE void dem__clear_batch(dem__timer_batch *q) { q->n = 0, q->found = NULL, q->touch = 0, q->looks = 0; }
 
-/* Computes the steps until each pair can touch if both particles keep to their bounds: 0 for never, else 1 to DEM__STEPS_MAX - 1. pace:
-   steps a second. */
+/* Computes the steps until each pair can touch if both particles keep to their bounds: 0 for never, else 1 to
+   DEM__STEPS_MAX - 1. pace: steps a second. */
 DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
     for (int k = 0; k < q->n; k++) {
         const dem__bound *r = &q->apart[k];
@@ -124,9 +134,10 @@ DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
         const double b = r->x * r->ux + r->y * r->uy + r->z * r->uz - r->reach * r->tolerance;
         const double c = r->x * r->x + r->y * r->y + r->z * r->z - r->reach * r->reach;
         const double root = b * b - a * c, below = sqrt(root > 0.0 ? root : 0.0) - b;
-        const double n = c / (below > 0.0 ? below : 1.0) * pace, later = n >= (double)(DEM__STEPS_MAX - 2) ? (double)(DEM__STEPS_MAX - 2)
-                                                                         : n > 0.0                         ? n
-                                                                                                           : 0.0;
+        const double n = c / (below > 0.0 ? below : 1.0) * pace, later = n >= (double)(DEM__STEPS_MAX - 2)
+                                                                             ? (double)(DEM__STEPS_MAX - 2)
+                                                                         : n > 0.0 ? n
+                                                                                   : 0.0;
         const double otherwise = ((root <= 0.0) | (below <= 0.0)) ? 0.0 : 1.0; /* NaN, after an overflow: 1 step */
         const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + later : otherwise;
         q->steps[k] = (int32_t)(c > 0.0 ? steps : 1.0);
@@ -139,7 +150,8 @@ static inline void dem__flush_batch(dem_world *w, dem__timer_batch *q, int64_t s
     dem__pairs *pairs = &w->engine->pairs;
     const int32_t now = (int32_t)(step - pairs->timers.from);
     dem__compute_due(q, pairs->steps_per_second);
-    for (int k = 0; k < q->n; k++) dem__set_due(&pairs->timers, q->pair[k], q->steps[k] > 0 ? now + q->steps[k] : DEM__NEVER);
+    for (int k = 0; k < q->n; k++)
+        dem__set_due(&pairs->timers, q->pair[k], q->steps[k] > 0 ? now + q->steps[k] : DEM__NEVER);
     q->n = 0;
 }
 
@@ -167,7 +179,8 @@ DEM_INLINE dem__bound *dem__batch_pair(dem_world *w, dem__timer_batch *q, int32_
 }
 
 /* Appends pair p. a, b: the bounds of its particles as they are at the step; their nearest images are taken. */
-DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a, const dem__bound *b) {
+DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a,
+                                  const dem__bound *b) {
     dem__bound *r = dem__batch_pair(w, q, p, step, a, b);
     if (!w->engine->run.has_periodic) return;
     const dem_vec d = dem__nearest_image(w, dem_vec3(r->x, r->y, r->z));
@@ -177,6 +190,7 @@ DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, 
 /* Appends pair p, whose centres are known to be d apart [m] at a step. */
 DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, dem_vec d) {
     const dem__near *pair = &w->engine->pairs.near[p];
-    dem__bound *r = dem__batch_pair(w, q, p, step, &w->engine->bodies.bound[pair->i], &w->engine->bodies.bound[pair->j]);
+    dem__bound *r =
+        dem__batch_pair(w, q, p, step, &w->engine->bodies.bound[pair->i], &w->engine->bodies.bound[pair->j]);
     r->x = d.x, r->y = d.y, r->z = d.z, r->reach = pair->distance + 2.0 * w->engine->pairs.position_tolerance;
 }

@@ -1,16 +1,17 @@
-/* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies and timers.
-   Promises: a particle whose velocity left its bound has a new one before the next step. */
+/* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies
+   and timers. Promises: a particle whose velocity left its bound has a new one before the next step. */
 #pragma once
 #include "../particles/fixed.h"
 #include "../contacts/contacts.h"
 
-/* Returns where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far apart in memory. */
+/* Returns where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far
+   apart in memory. */
 DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
 }
 
-/* Moves active particles first .. end-1 to the end of the step, and their velocities to its middle. rigid: leaves out those of rigid
-   bodies. */
+/* Moves active particles first .. end-1 to the end of the step, and their velocities to its middle. rigid: leaves out
+   those of rigid bodies. */
 DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid) {
     const int64_t step = w->step + (h > 0.0);
     const ptrdiff_t apart = dem__prefetch_until(w, first, end);
@@ -21,7 +22,8 @@ DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdif
         if (rigid && dem__rigid_of(w, i)) continue;
         dem_particle *p = &w->particle[i];
         const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
-        p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle), p->spin = dem__sphere_spin_at(w, i, middle);
+        p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle),
+        p->spin = dem__sphere_spin_at(w, i, middle);
         p->origin = w->step; /* for hooks, whose step is the present one */
         if (w->engine->run.has_periodic) dem__wrap(w, i);
     }
@@ -34,8 +36,10 @@ static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t e
 }
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
-    const int books = w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
-    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range,
+    const int books =
+        w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n,
+                  w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range,
                   &h); /* n / 4: little work for each particle */
 }
 
@@ -59,17 +63,20 @@ DEM_INLINE int dem__within_bound(const dem_world *w, ptrdiff_t i, dem_vec d) {
            bodies->shifted[i] < w->engine->pairs.position_tolerance; /* false for NaN */
 }
 
-/* Takes the greatest change of velocity in this step from tolerance_left__. Returns whether the rest suffices for the next step, too. */
+/* Takes the greatest change of velocity in this step from tolerance_left__. Returns whether the rest suffices for the
+   next step, too. */
 DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
     const double way = dem__most_change(dt, pull);
     p->tolerance_left__ -= way;
     return p->tolerance_left__ > 0.5 * way; /* false for NaN */
 }
 
-/* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step to its end. Sets
-   the sums of forces to zero for the next step. Lists particles that may leave their tolerances in scratch.index from `first` on. check: 0,
-   or NaN if a force is not finite; strays: length of the list; loads: a constant, 0 where nothing has a load. */
-DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays, int loads) {
+/* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step
+   to its end. Sets the sums of forces to zero for the next step. Lists particles that may leave their tolerances in
+   scratch.index from `first` on. check: 0, or NaN if a force is not finite; strays: length of the list; loads: a
+   constant, 0 where nothing has a load. */
+DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays,
+                              int loads) {
     dem__bodies *bodies = &w->engine->bodies;
     const int64_t step = w->step + (h > 0.0);
     const double half = 0.5 * h;
@@ -108,15 +115,17 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
     *strays = n;
 }
 /* Does so without loads where there are none: whether there are any is a constant of the loop. */
-DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
+DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
+                                        ptrdiff_t *strays) {
     if (w->engine->bodies.loads_on || w->engine->links.on) dem__kick_all(w, h, first, end, check, strays, 1);
     else dem__kick_all(w, h, first, end, check, strays, 0);
 }
-DEM__AVX2_CLONE(dem__kick_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
+DEM__AVX2_CLONE(dem__kick_part,
+                (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
                 (w, h, first, end, check, strays), dem__kick_loaded_or_not(w, h, first, end, check, strays))
 
-/* Moves those of n particles that leave their tolerances to the front of the list, and returns their number. Renews tolerance_left__ of the
-   others. */
+/* Moves those of n particles that leave their tolerances to the front of the list, and returns their number. Renews
+   tolerance_left__ of the others. */
 static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
     const double t = dem__since_listed(w, w->step + (h > 0.0));
     ptrdiff_t strays = 0;
@@ -139,9 +148,9 @@ static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
     kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
 }
-/* Computes the accelerations of all loaded bodies without contacts as dem__check_bounds does for some of them. dem__kick_all finds them
-   from sums over particles, which round differently; which bodies are checked depends on what a step skips, and results must not depend on
-   it. */
+/* Computes the accelerations of all loaded bodies without contacts as dem__check_bounds does for some of them.
+   dem__kick_all finds them from sums over particles, which round differently; which bodies are checked depends on what
+   a step skips, and results must not depend on it. */
 static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
     for (ptrdiff_t k = 0; k < w->engine->bodies.active_count; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
@@ -152,8 +161,8 @@ static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
     }
 }
 
-/* Moves the velocities of active particles to the end of the step, and marks those that leave their bounds. Returns 0 if a force is not
-   finite. */
+/* Moves the velocities of active particles to the end of the step, and marks those that leave their bounds. Returns 0
+   if a force is not finite. */
 static inline int dem__kick(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
     const int parts = dem__parts(w, n / 4); /* n / 4: little work for each particle */
@@ -172,8 +181,8 @@ static inline int dem__kick(dem_world *w, double h) {
     return all == 0.0;
 }
 
-/* Sets what an impact that has just begun changes in the velocities of i and j by its middle: there, both have the normal velocity of their
-   centre of mass. New bounds rely on it. */
+/* Sets what an impact that has just begun changes in the velocities of i and j by its middle: there, both have the
+   normal velocity of their centre of mass. New bounds rely on it. */
 DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
     if (!(closing > 0.0)) return; /* the contact has ended */
     double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
@@ -248,8 +257,8 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     }
 }
 
-/* Result of a thread's share of to_check: how many particles have new bounds, how many of these need earlier wall timers, and whether a
-   flight begins. */
+/* Result of a thread's share of to_check: how many particles have new bounds, how many of these need earlier wall
+   timers, and whether a flight begins. */
 typedef struct dem__checked {
     ptrdiff_t reset, hurried;
     int flown;
@@ -269,8 +278,8 @@ DEM_INLINE void dem__prefetch_check(const dem_world *w, ptrdiff_t i) {
     DEM__PREFETCH(&w->engine->walls.sure[i * w->walls]);
 }
 
-/* Checks particles first .. end-1 of to_check. A particle whose velocity left its tolerance, or whose flight begins, gets a new bound and
-   is listed in scratch.index; the tolerance_left__ of the others is renewed. */
+/* Checks particles first .. end-1 of to_check. A particle whose velocity left its tolerance, or whose flight begins,
+   gets a new bound and is listed in scratch.index; the tolerance_left__ of the others is renewed. */
 static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__checked *q) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
@@ -284,12 +293,14 @@ static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff
         if (w->alive[i] && !w->engine->run.needs_lists) {
             const dem_particle *p = &w->particle[i];
             const dem_vec stray = dem__deviation(w, i, t);
-            if (w->touching[i] == 0) dem__free_acceleration(w, i); /* no contact is left, whatever the law of an ended one returned */
+            if (w->touching[i] == 0)
+                dem__free_acceleration(w, i); /* no contact is left, whatever the law of an ended one returned */
             if (w->touching[i] == 0 || !dem__within_bound(w, i, stray)) {
                 const double shifted = bodies->shifted[i];
                 dem__set_bound(w, i, w->step, p->x, p->v);
                 w->engine->scratch.index[first + q->reset++] = i;
-                if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->news)) bodies->to_check[first + q->hurried++] = i;
+                if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->news))
+                    bodies->to_check[first + q->hurried++] = i;
             } else dem__set_tolerance_left(w, i, dem__length(stray));
         }
         bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
@@ -302,8 +313,8 @@ static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdif
     dem__check_bounds_part(w, first, end, (dem__checked *)checked + part);
 }
 
-/* Checks the bounds of particles marked for it, and sets new bounds and timers. Moves particles that begin a flight out of the active
-   list. */
+/* Checks the bounds of particles marked for it, and sets new bounds and timers. Moves particles that begin a flight out
+   of the active list. */
 static inline void dem__check_bounds(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const ptrdiff_t n = bodies->to_check_count, active = bodies->active_count;
@@ -314,8 +325,10 @@ static inline void dem__check_bounds(dem_world *w) {
     dem__in_parts(w, parts, n, dem__check_bounds_range, watched);
     for (int q = 0; q < parts; q++) {
         const ptrdiff_t first = dem__part(n, q, parts);
-        for (ptrdiff_t k = 0; k < watched[q].hurried; k++) dem__advance_wall_timers(w, bodies->to_check[first + k], w->step);
-        for (ptrdiff_t k = 0; k < watched[q].reset; k++) w->engine->scratch.index[reset++] = w->engine->scratch.index[first + k];
+        for (ptrdiff_t k = 0; k < watched[q].hurried; k++)
+            dem__advance_wall_timers(w, bodies->to_check[first + k], w->step);
+        for (ptrdiff_t k = 0; k < watched[q].reset; k++)
+            w->engine->scratch.index[reset++] = w->engine->scratch.index[first + k];
         dem__apply_outcome(w, &watched[q].news);
         flown |= watched[q].flown;
     }

@@ -1,13 +1,13 @@
-/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved
-   and freed. */
+/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world
+   can be read, saved and freed. */
 #pragma once
 #include "../particles/remove.h"
 #include "../contacts/forces.h"
 #include "../search/due_tests.h"
 #include "../gas/flights.h"
 
-/* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip, and set none if it
-   is 0. */
+/* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip,
+   and set none if it is 0. */
 static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
     w->def.skip = 0;
@@ -15,13 +15,15 @@ static inline void dem__test_everything(dem_world *w) {
     if (w->engine->convex.calls) w->engine->convex.calls->follow(w, w->step);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls; k++) {
-            if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k)) dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
+            if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k))
+                dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
         }
     }
     w->def.skip = skip;
 }
 
-/* Ends the contacts that the caller's changes have ended, and rebuilds the list of near pairs. Returns 0 after a failure. */
+/* Ends the contacts that the caller's changes have ended, and rebuilds the list of near pairs. Returns 0 after a
+   failure. */
 static inline int dem__prepare_lists(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->run.needs_lists) return 1;
@@ -47,7 +49,8 @@ static inline void dem__prepare_pairs(dem_world *w) {
     }
 }
 
-/* Tests everything and begins the contacts that are found; their slots are listed then. Returns their number, or -1 after a failure. */
+/* Tests everything and begins the contacts that are found; their slots are listed then. Returns their number, or -1
+   after a failure. */
 static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__test_everything(w);
@@ -62,7 +65,8 @@ static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     dem__list_active(w);
     for (ptrdiff_t k = 0; k < begun; k++) {
         const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
-        if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN) dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
+        if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN)
+            dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
     }
     return begun;
 }
@@ -95,7 +99,8 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
     return w->status == DEM_OK && (!w->engine->field.on || dem__ask_field(w, DEM__FIELD_FLIGHTS, 0));
 }
 
-/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error either. */
+/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error
+   either. */
 static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
     dem__ledger *ledger = &w->engine->ledger;
     const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
@@ -106,7 +111,8 @@ static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
     if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
 }
 
-/* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a failure. */
+/* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a
+   failure. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
     dem__run *run = &w->engine->run;
     dem__ledger *ledger = &w->engine->ledger;
@@ -153,7 +159,8 @@ static inline void dem__count_step(dem_world *w) {
     w->time = run->start_time + (double)(w->step - run->start_step) * run->dt;
 }
 
-/* Returns whether the energies of the particles that leave in this step are numbers: their velocities are not checked later. */
+/* Returns whether the energies of the particles that leave in this step are numbers: their velocities are not checked
+   later. */
 static DEM__NOINLINE int dem__leave_with_numbers(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i] != DEM_LEAVING) continue;
@@ -164,7 +171,8 @@ static DEM__NOINLINE int dem__leave_with_numbers(dem_world *w) {
     return 1;
 }
 
-/* Removes particles that passed an exit from the lists, and marks their contacts as ended. Returns whether there are any. */
+/* Removes particles that passed an exit from the lists, and marks their contacts as ended. Returns whether there are
+   any. */
 static inline int dem__remove_leaving(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->run.leaving) return 0;
@@ -180,8 +188,8 @@ static inline int dem__remove_leaving(dem_world *w) {
     return 1;
 }
 
-/* Advances the world by one step. keep: keeps the forces of contacts for readers; in_field: a constant at compile time. Returns 0 after a
-   failure. */
+/* Advances the world by one step. keep: keeps the forces of contacts for readers; in_field: a constant at compile time.
+   Returns 0 after a failure. */
 DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, int in_field) {
     const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
     const double h = w->engine->run.dt;
@@ -191,7 +199,8 @@ DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, in
     if (!dem__find_contacts_that_begin(w)) return dem__undo_detection(w);
     const ptrdiff_t begun = w->engine->contacts.begun;
     dem__commit_begun(w, 1.0);
-    if (begun > 0 && w->engine->ledger.on) dem__list_active(w); /* books are sums in the order of memory, whenever lists were built */
+    if (begun > 0 && w->engine->ledger.on)
+        dem__list_active(w); /* books are sums in the order of memory, whenever lists were built */
     if (in_field) dem__end_flights(w, begun);
     dem__advance(w, h);
     dem__prepare_begun(w, kernel->law, begun, features);
@@ -213,10 +222,12 @@ DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, in
     return w->status == DEM_OK;
 }
 
-static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) { return dem__step_of(w, kernel, keep, 0); }
+static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
+    return dem__step_of(w, kernel, keep, 0);
+}
 
-/* Runs the steps of a task in a force field. At the end it continues flights that are over, so that a caller who changes particles finds
-   none. */
+/* Runs the steps of a task in a force field. At the end it continues flights that are over, so that a caller who
+   changes particles finds none. */
 static inline int dem__run_in_field(dem_world *w, const dem__field_task *q) {
     int going = 1;
     for (ptrdiff_t n = q->n; n > 0 && going; n--) going = dem__step_of(w, q->kernel, n == 1, 1);
@@ -235,11 +246,11 @@ static inline int dem__field_hook(dem_world *w, const dem__field_task *q) {
     }
 }
 
-#define DEM_FORCE_FIELD(name, law)                                                                                                         \
-    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                                        \
-        if (task->task > DEM__ADD_FIELD_FORCE) return dem__field_hook(world, task);                                                        \
-        dem__field_kernel(world, task, law);                                                                                               \
-        return 1;                                                                                                                          \
+#define DEM_FORCE_FIELD(name, law)                                                                                     \
+    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                    \
+        if (task->task > DEM__ADD_FIELD_FORCE) return dem__field_hook(world, task);                                    \
+        dem__field_kernel(world, task, law);                                                                           \
+        return 1;                                                                                                      \
     }
 
 /* Returns whether a kernel computes friction that the run leaves out. Then its history stays zero. */
@@ -247,8 +258,8 @@ static inline int dem__has_void_history(const dem_kernel *kernel, int features) 
     return (kernel->features & ~features & DEM_FRICTION) != 0;
 }
 
-/* Returns whether a law can take over the contacts present. They continue under a law with the same number of states; a history that is
-   zero can be dropped or begun. */
+/* Returns whether a law can take over the contacts present. They continue under a law with the same number of states; a
+   history that is zero can be dropped or begun. */
 static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (contacts->count == 0 || kernel->law->states == contacts->states) return 1;
@@ -267,9 +278,11 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
     }
-    if (w->engine->convex.shapes > 0 && !(kernel->features & DEM_FRICTION)) return DEM_POLYHEDRON; /* others compute no torques */
+    if (w->engine->convex.shapes > 0 && !(kernel->features & DEM_FRICTION))
+        return DEM_POLYHEDRON; /* others compute no torques */
     if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
-    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK; /* after loading dem_set_links comes first */
+    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH
+                                                               : DEM_OK; /* after loading dem_set_links comes first */
 }
 
 /* Makes the arrays of contacts fit law, ledger and threads. Returns 0 when out of memory; nothing has changed then. */
@@ -290,16 +303,18 @@ static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int 
     return 1;
 }
 
-/* Returns the time step over the largest that is stable: of a spring 2 sqrt(m/k), whose contact lasts pi sqrt(m/k); of a dashpot 2
-   m/gamma. */
+/* Returns the time step over the largest that is stable: of a spring 2 sqrt(m/k), whose contact lasts pi sqrt(m/k); of
+   a dashpot 2 m/gamma. */
 static inline double dem__step_ratio(const dem_world *w, int features) {
     const dem_advice a = dem_advise(w, features, 1.0);
     const double spring = features & DEM_HERTZ ? a.rayleigh : a.contact * (2.0 / RIDDLE_PI);
-    const double dashpot = features & DEM_HERTZ ? HUGE_VAL : 2.0 * a.dashpot, least = spring < dashpot ? spring : dashpot;
+    const double dashpot = features & DEM_HERTZ ? HUGE_VAL : 2.0 * a.dashpot,
+                 least = spring < dashpot ? spring : dashpot;
     return least < HUGE_VAL ? w->engine->run.dt / least : 0.0;
 }
 
-/* Runs a kernel with some of its features: the law's prepare function leaves out friction and rolling that are not among them. */
+/* Runs a kernel with some of its features: the law's prepare function leaves out friction and rolling that are not
+   among them. */
 static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare ||
@@ -311,7 +326,8 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     const dem_status status = dem__check_run(w, kernel, features);
     if (status != DEM_OK) return status;
     w->status = DEM_OK; /* the caller may have mended any other failure */
-    if (!dem__make_work(w, w->def.threads) || !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
+    if (!dem__make_work(w, w->def.threads) ||
+        !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
         return DEM_OUT_OF_MEMORY;
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
@@ -335,16 +351,19 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kern
 }
 
 /* name, version, states, history, vectors, constants, prepare, force, born, ended */
-static const dem_law dem_law_linear = {"linear", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear, NULL, NULL};
-static const dem_law dem_law_linear_friction = {"linear, friction",        1,    3,   3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
-                                                dem_force_linear_friction, NULL, NULL};
-static const dem_law dem_law_linear_rolling = {"linear, friction, rolling", 1,    3,   3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
-                                               dem_force_linear_rolling,    NULL, NULL};
-static const dem_law dem_law_hertz = {"Hertz", 1, 0, 0, 0, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz, NULL, NULL};
-static const dem_law dem_law_hertz_friction = {"Hertz-Mindlin",          1,    4,   4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz,
-                                               dem_force_hertz_friction, NULL, NULL};
-static const dem_law dem_law_hertz_rolling = {"Hertz-Mindlin, rolling", 1,    4,   4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz,
-                                              dem_force_hertz_rolling,  NULL, NULL};
+static const dem_law dem_law_linear = {"linear",         1,    0,   0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+                                       dem_force_linear, NULL, NULL};
+static const dem_law dem_law_linear_friction = {
+    "linear, friction", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear_friction, NULL, NULL};
+static const dem_law dem_law_linear_rolling = {
+    "linear, friction, rolling", 1,    3,   3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+    dem_force_linear_rolling,    NULL, NULL};
+static const dem_law dem_law_hertz = {"Hertz",         1,    0,   0, 0, DEM_HERTZ_CONSTANTS, dem_prepare_hertz,
+                                      dem_force_hertz, NULL, NULL};
+static const dem_law dem_law_hertz_friction = {
+    "Hertz-Mindlin", 1, 4, 4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz_friction, NULL, NULL};
+static const dem_law dem_law_hertz_rolling = {
+    "Hertz-Mindlin, rolling", 1, 4, 4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz_rolling, NULL, NULL};
 
 DEM_KERNEL(dem__kernel_linear, dem_law_linear, DEM_LINEAR)
 DEM_KERNEL(dem__kernel_linear_friction, dem_law_linear_friction, DEM_LINEAR | DEM_FRICTION)
@@ -356,21 +375,25 @@ DEM_KERNEL(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRI
 DEM_KERNEL(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
 
 DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
-    /* kernels with a ledger always compute friction and rolling; constants of zero take out what the caller did not name */
+    /* kernels with a ledger always compute friction and rolling; constants of zero take out what the caller did not
+       name */
     switch (features) {
     case DEM_LINEAR: return dem__run_kernel(world, duration, &dem__kernel_linear, features);
     case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_linear_friction, features);
-    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING: return dem__run_kernel(world, duration, &dem__kernel_linear_rolling, features);
+    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING:
+        return dem__run_kernel(world, duration, &dem__kernel_linear_rolling, features);
     case DEM_HERTZ: return dem__run_kernel(world, duration, &dem__kernel_hertz, features);
     case DEM_HERTZ | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_hertz_friction, features);
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING: return dem__run_kernel(world, duration, &dem__kernel_hertz_rolling, features);
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING:
+        return dem__run_kernel(world, duration, &dem__kernel_hertz_rolling, features);
     case DEM_LINEAR | DEM_ENERGY:
     case DEM_LINEAR | DEM_FRICTION | DEM_ENERGY:
     case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
         return dem__run_kernel(world, duration, &dem__kernel_linear_energy, features);
     case DEM_HERTZ | DEM_ENERGY:
     case DEM_HERTZ | DEM_FRICTION | DEM_ENERGY:
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY: return dem__run_kernel(world, duration, &dem__kernel_hertz_energy, features);
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
+        return dem__run_kernel(world, duration, &dem__kernel_hertz_energy, features);
     default: return DEM_BAD_ARGUMENT;
     }
 }

@@ -9,8 +9,8 @@ static inline int dem__unit(dem_vec v, dem_vec *unit) {
     return 1;
 }
 
-/* Completes a frame whose third axis is given. The first axis is near `along`, or any if that is parallel to the third. Returns 0 if the
-   third has no direction. */
+/* Completes a frame whose third axis is given. The first axis is near `along`, or any if that is parallel to the third.
+   Returns 0 if the third has no direction. */
 static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
     dem_vec z, x;
     if (!dem__unit(normal, &z)) return 0;
@@ -55,13 +55,17 @@ static inline int dem__add_flat(dem_world *w, int kind, int material, dem_vec po
 DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal) {
     return dem__add_flat(world, DEM_PLANE, material, point, normal);
 }
-DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) { return dem__add_flat(world, DEM_EXIT, 0, point, normal); }
+DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) {
+    return dem__add_flat(world, DEM_EXIT, 0, point, normal);
+}
 
-static inline int dem__add_round(dem_world *w, int kind, int material, dem_vec point, dem_vec axis, double radius, int inside) {
+static inline int dem__add_round(dem_world *w, int kind, int material, dem_vec point, dem_vec axis, double radius,
+                                 int inside) {
     if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!w || material < 0 || material >= w->def.materials || !dem__is_place(point) || !dem__finite_vec(axis) || !dem__positive(radius))
+    if (!w || material < 0 || material >= w->def.materials || !dem__is_place(point) || !dem__finite_vec(axis) ||
+        !dem__positive(radius))
         return -(int)DEM_BAD_ARGUMENT;
     if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
     wall.kind = kind;
@@ -84,7 +88,8 @@ static inline int dem__make_touch_memory(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__array list[DEM__ARRAYS_MAX];
     if (w->engine->walls.touch_keepers++ > 0 || contacts->capacity == 0) return 1;
-    if (dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity, contacts->capacity))
+    if (dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
+                        contacts->capacity))
         return 1;
     w->engine->walls.touch_keepers--;
     return 0;
@@ -103,8 +108,8 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
     if (dem__is_running(world)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!world || !world->def.allocator.fn || !cone || material < 0 || material >= world->def.materials || !dem__is_place(cone->low) ||
-        !dem__is_place(cone->high))
+    if (!world || !world->def.allocator.fn || !cone || material < 0 || material >= world->def.materials ||
+        !dem__is_place(cone->low) || !dem__is_place(cone->high))
         return -(int)DEM_BAD_ARGUMENT;
     const dem_vec axis = dem__sub(cone->high, cone->low);
     if (!dem__not_negative(cone->low_radius) || !dem__not_negative(cone->high_radius) ||
@@ -135,7 +140,8 @@ DEM_API dem_screen dem_default_screen(void) {
 /* Returns whether a screen has lengths, and no more bars and apertures than integers count. */
 static inline int dem__is_deck(const dem_wall *w) {
     const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
-    return dem__positive(w->aperture) && dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 && x * y < 2.5e8;
+    return dem__positive(w->aperture) && dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 &&
+           x * y < 2.5e8;
 }
 
 DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen) {

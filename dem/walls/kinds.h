@@ -1,9 +1,12 @@
-/* What every kind of wall computes: where it is touched, how its normal turns, how its surface moves. Pure functions. */
+/* What every kind of wall computes: where it is touched, how its normal turns, how its surface moves. Pure functions.
+ */
 #pragma once
 #include "mesh_touch.h"
 
 /* Returns whether a wall acts on particles of a group. */
-DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) { return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u); }
+DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) {
+    return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u);
+}
 
 DEM_INLINE void dem__touch_plane(const dem_wall *w, dem_vec centre, double radius, dem__touch *out) {
     out->element = 0;
@@ -11,9 +14,10 @@ DEM_INLINE void dem__touch_plane(const dem_wall *w, dem_vec centre, double radiu
     out->normal = w->axis[2], out->curvature = 0.0;
 }
 
-/* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and those that overlap).
-   Returns their number; least: a lower limit of the gap. */
-static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out, double *least) {
+/* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and
+   those that overlap). Returns their number; least: a lower limit of the gap. */
+static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out,
+                                  double *least) {
     dem_vec d = dem__sub(centre, w->position);
     double up = dem__dot(d, w->axis[2]);
     int n = 0;
@@ -57,15 +61,16 @@ static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radi
 }
 
 /* Finds the one place where an element of a wall is touched, at any gap. */
-static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem__touch *out) {
+static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double radius, int32_t element,
+                                      dem__touch *out) {
     double least;
     if (w->kind == DEM_SCREEN) {
         const dem_vec d = dem__sub(centre, w->position);
         const int family = (int)((uint32_t)element & 1u);
         const double index = (double)((element - family) / 2);
         out->gap = HUGE_VAL, out->curvature = 0.0, out->normal = w->axis[2];
-        if (dem__touch_bar(w, family, index, dem__dot(d, w->axis[family]), dem__dot(d, w->axis[1 - family]), dem__dot(d, w->axis[2]),
-                           radius, out))
+        if (dem__touch_bar(w, family, index, dem__dot(d, w->axis[family]), dem__dot(d, w->axis[1 - family]),
+                           dem__dot(d, w->axis[2]), radius, out))
             out->normal = dem__from_bar(w, family, out->normal);
         return;
     }
@@ -79,13 +84,16 @@ static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double 
     *out = touch[0];
 }
 
-/* Computes the vector from the axis or centre of a wall that is round at an element to a sphere's centre, and how far from there the
-   surface is. Returns 1 if the sphere is outside, -1 if inside, 0 if the place is not round or has no normal. */
-static inline double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t element, dem_vec *from, double *inner) {
+/* Computes the vector from the axis or centre of a wall that is round at an element to a sphere's centre, and how far
+   from there the surface is. Returns 1 if the sphere is outside, -1 if inside, 0 if the place is not round or has no
+   normal. */
+static inline double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t element, dem_vec *from,
+                                      double *inner) {
     const dem_vec d = dem__sub(centre, w->position);
     if (w->kind == DEM_SCREEN) {
         const int family = (int)((uint32_t)element & 1u);
-        const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]), up = dem__dot(d, w->axis[2]);
+        const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]),
+                     up = dem__dot(d, w->axis[2]);
         *inner = dem__reach_bar(w, family, (double)((element - family) / 2), along, across, up, from);
         *from = dem__from_bar(w, family, *from);
         return *inner >= 0.0 && dem__dot(*from, *from) > 0.0 ? 1.0 : 0.0;
@@ -115,21 +123,23 @@ static inline dem_vec dem__normal_rate_of_cone(const dem_wall *w, dem_vec d, dou
 
 /* Returns whether the normal of a wall at rest is the same at all of its places. */
 DEM_INLINE int dem__is_flat(const dem_wall *w) {
-    return w->kind != DEM_SPHERE && w->kind != DEM_CYLINDER && w->kind != DEM_CONE && w->kind != DEM_SCREEN && w->kind != DEM_MESH;
+    return w->kind != DEM_SPHERE && w->kind != DEM_CYLINDER && w->kind != DEM_CONE && w->kind != DEM_SCREEN &&
+           w->kind != DEM_MESH;
 }
 
-/* Returns the rate of change of the normal n at a place of a wall [1/s] for a sphere that moves at u in the wall's own frame. inverse: 1 /
-   distance from the axis of a round wall, with the sign of the side. */
-static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n, double inverse,
-                                       dem_vec u) {
+/* Returns the rate of change of the normal n at a place of a wall [1/s] for a sphere that moves at u in the wall's own
+   frame. inverse: 1 / distance from the axis of a round wall, with the sign of the side. */
+static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n,
+                                       double inverse, dem_vec u) {
     const dem_vec side = dem__sub(u, dem__scale(dem__dot(u, n), n));
     if (w->kind == DEM_SPHERE) return dem__scale(inverse, side);
     if (w->kind == DEM_CYLINDER) return dem__scale(inverse, dem__plus(side, -dem__dot(side, w->axis[2]), w->axis[2]));
     if (w->kind == DEM_CONE) return dem__normal_rate_of_cone(w, dem__sub(centre, w->position), radius, n, u);
     if (w->kind == DEM_SCREEN) {
         const dem_vec along = w->axis[(uint32_t)element & 1u];
-        if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side);                                      /* at a bar's end */
-        if (w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) <= 1e-12 - 1.0) return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
+        if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side); /* at a bar's end */
+        if (w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) <= 1e-12 - 1.0)
+            return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
         return dem__scale(inverse, dem__plus(side, -dem__dot(side, along), along));
     }
     return dem_vec3(0.0, 0.0, 0.0);

@@ -31,7 +31,8 @@ static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptr
     }
 }
 
-/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those of each half. */
+/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those
+   of each half. */
 static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
     const int32_t at = t->nodes++;
     dem__node *node = &t->node[at];
@@ -63,7 +64,8 @@ static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
 /* Returns an empty tree with room for the mesh; NULL when out of memory. */
 static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
     const size_t v = (size_t)vertices, k = (size_t)triangles;
-    const size_t bytes = sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
+    const size_t bytes =
+        sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
     dem__tree *t = (dem__tree *)a->fn(a->user, NULL, 0, bytes);
     if (!t) return NULL;
     memset(t, 0, bytes);
@@ -76,7 +78,8 @@ static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, 
     return t;
 }
 
-/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for slivers. */
+/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for
+   slivers. */
 static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
     const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
     const double x = dem__dot(ab, ab), y = dem__dot(bc, bc), z = dem__dot(ca, ca);
@@ -93,9 +96,10 @@ static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) 
     return dem__length(n) > 1e-9 * longest && dem__unit(n, unit);
 }
 
-/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT if there is none. */
-static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex, ptrdiff_t triangles,
-                                        const int32_t *corner, dem_status *status) {
+/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT
+   if there is none. */
+static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex,
+                                        ptrdiff_t triangles, const int32_t *corner, dem_status *status) {
     const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
     dem_vec low = vertex[0], high = vertex[0], normal;
     ptrdiff_t n = 0;
@@ -117,7 +121,8 @@ static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertic
         for (int c = 0; c < 3; c++) {
             const double from = dem_axis(low, c), span = dem_axis(high, c) - from;
             const double x = (dem_axis(p[0], c) + dem_axis(p[1], c) + dem_axis(p[2], c)) / 3.0 - from;
-            items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0) << c;
+            items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0)
+                            << c;
         }
         n++;
     }
@@ -150,8 +155,9 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
     dem_world *w = world;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!w || !w->def.allocator.fn || !mesh || material < 0 || material >= w->def.materials || !mesh->vertex || !mesh->triangle ||
-        mesh->vertices < 1 || mesh->triangles < 1 || mesh->vertices > INT32_MAX / 4 || mesh->triangles > INT32_MAX / 4)
+    if (!w || !w->def.allocator.fn || !mesh || material < 0 || material >= w->def.materials || !mesh->vertex ||
+        !mesh->triangle || mesh->vertices < 1 || mesh->triangles < 1 || mesh->vertices > INT32_MAX / 4 ||
+        mesh->triangles > INT32_MAX / 4)
         return -(int)DEM_BAD_ARGUMENT;
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
     for (ptrdiff_t k = 0; k < 3 * mesh->triangles; k++) {
@@ -191,7 +197,8 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
 
 DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high) {
     /* corner k: bit c chooses low or high of axis c */
-    int32_t faces[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    int32_t faces[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                         2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
     double corners[24];
     dem_mesh mesh;
     memset(&mesh, 0, sizeof mesh);
@@ -204,7 +211,8 @@ DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec hig
 
 /* ---- STL ---- */
 
-/* A slot of a hash table with open addressing: a 64-bit key, 0 if empty, and a number. The capacity is a power of two. */
+/* A slot of a hash table with open addressing: a 64-bit key, 0 if empty, and a number. The capacity is a power of two.
+ */
 typedef struct dem__slot {
     uint64_t key;
     int32_t value, forward, backward; /* edges: number of triangles that run along it each way */

@@ -19,7 +19,8 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     for (int k = 0; k < 3; k++) a->asked.rest_axis[k] = a->axis[k];
     a->asked.spin_centre = dem__add(a->asked.spin_centre, dem__scale(w->time - a->asked.motion_start, a->asked.drift));
     a->asked.motion_start = w->time;
-    if (a->asked.drive != DEM_KINEMATIC) a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
+    if (a->asked.drive != DEM_KINEMATIC)
+        a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
     a->asked.drive = DEM_KINEMATIC;
     w->engine->run.needs_lists = 1;
     return a;
@@ -32,7 +33,9 @@ static inline void dem__bound_speed(dem_wall *a) {
     const double x = fabs(a->asked.amplitude.x), y = fabs(a->asked.amplitude.y), z = fabs(a->asked.amplitude.z);
     a->speed_bound = rate * (x + y + z) + dem__length(a->asked.drift);
     a->acceleration_bound = rate * rate * (x + y + z);
-    a->side_bound = rate * rate * (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
+    a->side_bound =
+        rate * rate *
+        (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
     a->spin_bound = fabs(a->spin);
     a->slides = a->spin != 0.0 || a->asked.belt.x != 0.0 || a->asked.belt.y != 0.0 || a->asked.belt.z != 0.0;
 }
@@ -64,8 +67,8 @@ DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
 DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_vec unit;
-    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(centre) || !dem__finite_vec(axis) || !dem__moderate(spin) ||
-        !dem__unit(axis, &unit))
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(centre) || !dem__finite_vec(axis) ||
+        !dem__moderate(spin) || !dem__unit(axis, &unit))
         return DEM_BAD_ARGUMENT;
     dem_wall *a = dem__rebase_wall(world, wall);
     a->asked.spin_centre = centre;
@@ -88,22 +91,25 @@ static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
 }
 
 static inline int dem__wall_is_finite(const dem_wall *a) {
-    return dem__finite_vec(a->position) && dem__finite_vec(a->velocity) && dem__finite_vec(a->acceleration) && dem__finite(a->spin) &&
-           dem__finite_vec(a->axis[0]) && dem__finite_vec(a->axis[1]) && dem__finite_vec(a->axis[2]);
+    return dem__finite_vec(a->position) && dem__finite_vec(a->velocity) && dem__finite_vec(a->acceleration) &&
+           dem__finite(a->spin) && dem__finite_vec(a->axis[0]) && dem__finite_vec(a->axis[1]) &&
+           dem__finite_vec(a->axis[2]);
 }
 
 DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user) {
     if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls || !motion || !dem__is_place(centre)) return DEM_BAD_ARGUMENT;
     dem_wall *a = &world->wall[wall], before = *a, probe = *a;
-    if (a->asked.drive != DEM_PRESCRIBED) probe.asked.origin = a->position, memcpy(probe.asked.rest_axis, a->axis, sizeof a->axis);
+    if (a->asked.drive != DEM_PRESCRIBED)
+        probe.asked.origin = a->position, memcpy(probe.asked.rest_axis, a->axis, sizeof a->axis);
     probe.asked.drive = DEM_PRESCRIBED;
     probe.asked.spin_centre = centre;
     probe.asked.motion = motion, probe.asked.motion_user = user;
     probe.asked.interval = world->engine->run.dt;
     dem__place_wall(world, &probe);
     if (!dem__wall_is_finite(&probe)) return DEM_BAD_ARGUMENT;
-    if (before.asked.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->asked.interval = world->engine->run.dt;
+    if (before.asked.drive != DEM_PRESCRIBED)
+        a = dem__drive(world, wall, DEM_PRESCRIBED), a->asked.interval = world->engine->run.dt;
     a->asked.spin_centre = centre;
     a->asked.motion = motion, a->asked.motion_user = user;
     world->engine->run.needs_lists = 1; /* another function may place it elsewhere */
@@ -111,12 +117,13 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
 }
 
 /* Makes a force or a torque the only drive of a wall, which keeps its speed along the axis. */
-static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, dem_vec centre, dem_vec axis, double inertia, double load,
-                                      double damping) {
+static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, dem_vec centre, dem_vec axis,
+                                      double inertia, double load, double damping) {
     if (dem__is_running(w)) return DEM_BUSY;
     dem_vec unit;
-    if (!w || wall < 0 || wall >= w->walls || !dem__is_place(centre) || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
-        !dem__positive(inertia) || !dem__moderate(load / inertia) || !(damping >= 0.0 && dem__moderate(damping / inertia)))
+    if (!w || wall < 0 || wall >= w->walls || !dem__is_place(centre) || !dem__finite_vec(axis) ||
+        !dem__unit(axis, &unit) || !dem__positive(inertia) || !dem__moderate(load / inertia) ||
+        !(damping >= 0.0 && dem__moderate(damping / inertia)))
         return DEM_BAD_ARGUMENT;
     dem__place_wall(w, &w->wall[wall]);
     const dem_vec spin = dem__scale(w->wall[wall].spin, w->wall[wall].spin_axis);
@@ -132,11 +139,12 @@ static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, d
     return DEM_OK;
 }
 
-DEM_API dem_status dem_control_force(dem_world *world, int wall, dem_vec axis, double mass, double force, double damping) {
+DEM_API dem_status dem_control_force(dem_world *world, int wall, dem_vec axis, double mass, double force,
+                                     double damping) {
     return dem__control(world, wall, DEM_FORCE_CONTROLLED, dem_vec3(0, 0, 0), axis, mass, force, damping);
 }
-DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre, dem_vec axis, double inertia, double torque,
-                                      double damping) {
+DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre, dem_vec axis, double inertia,
+                                      double torque, double damping) {
     return dem__control(world, wall, DEM_TORQUE_CONTROLLED, centre, axis, inertia, torque, damping);
 }
 
@@ -148,17 +156,19 @@ DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
     return DEM_OK;
 }
 
-/* Computes the accelerations of controlled walls from the forces on them, and corrects their predicted rates. The damper is implicit. */
+/* Computes the accelerations of controlled walls from the forces on them, and corrects their predicted rates. The
+   damper is implicit. */
 static inline void dem__kick_walls(dem_world *w, double h) {
     const dem__run *run = &w->engine->run;
     for (int k = 0; k < w->walls && w->engine->walls.controls; k++) {
         dem_wall *a = &w->wall[k];
         if (a->asked.drive < DEM_FORCE_CONTROLLED) continue;
         const dem_vec torque = dem__add(a->torque, dem__cross(dem__sub(a->position, a->asked.spin_centre), a->force));
-        const double push = a->asked.load + dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? a->force : torque, a->spin_axis),
+        const double push = a->asked.load +
+                            dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? a->force : torque, a->spin_axis),
                      half = 0.5 * h;
-        const double rate =
-            (a->rate + half * (a->rate_change + push / a->asked.inertia)) / (1.0 + half * a->asked.damping / a->asked.inertia);
+        const double rate = (a->rate + half * (a->rate_change + push / a->asked.inertia)) /
+                            (1.0 + half * a->asked.damping / a->asked.inertia);
         a->coordinate += h * (a->rate + half * a->rate_change);
         a->rate = dem__flushed(rate);
         a->rate_change = (push - a->asked.damping * rate) / a->asked.inertia;
@@ -177,7 +187,8 @@ static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse,
 }
 
 DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i) {
-    return world && world->engine && wall >= 0 && wall < world->walls && i >= 0 && i < world->count && dem__is_at_wall(world, i, wall);
+    return world && world->engine && wall >= 0 && wall < world->walls && i >= 0 && i < world->count &&
+           dem__is_at_wall(world, i, wall);
 }
 
 DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups) {

@@ -1,10 +1,11 @@
-/* Closed meshes: what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not closed has no inside;
-   in a closed one only points within round-off of the surface depend on how it is cut into triangles. */
+/* Closed meshes: what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not
+   closed has no inside; in a closed one only points within round-off of the surface depend on how it is cut into
+   triangles. */
 #pragma once
 #include "stl_mesh.h"
 
-/* Returns whether the line from p along +z crosses a triangle. Both triangles of an edge test it with its ends in the same order, so that a
-   line through an edge or a corner crosses the surface as often as one beside it. */
+/* Returns whether the line from p along +z crosses a triangle. Both triangles of an edge test it with its ends in the
+   same order, so that a line through an edge or a corner crosses the surface as often as one beside it. */
 static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
     const dem_vec corner[3] = {a, b, c};
     int inside = 0;
@@ -20,12 +21,14 @@ static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
     return ((p.x - a.x) * n.x + (p.y - a.y) * n.y + (p.z - a.z) * n.z) * n.z < 0.0;
 }
 
-/* Returns whether p, in the wall's own frame, is inside a closed surface: a line from it crosses the surface an odd number of times. */
+/* Returns whether p, in the wall's own frame, is inside a closed surface: a line from it crosses the surface an odd
+   number of times. */
 static inline int dem__is_inside_tree(const dem__tree *t, dem_vec p) {
     int inside = 0;
     for (int32_t b = 0; b < t->nodes;) {
         const dem__node *node = &t->node[b];
-        if (!(p.x >= node->low[0] && p.x <= node->high[0] && p.y >= node->low[1] && p.y <= node->high[1] && p.z <= node->high[2])) {
+        if (!(p.x >= node->low[0] && p.x <= node->high[0] && p.y >= node->low[1] && p.y <= node->high[1] &&
+              p.z <= node->high[2])) {
             b = node->skip;
             continue;
         }
@@ -55,10 +58,11 @@ static inline int dem__is_inside_mesh(const dem_mesh *m, dem_vec p) {
     return inside;
 }
 
-/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, even with different indices; triangles
-   without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a triangle that is there twice, DEM_TOO_MANY or
-   DEM_OUT_OF_MEMORY. */
-static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_t triangles, const dem_vec *vertex, const int32_t *corner) {
+/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, even with different
+   indices; triangles without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a triangle that
+   is there twice, DEM_TOO_MANY or DEM_OUT_OF_MEMORY. */
+static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_t triangles, const dem_vec *vertex,
+                                           const int32_t *corner) {
     const size_t n = (size_t)triangles;
     dem_stl_report report;
     dem__workshop shop;
@@ -70,7 +74,8 @@ static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_
     if (triangles > INT32_MAX / 12) return DEM_TOO_MANY;
     shop.n = triangles;
     for (shop.capacity = 64; shop.capacity < 6 * n;) shop.capacity *= 2;
-    const size_t bytes = n * sizeof(dem__facet) + shop.capacity * sizeof(dem__slot) + 3 * n * sizeof(dem_vec) + 6 * n * sizeof(int32_t);
+    const size_t bytes =
+        n * sizeof(dem__facet) + shop.capacity * sizeof(dem__slot) + 3 * n * sizeof(dem_vec) + 6 * n * sizeof(int32_t);
     shop.facets = (dem__facet *)memory->fn(memory->user, NULL, 0, bytes);
     if (!shop.facets) return DEM_OUT_OF_MEMORY;
     shop.slots = (dem__slot *)(void *)(shop.facets + n);
@@ -81,7 +86,8 @@ static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_
     for (size_t k = 0; k < 3 * n; k++) shop.facets[k / 3].corner[k % 3] = vertex[corner[k]];
     dem__make_mesh(&mesh, &shop, 1.0, 0.0, &report);
     closed = mesh.triangles > 0 && report.duplicate == 0 && report.not_finite == 0;
-    for (size_t k = 0; k < shop.capacity && closed; k++) closed = (shop.slots[k].forward + shop.slots[k].backward) % 2 == 0;
+    for (size_t k = 0; k < shop.capacity && closed; k++)
+        closed = (shop.slots[k].forward + shop.slots[k].backward) % 2 == 0;
     memory->fn(memory->user, shop.facets, bytes, 0);
     return closed ? DEM_OK : DEM_BAD_ARGUMENT;
 }
@@ -92,7 +98,8 @@ DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid) {
     dem_wall *w = &world->wall[wall];
     if (solid) {
         if (w->kind != DEM_MESH) return DEM_BAD_ARGUMENT;
-        const dem_status status = dem__check_closed(&world->def.allocator, w->tree->triangles, w->tree->vertex, w->tree->corner);
+        const dem_status status =
+            dem__check_closed(&world->def.allocator, w->tree->triangles, w->tree->vertex, w->tree->corner);
         if (status != DEM_OK) return status;
     }
     w->solid = solid != 0;
@@ -123,7 +130,8 @@ DEM_API dem_region dem_mesh_region(const dem_mesh *mesh) {
     memset(&region, 0, sizeof region);
     region.kind = DEM_REGION_MESH;
     if (dem__is_mesh(mesh, &region.low, &region.high) &&
-        dem__check_closed(&memory, mesh->triangles, (const dem_vec *)(const void *)mesh->vertex, mesh->triangle) == DEM_OK)
+        dem__check_closed(&memory, mesh->triangles, (const dem_vec *)(const void *)mesh->vertex, mesh->triangle) ==
+            DEM_OK)
         region.mesh = mesh;
     return region;
 }

@@ -20,7 +20,8 @@ typedef struct dem__facet {
 } dem__facet;
 
 static inline double dem__little_float(const unsigned char *byte) {
-    const uint32_t bits = (uint32_t)byte[0] | (uint32_t)byte[1] << 8 | (uint32_t)byte[2] << 16 | (uint32_t)byte[3] << 24;
+    const uint32_t bits =
+        (uint32_t)byte[0] | (uint32_t)byte[1] << 8 | (uint32_t)byte[2] << 16 | (uint32_t)byte[3] << 24;
     float value;
     memcpy(&value, &bits, sizeof value);
     return (double)value;
@@ -32,13 +33,14 @@ typedef struct dem__binary_size {
 } dem__binary_size;
 static inline dem__binary_size dem__size_of_binary(const unsigned char *bytes, size_t size) {
     dem__binary_size s;
-    s.announced = (size_t)((uint32_t)bytes[80] | (uint32_t)bytes[81] << 8 | (uint32_t)bytes[82] << 16 | (uint32_t)bytes[83] << 24);
+    s.announced = (size_t)((uint32_t)bytes[80] | (uint32_t)bytes[81] << 8 | (uint32_t)bytes[82] << 16 |
+                           (uint32_t)bytes[83] << 24);
     s.present = (size - 84) / 50, s.rest = (size - 84) % 50;
     return s;
 }
 
-/* Returns the number of facets to read: all that are present, or, if the header announces fewer and the file does not end with a facet,
-   those that it announces. */
+/* Returns the number of facets to read: all that are present, or, if the header announces fewer and the file does not
+   end with a facet, those that it announces. */
 static inline size_t dem__facets_of_binary(const dem__binary_size *s) {
     return s->announced < s->present && s->rest > 0 ? s->announced : s->present;
 }
@@ -61,8 +63,8 @@ static inline void dem__read_facet(const unsigned char *bytes, size_t k, dem__fa
     }
 }
 
-/* Returns whether the bytes are coordinates: three in four facets have corners of 0 or between 1e-15 and 1e15. In other data (compressed,
-   other byte order, two bytes a letter) hardly any have. */
+/* Returns whether the bytes are coordinates: three in four facets have corners of 0 or between 1e-15 and 1e15. In other
+   data (compressed, other byte order, two bytes a letter) hardly any have. */
 static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) {
     const dem__binary_size s = dem__size_of_binary(bytes, size);
     const size_t n = dem__facets_of_binary(&s);
@@ -114,11 +116,13 @@ static inline double dem__number(const unsigned char *text, size_t length) {
         else exponent += !point;
         digits++;
     }
-    if (digits && k < length && (text[k] == 'e' || text[k] == 'E' || text[k] == 'd' || text[k] == 'D')) { /* d: Fortran's */
+    if (digits && k < length &&
+        (text[k] == 'e' || text[k] == 'E' || text[k] == 'd' || text[k] == 'D')) { /* d: Fortran's */
         int power = 0, any = 0;
         k++;
         if (k < length && (text[k] == '-' || text[k] == '+')) down = text[k++] == '-';
-        for (; k < length && text[k] >= '0' && text[k] <= '9'; k++, any = 1) power = power < 10000 ? 10 * power + (text[k] - '0') : power;
+        for (; k < length && text[k] >= '0' && text[k] <= '9'; k++, any = 1)
+            power = power < 10000 ? 10 * power + (text[k] - '0') : power;
         if (!any) return (double)NAN;
         exponent += down ? -power : power;
     }
@@ -140,8 +144,9 @@ typedef struct dem__stl_text {
     size_t size, at;
     dem__facet *out; /* where triangles are written; NULL: they are only counted */
     ptrdiff_t triangles, polygons, missing;
-    int begun, ended;                        /* whether a line "solid", a line "endsolid" was read */
-    int inside, loops, corners, wanted, bad; /* in a facet: loops and corners so far, numbers to come, whether it is malformed */
+    int begun, ended; /* whether a line "solid", a line "endsolid" was read */
+    int inside, loops, corners, wanted,
+        bad; /* in a facet: loops and corners so far, numbers to come, whether it is malformed */
     dem_vec normal, corner[DEM__CORNERS_MAX], number;
 } dem__stl_text;
 
@@ -151,8 +156,8 @@ static inline int dem__begins_with(const unsigned char *bytes, size_t at, size_t
     return length >= n && dem__is_word(bytes, at, n, name);
 }
 
-/* Skips the rest of a line, whose words are a name or a comment. If a facet ends there, the whole text is one line: then skips only the
-   word. */
+/* Skips the rest of a line, whose words are a name or a comment. If a facet ends there, the whole text is one line:
+   then skips only the word. */
 static inline void dem__skip_line(dem__stl_text *t, size_t length) {
     size_t end = t->at + length, word;
     while (end < t->size && t->bytes[end] != '\n' && t->bytes[end] != '\r') end++;
@@ -167,7 +172,8 @@ static inline void dem__skip_line(dem__stl_text *t, size_t length) {
 /* Returns a corner from which a fan of triangles covers a polygon, -1 if there is none. */
 static inline int dem__fan_start(const dem_vec *corner, int n) {
     dem_vec whole = dem_vec3(0.0, 0.0, 0.0);
-    for (int k = 1; k + 1 < n; k++) whole = dem__add(whole, dem__cross(dem__sub(corner[k], corner[0]), dem__sub(corner[k + 1], corner[0])));
+    for (int k = 1; k + 1 < n; k++)
+        whole = dem__add(whole, dem__cross(dem__sub(corner[k], corner[0]), dem__sub(corner[k + 1], corner[0])));
     const double size = dem__dot(whole, whole);
     if (n == 3 || size != size) return 0; /* coordinates that are not finite are counted later */
     for (int start = 0; start < n; start++) {
@@ -183,7 +189,8 @@ static inline int dem__fan_start(const dem_vec *corner, int n) {
 
 /* Ends the facet in progress. Keeps its triangles if it is whole. */
 static inline void dem__end_facet(dem__stl_text *t) {
-    const int n = t->corners, start = t->inside && !t->bad && t->wanted == 0 && n >= 3 ? dem__fan_start(t->corner, n) : -1;
+    const int n = t->corners,
+              start = t->inside && !t->bad && t->wanted == 0 && n >= 3 ? dem__fan_start(t->corner, n) : -1;
     if (!t->inside) return;
     t->inside = 0;
     if (start < 0) {
@@ -194,7 +201,8 @@ static inline void dem__end_facet(dem__stl_text *t) {
         if (!t->out) continue;
         dem__facet *f = &t->out[t->triangles];
         f->normal = t->normal;
-        f->corner[0] = t->corner[start], f->corner[1] = t->corner[(start + k) % n], f->corner[2] = t->corner[(start + k + 1) % n];
+        f->corner[0] = t->corner[start], f->corner[1] = t->corner[(start + k) % n],
+        f->corner[2] = t->corner[(start + k + 1) % n];
     }
     t->polygons += n > 3;
 }
@@ -210,9 +218,11 @@ static inline void dem__begin_facet(dem__stl_text *t) {
 static inline void dem__read_word_of_facet(dem__stl_text *t, size_t length) {
     const unsigned char *b = t->bytes;
     if (dem__is_word(b, t->at, length, "normal")) t->bad |= t->wanted > 0 || t->corners > 0, t->wanted = 6;
-    else if (dem__is_word(b, t->at, length, "vertex")) t->bad |= t->wanted > 0 || t->corners == DEM__CORNERS_MAX, t->wanted = 3;
+    else if (dem__is_word(b, t->at, length, "vertex"))
+        t->bad |= t->wanted > 0 || t->corners == DEM__CORNERS_MAX, t->wanted = 3;
     else if (dem__is_word(b, t->at, length, "outer")) t->bad |= ++t->loops > 1; /* a hole in a face */
-    else if (dem__is_word(b, t->at, length, "loop") || dem__is_word(b, t->at, length, "endloop")) t->bad |= t->wanted > 0;
+    else if (dem__is_word(b, t->at, length, "loop") || dem__is_word(b, t->at, length, "endloop"))
+        t->bad |= t->wanted > 0;
     else if (t->wanted > 0) {
         *dem_axis_of(&t->number, (6 - t->wanted) % 3) = dem__number(b + t->at, length);
         t->wanted--;
@@ -231,8 +241,10 @@ static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__
         const size_t at = t.at;
         if (bytes[at] == '#' || dem__begins_with(bytes, at, length, "//")) dem__skip_line(&t, length);
         else if (dem__is_word(bytes, at, length, "facet")) dem__begin_facet(&t), t.ended = 0, t.at += length;
-        else if (dem__is_word(bytes, at, length, "endfacet")) t.missing += !t.inside, dem__end_facet(&t), t.at += length;
-        else if (dem__begins_with(bytes, at, length, "endsolid") || (!t.inside && dem__is_word(bytes, at, length, "end")))
+        else if (dem__is_word(bytes, at, length, "endfacet"))
+            t.missing += !t.inside, dem__end_facet(&t), t.at += length;
+        else if (dem__begins_with(bytes, at, length, "endsolid") ||
+                 (!t.inside && dem__is_word(bytes, at, length, "end")))
             dem__end_facet(&t), t.ended = 1, dem__skip_line(&t, length);
         else if (t.inside) dem__read_word_of_facet(&t, length), t.at += length;
         else if (dem__begins_with(bytes, at, length, "solid")) t.begun = 1, t.ended = 0, dem__skip_line(&t, length);
@@ -246,8 +258,9 @@ static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__
 
 enum { DEM__STL_UNKNOWN, DEM__STL_TEXT, DEM__STL_BINARY };
 
-/* Returns what kind of file it is, from all bytes, because headers may be wrong. A text has hardly any control characters; a binary file
-   has the length that its count gives. Where these two disagree, the numbers must look like coordinates. */
+/* Returns what kind of file it is, from all bytes, because headers may be wrong. A text has hardly any control
+   characters; a binary file has the length that its count gives. Where these two disagree, the numbers must look like
+   coordinates. */
 static inline int dem__kind_of_stl(const unsigned char *bytes, size_t size) {
     dem_stl_report found;
     size_t controls = 0;

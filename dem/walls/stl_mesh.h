@@ -1,4 +1,5 @@
-/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated. */
+/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated.
+ */
 #pragma once
 #include "stl.h"
 
@@ -12,7 +13,8 @@ typedef struct dem__workshop {
     size_t capacity;
     int32_t *next; /* 3 n: the next vertex of a cell; later the corners of triangles without area */
     ptrdiff_t slivers;
-    double weld, cell; /* distance up to which corners are one [m]; size of a grid cell [m], 0: only equal coordinates are one */
+    double weld,
+        cell; /* distance up to which corners are one [m]; size of a grid cell [m], 0: only equal coordinates are one */
 } dem__workshop;
 
 static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *cell) {
@@ -25,8 +27,8 @@ static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *ce
     return key | 1;
 }
 
-/* Returns the vertex at a place: an earlier one if there is one within `weld`, otherwise a new one. Vertices are chained from the cells of
-   a grid, which are four times as wide as `weld`: few fit into one cell. */
+/* Returns the vertex at a place: an earlier one if there is one within `weld`, otherwise a new one. Vertices are
+   chained from the cells of a grid, which are four times as wide as `weld`: few fit into one cell. */
 static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
     for (int side = 0; side < (s->cell > 0.0 ? 8 : 1); side++) {
         double place[3];
@@ -34,7 +36,8 @@ static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *co
         for (int a = 0; a < 3; a++) {
             const double low = dem_axis(p, a) - s->weld, high = dem_axis(p, a) + s->weld;
             place[a] = side >> a & 1 ? high : low;
-            seen |= (side >> a & 1) && s->cell > 0.0 && floor(low / s->cell) == floor(high / s->cell); /* one cell for both sides */
+            seen |= (side >> a & 1) && s->cell > 0.0 &&
+                    floor(low / s->cell) == floor(high / s->cell); /* one cell for both sides */
         }
         if (seen) continue;
         const dem__slot *slot = dem__find_slot(s->slots, s->capacity, dem__key_of_cell(s, place));
@@ -81,8 +84,9 @@ static inline int dem__closes(dem__workshop *s, const int32_t *t) {
     return closed;
 }
 
-/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with the triangles without area. In a fan of these
-   one closes after the other; sixteen passes, forward and backward in turn, suffice for any order that a program writes. */
+/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with the triangles without area.
+   In a fan of these one closes after the other; sixteen passes, forward and backward in turn, suffice for any order
+   that a program writes. */
 static inline void dem__close_junctions(dem__workshop *s) {
     int changed = 1;
     for (int pass = 0; pass < 16 && changed; pass++) {
@@ -97,7 +101,8 @@ static inline void dem__close_junctions(dem__workshop *s) {
     }
 }
 
-/* Scales the facets and drops those that are not finite. Returns the number that is left; the report gets their bounding box. */
+/* Scales the facets and drops those that are not finite. Returns the number that is left; the report gets their
+   bounding box. */
 static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl_report *report) {
     dem_vec low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
     ptrdiff_t kept = 0;
@@ -128,7 +133,8 @@ static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
     const int32_t last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);
     const uint64_t middle = (uint64_t)t[0] + (uint64_t)t[1] + (uint64_t)t[2] - (uint64_t)first - (uint64_t)last;
     /* a key of three numbers, which two triangles share with a probability of 2^-64 */
-    const uint64_t key = dem__scramble(dem__scramble((uint64_t)first + 1) + dem__scramble(middle + 1) * 3 + (uint64_t)last) | 1;
+    const uint64_t key =
+        dem__scramble(dem__scramble((uint64_t)first + 1) + dem__scramble(middle + 1) * 3 + (uint64_t)last) | 1;
     dem__slot *slot = dem__find_slot(s->slots, s->capacity, key);
     if (slot->key) return 1;
     slot->key = key;
@@ -188,8 +194,8 @@ static inline void dem__make_mesh(dem_mesh *m, dem__workshop *s, double scale, d
     dem__count_edges(s, m, report);
 }
 
-DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld, const dem_allocator *allocator, dem_mesh *mesh,
-                                dem_stl_report *report) {
+DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld,
+                                const dem_allocator *allocator, dem_mesh *mesh, dem_stl_report *report) {
     const unsigned char *text = (const unsigned char *)bytes;
     dem_stl_report found;
     dem_allocator memory;
