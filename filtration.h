@@ -37,6 +37,7 @@
 #ifndef RIDDLE_FILTRATION_H
 #define RIDDLE_FILTRATION_H
 
+/* ---------------------------------------------------------------------------------------------------- >>compiler.h */
 /* compiler.h: what compilers call differently, and the switch between static inline and one shared copy.
    Relies on nothing.
    May be changed here alone: everything that leaves the macros' meaning. */
@@ -121,6 +122,7 @@
 extern "C" {
 #endif
 
+/* -------------------------------------------------------------------------------------------------------- >>base.h */
 /* base.h: what every part of filtration.h uses: status codes, memory, parallel loops.
    Relies on nothing.
    May be changed here alone: texts of statuses, the order of statuses after FILTRATION_OK. */
@@ -187,6 +189,7 @@ static inline void filtration__for_each(const filtration_parallel *p, int thread
     for (int i = 0; i < tasks; i++) task(context, i);
 }
 
+/* ------------------------------------------------------------------------------------------------- >>process_api.h */
 /* process_api.h: the filtration equation as its user sees it: laws, an operation, the evaluation of a measured curve, prediction.
    Relies on base.h.
    May be changed here alone: comments, defaults (in process.h: filtration_curve_default_def, filtration_operation_default). */
@@ -376,6 +379,7 @@ enum filtration_outside_flag { FILTRATION_OUTSIDES(FILTRATION__OUTSIDE) FILTRATI
 FILTRATION_API unsigned filtration_outside(const filtration_curve *curve, double pressure, double area, double V);
 FILTRATION_API const char *filtration_outside_text(unsigned flag); /* of one flag; never NULL; static storage */
 
+/* -------------------------------------------------------------------------------------------------- >>solids_api.h */
 /* solids_api.h: solids at rest as a signed distance: woven wire cloth, beds of spheres and fibres, voxel images.
    Relies on base.h.
    May be changed here alone: comments. */
@@ -482,6 +486,7 @@ FILTRATION_API filtration_status filtration_image_check(const filtration_image *
 FILTRATION_API double filtration_image_distance(const filtration_image *image, const double point[3]); /* as above [m] */
 FILTRATION_API filtration_solid filtration_image_solid(const filtration_image *image);
 
+/* --------------------------------------------------------------------------------------------------------- >>api.h */
 /* api.h: the resolved fluid as its user sees it: definition, spheres, solid, state, steps, measuring, saving. Relies on base.h,
    solids_api.h (filtration_solid).
    May be changed here alone: comments, defaults (in fluid.h: filtration_fluid_default_def). */
@@ -712,6 +717,7 @@ FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid 
                                                                double pressure_drop, double tolerance, int64_t max_steps,
                                                                filtration_permeability_result *result);
 
+/* ------------------------------------------------------------------------------------------ >>base/portable_math.h */
 /* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
    Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
    stated; NaN outside the domain. */
@@ -879,6 +885,7 @@ static inline double riddle_asin(double x) {
 /* clang-format on */
 /* <<portable-math */
 
+/* ------------------------------------------------------------------------------------------------ >>process_laws.h */
 /* process_laws.h: the laws of the filtration equation: pure functions of scalars. Relies on base.h, process_api.h, the portable
    mathematics.
    May be changed here alone: how a law is computed, not what it returns. */
@@ -1050,6 +1057,7 @@ static inline double filtration_student(double confidence, double freedom) {
     return t;
 }
 
+/* ----------------------------------------------------------------------------------------------- >>settling_laws.h */
 /* settling_laws.h: settling of a single sphere: Stokes' law, inertia, side walls, bottom; for comparison with a resolved simulation. Relies
    on base.h, the portable mathematics.
    May be changed here alone: how a law is computed, not what it returns. */
@@ -1105,6 +1113,7 @@ static inline double filtration_wall_brenner(double gap_over_radius) {
 }
 #ifdef FILTRATION__BODIES
 
+/* ----------------------------------------------------------------------------------------------------- >>process.h */
 /* process.h: size distributions, operations at constant rate and pressure, the evaluation of filter curves.
    Relies on base.h, process_api.h, process_laws.h.
    May be changed here alone: how a stretch is searched, how integrals and roots are found. */
@@ -1325,6 +1334,7 @@ FILTRATION_API filtration_status filtration_at_time(const filtration_operation *
     return filtration__is_finite(volume) && volume > 0.0 && filtration__is_finite(point->flow) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
 }
 
+/* ---------------------------------------------------------------------------------------------------- >>evaluate.h */
 /* evaluate.h: a measured filter curve: the straight line of t / V over V, its longest straight stretch, intervals, prediction.
    Relies on base.h, process_api.h, process_laws.h, process.h.
    May be changed here alone: how a stretch is searched. */
@@ -1690,6 +1700,7 @@ FILTRATION_API const char *filtration_outside_text(unsigned flag) {
     return "unknown flag";
 }
 
+/* ------------------------------------------------------------------------------------------------------ >>solids.h */
 /* solids.h: signed distances of woven cloth, beds and voxel images. Relies on base.h, solids_api.h, process.h (filtration__is_finite), the
    portable mathematics.
    May be changed here alone: how a distance is computed. */
@@ -2131,6 +2142,7 @@ FILTRATION_API filtration_solid filtration_image_solid(const filtration_image *i
     return solid;
 }
 
+/* ----------------------------------------------------------------------------------------------------- >>lattice.h */
 /* lattice.h: the two sets of directions, the layout of populations in memory, and where a step finds them. Relies on base.h and api.h.
    May be changed here alone: nothing; every later part addresses populations through the functions here. */
 
@@ -2289,6 +2301,7 @@ static inline double filtration__equilibrium(const filtration__lattice *l, int i
 #define FILTRATION__FLAG int64_t
 #define FILTRATION__OF(name) name##d
 
+/* ------------------------------------------------------------------------------------------------------ >>kernel.h */
 /* kernel.h: collision of the nodes of a row; read once for doubles and once for floats.
    Relies on lattice.h, and on FILTRATION__REAL, FILTRATION__FLAG (an integer of its size) and FILTRATION__OF(name).
    May be changed here alone: the order of arithmetic (the bits change). */
@@ -2443,6 +2456,7 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const
 #define FILTRATION__FLAG int32_t
 #define FILTRATION__OF(name) name##f
 
+/* ------------------------------------------------------------------------------------------------------ >>kernel.h */
 /* kernel.h: collision of the nodes of a row; read once for doubles and once for floats.
    Relies on lattice.h, and on FILTRATION__REAL, FILTRATION__FLAG (an integer of its size) and FILTRATION__OF(name).
    May be changed here alone: the order of arithmetic (the bits change). */
@@ -2591,6 +2605,7 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const
 #undef FILTRATION__SETUP
 #undef FILTRATION__ROW
 
+/* ----------------------------------------------------------------------------------------------------- >>collide.h */
 /* collide.h: one step of a pair over all rows: halos of periodic rows, collision, skipped slabs, detection of divergence. Relies on
    lattice.h and kernel.h.
    May be changed here alone: everything. */
@@ -2766,6 +2781,7 @@ static inline int filtration__find_problem(filtration__lattice *l, filtration_pr
     return 0;
 }
 
+/* ------------------------------------------------------------------------------------------------------- >>faces.h */
 /* faces.h: populations that enter through non-periodic faces of the box: walls, given pressure, symmetry. Relies on lattice.h, collide.h
    (task_range).
    May be changed here alone: everything. */
@@ -2951,6 +2967,7 @@ static void filtration__face_task(void *context, int task) {
     }
 }
 
+/* ------------------------------------------------------------------------------------------------------- >>links.h */
 /* links.h: lattice links that a surface cuts: the boundary law, the links of the solid at rest. Relies on faces.h.
    May be changed here alone: the law (filtration__bounce). */
 
@@ -3059,6 +3076,7 @@ static inline void filtration__mark_solid(const filtration_fluid_def *def, filtr
         }
 }
 
+/* ----------------------------------------------------------------------------------------------------- >>spheres.h */
 /* spheres.h: moving spheres on the lattice: the nodes that they cover, their links, the force on them, nodes that they leave. Relies on
    links.h.
    May be changed here alone: everything but the meaning of owner. Coordinates: lattice units, node i at i. */
@@ -3319,6 +3337,7 @@ static inline void filtration__fill_left(filtration__lattice *l, const filtratio
         }
 }
 
+/* ------------------------------------------------------------------------------------------------------- >>films.h */
 /* films.h: pressure in films that are too thin for nodes, between spheres, at the solid and at faces; the force on the solid at rest. A
    pressure has no level: a constant added to it changes no force.
    Relies on spheres.h.
@@ -3396,6 +3415,7 @@ static inline void filtration__solid_force(const filtration__lattice *l, double 
     }
 }
 
+/* ------------------------------------------------------------------------------------------------------- >>shear.h */
 /* shear.h: the paper's force on a sphere, for comparison: shear over a layer of one voxel, no pressure.
    Relies on spheres.h.
    May be changed here alone: everything. */
@@ -3475,6 +3495,7 @@ static inline void filtration__shear_forces(const filtration_fluid *fluid) {
     }
 }
 
+/* ------------------------------------------------------------------------------------------------------- >>fluid.h */
 /* fluid.h: definition, setting up, the step.
    Relies on spheres.h.
    May be changed here alone: defaults, checks. */
@@ -3837,6 +3858,7 @@ FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, i
     return status;
 }
 
+/* -------------------------------------------------------------------------------------------------------- >>flow.h */
 /* flow.h: reads and changes the flow between steps: samples, fields, sums, another time step, a flow to start from. Relies on fluid.h.
    May be changed here alone: everything. */
 
@@ -4094,6 +4116,7 @@ FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fl
     return FILTRATION_OK;
 }
 
+/* -------------------------------------------------------------------------------------------------------- >>save.h */
 /* save.h: writes a fluid as bytes and reads it back, bit for bit. Relies on flow.h.
    May be changed here alone: the format, with its version. */
 
@@ -4240,6 +4263,7 @@ FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, 
     return FILTRATION_OK;
 }
 
+/* ------------------------------------------------------------------------------------------------------ >>motion.h */
 /* motion.h: spheres moved through one step of the fluid: weight, the fluid's force, contacts, lubrication.
    Relies on fluid.h.
    May be changed here alone: everything. */
@@ -4527,6 +4551,7 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
     return FILTRATION_OK;
 }
 
+/* ------------------------------------------------------------------------------------------------ >>permeability.h */
 /* permeability.h: steady flow through what stands in the box.
    Relies on flow.h.
    May be changed here alone: everything. */
