@@ -2426,6 +2426,86 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
 /* Bodies: the parts that no other one includes. */
 #ifdef DEM__BODIES
 
+/* ------------------------------------------------------------------------------------------------ >>base/feature.h */
+/* What a feature adds to spheres and walls, as a table of functions: links, rigid bodies, polyhedra, a force field, the
+   energy ledger, fixed particles, meshes. The engine calls the tables that a world has, where their members say.
+   dem__add_feature adds one when the feature is first used or loaded, so a program that never names a feature compiles
+   none of it. A member that a feature does not need is NULL. None of them is called for a single contact. */
+
+/* An array of a group. Lists of them make growing, freeing and saving loops. */
+typedef struct dem__array {
+    void *address; /* of the pointer to it */
+    size_t size;   /* of an entry [bytes] */
+} dem__array;
+enum { DEM__ARRAYS_MAX = 96, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
+
+/* Particles first .. end-1 that move as one. */
+typedef struct dem__pieces {
+    ptrdiff_t first, end;
+} dem__pieces;
+
+struct dem__group;
+struct dem__stream;
+struct dem__file;
+
+typedef struct dem__feature {
+    int place;      /* features are called in the order of this number */
+    int adds_loads; /* it adds to the loads of particles */
+    int exclusive;  /* it moves particles between steps: a world has at most one such feature */
+
+    /* Memory. */
+    int (*list_arrays)(dem_world *w, dem__array *list); /* lists its arrays of particles; returns their number */
+    void (*release)(dem_world *w);                      /* frees its own memory */
+
+    /* Particles come, are changed by the caller, and go. */
+    void (*add_particle)(dem_world *w, ptrdiff_t i);       /* sets its numbers of a new particle */
+    void (*begin_change)(dem_world *w, dem__pieces of);    /* before the caller changes how some particles move */
+    void (*end_change)(dem_world *w, dem__pieces of);      /* after it */
+    void (*set_time_step)(dem_world *w);                   /* the time step has changed */
+    void (*remove_particle)(dem_world *w, ptrdiff_t i);    /* particle i leaves */
+    void (*renumber)(dem_world *w, const int32_t *number); /* particles have other numbers; -1: it is gone */
+
+    /* A run. */
+    dem_status (*check_run)(const dem_world *w, const dem_kernel *kernel); /* what prevents it, or DEM_OK */
+    int (*prepare_run)(dem_world *w);                                      /* lists are new; 0 after a failure */
+    void (*begin_ledger)(dem_world *w);                                    /* the energy ledger begins */
+    int (*end_run)(dem_world *w, int going);                               /* going: no failure so far; 0 after one */
+
+    /* The list of near pairs. */
+    void (*keep_up)(dem_world *w);      /* before the list is checked or built */
+    dem_status (*listed)(dem_world *w); /* the list is new */
+    double (*drift)(const dem_world *w, ptrdiff_t i); /* change of particle i's velocity that is not seen in each step [m/s] */
+
+    int (*begins_early)(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element); /* i touches j below touch_gap */
+
+    /* A step, in this order. */
+    int (*begin_step)(dem_world *w);                       /* 0 after a failure */
+    void (*contacts_begun)(dem_world *w, ptrdiff_t begun); /* that many contacts begin, listed in contacts.slots */
+    void (*add_forces)(dem_world *w, double h);            /* after those of contacts; h: length of the step [s] */
+    void (*leave)(dem_world *w);                           /* before particles that passed an exit are removed */
+    int (*begin_flights)(dem_world *w);                    /* after bounds have been checked; 0 after a failure */
+    int (*end_step)(dem_world *w);                         /* 0 after a failure */
+
+    /* Reading. */
+    ptrdiff_t (*forces)(const dem_world *w);                     /* how many forces of its own act between particles */
+    dem_contact_info (*force)(const dem_world *w, ptrdiff_t k); /* one of them */
+    dem_vec (*velocity_error)(const dem_world *w, ptrdiff_t i, double tau); /* what the velocity on the parabola lacks */
+    void (*correct_velocity)(dem_world *w, ptrdiff_t i, dem_vec error);     /* adds it at a new origin */
+    void (*open_books)(const dem_world *w, ptrdiff_t i, dem_energy_ledger *sums); /* adds what is not booked yet */
+
+    /* Saving. */
+    void (*world_fields)(dem_world *w, struct dem__group *g);    /* adds its single numbers */
+    void (*particle_fields)(dem_world *w, struct dem__group *g); /* adds its numbers of particles */
+    void (*save)(struct dem__stream *s, dem_world *w, struct dem__group *g);
+    int (*is_used)(const dem_world *w); /* whether a loaded world has it; -1: its single numbers are not valid */
+    dem_status (*load)(const struct dem__file *file, dem_world *w, struct dem__group *g);
+    void (*loaded)(dem_world *w); /* derives what is not saved, after all has been loaded */
+    void (*hash_particle)(uint64_t *hash, const dem_world *w, ptrdiff_t i);
+    void (*hash)(uint64_t *hash, const dem_world *w);
+} dem__feature;
+
+enum { DEM__FEATURES_MAX = 8 };
+
 /* ---------------------------------------------------------------------------------------- >>base/polyhedra_state.h */
 /* The engine's state of polyhedra. */
 
@@ -2621,11 +2701,8 @@ typedef struct dem__body_calls {
                                                                                       to the end of a step */
     void (*push)(dem_world *w, int32_t c, int has_friction);      /* applies impulses of the edge step in slot c */
     void (*shift)(dem_world *w, int32_t c);                       /* applies its shift, after all impulses */
-    void (*kick_links)(dem_world *w, dem__rigid *r, double half); /* applies the change of the links' forces */
     double (*swing)(const dem__rigid *r, double arm);             /* greatest speed in flight of what is an arm [m]
                                                                      from the centre, about it [m/s] */
-    double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i); /* estimated change of i's velocity by
-                                                                                   links [m/s] */
     void (*note_strides)(dem_world *w); /* stores how far flights are integrated */
 } dem__body_calls;
 
@@ -2680,8 +2757,9 @@ typedef struct dem__fixed {
 typedef struct dem__bodies {
     ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
-    int loads_on,
-        has_fixed; /* has_fixed: a particle has been fixed since the world was made; then loads_on is set, too */
+    int adds_loads; /* in a run: loads are to be added to the forces of contacts */
+    int loads_on;   /* a particle has had a load of the caller's, or has been fixed */
+    int has_fixed;  /* a particle has been fixed since the world was made */
     void *block;
     size_t bytes;
     dem__sum *sum;
@@ -2733,6 +2811,7 @@ typedef struct dem__pairs {
     double steps_per_second;
     double margin, margin_factor;               /* gap up to which pairs are listed [m]; its factor, 1 .. 3 */
     double least_tolerance;                     /* of bounds [m/s] */
+    double touch_gap;                           /* gap below which a contact may begin [m]: 0, but for linked pairs */
     double wall_reach;                          /* gap up to which walls are searched for [m] */
     double position_tolerance;                  /* how far corrections may shift a particle from its bound [m] */
     double gravity_size;                        /* [m/s2] */
@@ -2781,7 +2860,6 @@ typedef struct dem__contacts {
 typedef struct dem__links {
     const dem_law *law;
     dem_loop_fn loop;
-    void (*step)(dem_world *w); /* takes their step; set with their law */
     double interval, near;
     int on, every, states; /* every: steps between two evaluations */
     ptrdiff_t count, capacity;
@@ -2837,6 +2915,8 @@ typedef struct dem__pace {
 } dem__pace;
 
 typedef struct dem__engine {
+    const dem__feature *feature[DEM__FEATURES_MAX]; /* those that the world has, in the order of `place` */
+    int features;
     dem__run run;
     dem__bodies bodies;
     dem__wall_state walls;
@@ -2855,6 +2935,40 @@ typedef struct dem__engine {
     for (const dem__chunk *in_##c = (w)->engine->contacts.chunk;                                                       \
          in_##c < (w)->engine->contacts.chunk + (w)->engine->contacts.chunk_count; in_##c++)                           \
         for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->count; c++)
+
+/* Calls a member of every feature that has it: DEM__TELL(w, add_particle, (w, i)). */
+#define DEM__TELL(w, member, arguments)                                                                                \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
+            if ((w)->engine->feature[f_]->member) (w)->engine->feature[f_]->member arguments;                          \
+        }                                                                                                              \
+    } while (0)
+/* The same for a member that returns 0 after a failure: does nothing from then on. ok: an int, 1 at first. */
+#define DEM__ASK(w, ok, member, arguments)                                                                             \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features && (ok); f_++) {                                                   \
+            if ((w)->engine->feature[f_]->member) (ok) = (w)->engine->feature[f_]->member arguments;                   \
+        }                                                                                                              \
+    } while (0)
+
+/* Adds a feature to a world that may have it already. */
+static inline void dem__add_feature(dem_world *w, const dem__feature *feature) {
+    dem__engine *e = w->engine;
+    int k = e->features;
+    for (int q = 0; q < e->features; q++) {
+        if (e->feature[q] == feature) return;
+    }
+    for (e->features++; k > 0 && e->feature[k - 1]->place > feature->place; k--) e->feature[k] = e->feature[k - 1];
+    e->feature[k] = feature;
+}
+static inline void dem__drop_feature(dem_world *w, const dem__feature *feature) {
+    dem__engine *e = w->engine;
+    int left = 0;
+    for (int q = 0; q < e->features; q++) {
+        if (e->feature[q] != feature) e->feature[left++] = e->feature[q];
+    }
+    e->features = left;
+}
 
 /* ----------------------------------------------------------------------------------------------- >>base/parallel.h */
 /* The loops of a step on several threads. Promises: no result depends on the number of threads. */
@@ -2980,26 +3094,6 @@ static inline void *dem__default_allocator(void *user, void *old, size_t old_siz
     return NULL;
 }
 
-/* An array of a group. Lists of them make growing, freeing and saving loops. */
-typedef struct dem__array {
-    void *address; /* of the pointer to it */
-    size_t size;   /* of an entry [bytes] */
-} dem__array;
-enum { DEM__ARRAYS_MAX = 96, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
-
-/* Lists the arrays of particles in a force field. Returns their number. */
-static inline int dem__field_arrays(dem_world *w, dem__array *list) {
-    dem__field *field = &w->engine->field;
-    const dem__array arrays[] = {{&field->until, sizeof *field->until},
-                                 {&field->end_velocity, sizeof *field->end_velocity},
-                                 {&field->force, sizeof *field->force},
-                                 {&field->work, sizeof *field->work},
-                                 {&field->booked, sizeof *field->booked}};
-    const int n = (int)(sizeof arrays / sizeof *arrays);
-    memcpy(list, arrays, sizeof arrays);
-    return n;
-}
-
 /* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
 DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) {
     return w->engine->bodies.has_fixed && w->engine->bodies.fixed[i].on != 0;
@@ -3020,10 +3114,9 @@ DEM_INLINE double dem__touching_radius(const dem_world *w, ptrdiff_t i) {
 /* Lists the arrays of particles. Returns their number. */
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     dem__bodies *bodies = &w->engine->bodies;
-    dem__links *links = &w->engine->links;
     int n = 0;
     double **doubles[] = {&bodies->wall_speed, &bodies->shifted, &bodies->mass_share};
-    dem__two_vec **sixes[] = {&bodies->load, &bodies->external, &links->evaluated_at};
+    dem__two_vec **sixes[] = {&bodies->load, &bodies->external};
     int32_t **integers[] = {&w->material,
                             &w->group,
                             &w->alive,
@@ -3035,8 +3128,6 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
                             &w->engine->scratch.index,
                             &bodies->activity,
                             &bodies->number,
-                            &links->first_link,
-                            &links->is_loaded,
                             &bodies->to_check};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
@@ -3064,7 +3155,11 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
     list[n].address = &bodies->bound, list[n++].size = sizeof(dem__bound);
     list[n].address = &bodies->sum, list[n++].size = sizeof(dem__sum);
-    return w->engine->field.on ? n + dem__field_arrays(w, list + n) : n;
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->list_arrays) n += f->list_arrays(w, list + n);
+    }
+    return n;
 }
 
 static inline int dem__may_postpone(const dem_world *w) { return w->engine->contacts.postponed || w->def.threads > 1; }
@@ -3147,20 +3242,6 @@ static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, v
     return 1;
 }
 
-/* Lists the arrays of links. Returns their number. */
-static inline int dem__link_arrays(dem_world *w, dem__array *list) {
-    dem__links *links = &w->engine->links;
-    int n = 0;
-    int32_t **integers[] = {&links->i, &links->j, &links->element, &links->next_i, &links->next_j};
-    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++)
-        list[n].address = integers[k], list[n].size = sizeof(int32_t);
-    for (int k = 0; k < links->states; k++, n++) list[n].address = &links->state[k], list[n].size = sizeof(double);
-    for (int k = 0; k < 9; k++, n++) list[n].address = &links->wrench[k], list[n].size = sizeof(double);
-    list[n].address = &links->gap, list[n++].size = sizeof(double);
-    list[n].address = &links->ended, list[n++].size = 1;
-    return n;
-}
-
 /* Makes room for `count` timers, and for `bytes` beside each in another array. Returns 0 when out of memory. */
 static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count, void *other, size_t bytes) {
     const dem__array list[] = {{&t->due, DEM__LINE * sizeof *t->due},
@@ -3204,6 +3285,23 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
     *array = fresh;
     *capacity = larger;
     return 1;
+}
+
+/* Adds a feature to a world and makes room for its numbers of particles. DEM_BAD_ARGUMENT: another feature excludes it.
+   After a failure nothing has changed. */
+static inline dem_status dem__take_feature(dem_world *w, const dem__feature *feature) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__array list[DEM__ARRAYS_MAX];
+    for (int k = 0; k < w->engine->features; k++) {
+        if (w->engine->feature[k] == feature) return DEM_OK;
+        if (w->engine->feature[k]->exclusive && feature->exclusive) return DEM_BAD_ARGUMENT;
+    }
+    dem__add_feature(w, feature);
+    if (bodies->capacity == 0 || dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes,
+                                                 &bodies->capacity, bodies->capacity))
+        return DEM_OK;
+    dem__drop_feature(w, feature);
+    return DEM_OUT_OF_MEMORY;
 }
 
 /* --------------------------------------------------------------------------------------------- >>base/definition.h */
@@ -3407,16 +3505,15 @@ DEM_API void dem_free(dem_world *world) {
     if (!world || !world->def.allocator.fn || dem__is_running(world)) return;
     const dem_allocator a = world->def.allocator;
     dem__engine *e = world->engine;
+    DEM__TELL(world, release, (world));
     dem__release(&a, e->bodies.block, e->bodies.bytes);
     dem__release(&a, e->bodies.rigid, (size_t)e->bodies.rigid_capacity * sizeof *e->bodies.rigid);
     dem__release(&a, e->convex.shape, (size_t)e->convex.shapes * sizeof *e->convex.shape);
     dem__release(&a, e->convex.pair, (size_t)e->convex.pair_capacity * sizeof *e->convex.pair);
     dem__release(&a, e->convex.point, (size_t)e->convex.point_capacity * sizeof *e->convex.point);
     dem__release(&a, e->contacts.block, e->contacts.bytes);
-    dem__release(&a, e->links.block, e->links.bytes);
     dem__release(&a, e->pairs.timers.block, e->pairs.timers.bytes);
     dem__release(&a, e->walls.timers.block, e->walls.timers.bytes);
-    dem__release(&a, e->field.timers.block, e->field.timers.bytes);
     dem__release(&a, e->pairs.adjacent, (size_t)e->pairs.adjacent_capacity * sizeof(int32_t));
     dem__release(&a, e->pairs.cells, (size_t)e->pairs.cells_capacity * sizeof(int32_t));
     dem__release(&a, world->passed, (size_t)e->bodies.passed_capacity * sizeof *world->passed);
@@ -3749,10 +3846,6 @@ DEM_INLINE dem__rigid *dem__rigid_of(const dem_world *w, ptrdiff_t i) {
     return bodies->rigid && bodies->rigid_of[i] > 0 ? &bodies->rigid[bodies->rigid_of[i] - 1] : NULL;
 }
 
-/* Particles first .. end-1 that move as one. */
-typedef struct dem__pieces {
-    ptrdiff_t first, end;
-} dem__pieces;
 /* Returns the particles of particle i's rigid body, or i alone. */
 DEM_INLINE dem__pieces dem__pieces_of(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
@@ -3815,17 +3908,15 @@ DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? r->a : w->particle[i].a;
 }
-/* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at
-   both ends, but not the right velocities; the error at its end shows how the acceleration changes. */
+/* Returns what velocities on the parabola lack [m/s]: in a force field the parabola has the right places at both ends of
+   a flight, but not the right velocities. */
 static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
-    const dem__field *field = &w->engine->field;
-    const dem__rigid *r = dem__rigid_of(w, i);
-    const ptrdiff_t first = r ? r->first : i; /* has the flight */
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
-    if (!field->on || w->engine->bodies.activity[i] || field->until[first] == DEM__NO_FLIGHT) return none;
-    const double whole = (double)(field->until[first] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
-    if (!(share >= 0.0 && share <= 1.0)) return none;
-    return dem__scale(share * (3.0 * share - 2.0), dem__sub(field->end_velocity[first], dem__drift_at(w, i, whole)));
+    dem_vec error = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->velocity_error) error = f->velocity_error(w, i, tau);
+    }
+    return error;
 }
 /* Returns the velocity as accurately as it is known. */
 static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
@@ -3914,15 +4005,8 @@ DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
    accurate velocity that is known. */
 static inline void dem__restart(dem_world *w, ptrdiff_t i) {
     const dem_vec error = dem__velocity_error(w, i, dem__now(w, i));
-    dem__rigid *r = dem__rigid_of(w, i);
     dem__set_origin(w, i);
-    if (!w->engine->field.on) return;
-    dem__book_field_work(w, -dem__motion_energy(w, i));
-    if (r) {
-        r->v = dem__add(r->v, error);
-        w->engine->bodies.calls->place(w, r);
-    } else w->particle[i].v = dem__add(w->particle[i].v, error);
-    dem__book_field_work(w, dem__motion_energy(w, i));
+    DEM__TELL(w, correct_velocity, (w, i, error));
 }
 
 DEM_INLINE double dem__nearest(double d, double length) {
@@ -3938,54 +4022,15 @@ DEM_INLINE dem_vec dem__nearest_image(const dem_world *w, dem_vec d) {
     return d;
 }
 
-/* Returns the number of steps between two evaluations of the links, also for a loaded world without their law. */
-DEM_INLINE int dem__steps_of_links(const dem_world *w) {
-    const double n = floor(w->engine->links.interval / w->engine->run.dt);
-    return n < 1.0 ? 1 : n > 1000.0 ? 1000 : (int)n;
-}
-
-/* Returns the time since links were evaluated [s]. */
-DEM_INLINE double dem__since_evaluated(const dem_world *w) {
-    return w->engine->run.dt * (double)(w->step - w->engine->links.evaluated_step);
-}
-
-/* Returns the work of the link forces on particle i, which is at x and has a spin, since they were evaluated [J]. */
-DEM_INLINE double dem__link_work_until(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const dem__links *links = &w->engine->links;
-    const double turned = 0.5 * dem__since_evaluated(w);
-    const dem_vec way = dem__nearest_image(w, dem__sub(x, dem__first(links->evaluated_at[i])));
-    const dem_vec force = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->external[i]));
-    const dem_vec torque = dem__sub(dem__second(bodies->load[i]), dem__second(bodies->external[i]));
-    return dem__dot(force, way) + turned * dem__dot(torque, dem__add(spin, dem__second(links->evaluated_at[i])));
-}
-static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
-    const double tau = dem__now(w, i);
-    if (!w->engine->links.is_loaded[i] || dem__is_fixed(w, i)) return 0.0;
-    return dem__link_work_until(w, i, dem__at(w, i, tau), dem__spin_at(w, i, tau));
-}
-
-/* Stop and resume counting the work of links on some particles, while a caller changes how they move. The spin from
-   which counting resumes is the one that a particle would have had at the last evaluation. */
-static inline void dem__stop_link_work(dem_world *w, dem__pieces of) {
-    for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) dem__book_link_work(w, dem__link_work(w, k));
-}
-static inline void dem__resume_link_work(dem_world *w, dem__pieces of) {
-    for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) {
-        double *from = w->engine->links.evaluated_at[k];
-        const double tau = dem__now(w, k);
-        if (!w->engine->links.is_loaded[k]) continue;
-        const dem_vec x = dem__at(w, k, tau),
-                      spin = dem__plus(dem__spin_at(w, k, tau), -dem__since_evaluated(w), w->spin_rate[k]);
-        for (int a = 0; a < 3; a++) from[a] = dem_axis(x, a), from[3 + a] = dem_axis(spin, a);
-        dem__book_link_work(w, -dem__link_work(w, k));
-    }
-}
 static inline dem__pieces dem__all_particles(const dem_world *w) {
     dem__pieces all;
     all.first = 0, all.end = w->count;
     return all;
 }
+
+/* Begin and end a change of how some particles move, by the caller. */
+static inline void dem__begin_change(dem_world *w, dem__pieces of) { DEM__TELL(w, begin_change, (w, of)); }
+static inline void dem__end_change(dem_world *w, dem__pieces of) { DEM__TELL(w, end_change, (w, of)); }
 
 /* Sets what turns forces on particle i into accelerations. */
 static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
@@ -4056,15 +4101,13 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     w->group[i] = group;
     w->alive[i] = 1;
     w->touching[i] = bodies->activity[i] = 0;
-    w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
-    w->engine->links.is_loaded[i] = 0;
+    w->engine->walls.first_contact[i] = -1;
     memset(&bodies->bound[i], 0, sizeof bodies->bound[i]);
     bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
     if (bodies->rigid) bodies->rigid_of[i] = 0;
     if (w->engine->convex.shapes > 0)
         w->engine->convex.shape_of[i] = 0; /* a polyhedron that has gone may have had this entry */
-    if (w->engine->field.on)
-        w->engine->field.until[i] = DEM__NO_FLIGHT, w->engine->field.force[i] = dem_vec3(0.0, 0.0, 0.0);
+    DEM__TELL(w, add_particle, (w, i));
     return i;
 }
 
@@ -4093,28 +4136,19 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     return DEM_OK;
 }
 
-/* Sets the number of steps between two evaluations of the links, and the step of the last one as it would have been
-   with it. */
-static inline void dem__set_link_steps(dem_world *w) {
-    dem__links *links = &w->engine->links;
-    if (!links->on) return;
-    if (links->law) links->every = dem__steps_of_links(w);
-    links->evaluated_step = w->step - w->step % dem__steps_of_links(w);
-}
-
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !dem__is_time_step(dt)) return DEM_BAD_ARGUMENT;
-    dem__stop_link_work(w, dem__all_particles(w));
+    dem__begin_change(w, dem__all_particles(w));
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__restart(w, i);
     }
     w->engine->run.start_time = w->time;
     w->engine->run.start_step = w->step;
     w->def.dt = w->engine->run.dt = dt;
-    dem__set_link_steps(w);
-    dem__resume_link_work(w, dem__all_particles(w));
+    DEM__TELL(w, set_time_step, (w));
+    dem__end_change(w, dem__all_particles(w));
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
@@ -4198,14 +4232,14 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) i = r->first;
     if (r && dem__is_fixed(w, i) && dem__dot(spin, spin) > 0.0) return DEM_BAD_ARGUMENT;
-    dem__stop_link_work(w, dem__pieces_of(w, i));
+    dem__begin_change(w, dem__pieces_of(w, i));
     dem__restart(w, i);
     dem__book_motion(w, -dem__motion_energy(w, i));
     w->particle[i].v = dem__flushed_vec(velocity);
     w->particle[i].spin = dem__flushed_vec(spin);
     if (r) w->engine->bodies.calls->set_motion(w, r, dem__flushed_vec(velocity), dem__flushed_vec(spin));
     dem__book_motion(w, dem__motion_energy(w, i));
-    dem__resume_link_work(w, dem__pieces_of(w, i));
+    dem__end_change(w, dem__pieces_of(w, i));
     w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
@@ -4216,7 +4250,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     if (!dem__is_present(w, i) || !dem__moderate_vec(dem__scale(1.0 / w->particle[i].mass, force)) ||
         !dem__moderate_vec(dem__scale(1.0 / dem__inertia(w, i), torque)))
         return DEM_BAD_ARGUMENT;
-    dem__stop_link_work(w, dem__pieces_of(w, i));
+    dem__begin_change(w, dem__pieces_of(w, i));
     dem__restart(w, i);
     double *load = w->engine->bodies.load[i], *external = w->engine->bodies.external[i];
     dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
@@ -4232,12 +4266,12 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     for (int a = 0; a < 6; a++) {
         const double change = wanted[a] - external[a];
         if (!fixed) *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
-        load[a] = !w->engine->links.is_loaded[i] ? wanted[a] : load[a] + change;
+        load[a] = load[a] == external[a] ? wanted[a] : load[a] + change; /* links add to it */
         external[a] = wanted[a];
     }
     if (r) w->engine->bodies.calls->place(w, r);
     if (!w->touching[i]) dem__free_acceleration(w, i);
-    dem__resume_link_work(w, dem__pieces_of(w, i));
+    dem__end_change(w, dem__pieces_of(w, i));
     dem__wake(w, i); /* a loaded particle is not in free flight */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = 1;
     return DEM_OK;
@@ -4577,24 +4611,6 @@ static inline int dem__touches_element(const dem_world *w, ptrdiff_t i, int wall
     return 0;
 }
 
-/* Returns the link after k in particle i's list; -1 at its end. */
-DEM_INLINE int32_t dem__next_link(const dem_world *w, int32_t k, ptrdiff_t i) {
-    const dem__links *links = &w->engine->links;
-    return links->i[k] == i ? links->next_i[k] : links->next_j[k];
-}
-
-/* Returns the link of particle i with body j (a wall: -1 - index) at an element of it, or -1. */
-static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element) {
-    const dem__links *links = &w->engine->links;
-    int32_t k = links->first_link[i];
-    while (k >= 0) {
-        const int first = links->i[k] == i;
-        if ((first ? links->j[k] : links->i[k]) == j && (j >= 0 || links->element[k] == element)) return k;
-        k = dem__next_link(w, k, i);
-    }
-    return -1;
-}
-
 /* Returns an arm [m]: no point of a wall at x is faster than speed_bound + arm * spin_bound. */
 DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
     const double arm =
@@ -4696,7 +4712,7 @@ static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int
     const dem_vec x = dem__at(w, i, tau), d = dem__sub(x, wall->position);
     const double speed =
         dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
-    const double radius = w->particle[i].radius, near = w->engine->links.near,
+    const double radius = w->particle[i].radius, near = w->engine->pairs.touch_gap,
                  leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact opens in a step */
         deep = leaves > near ? leaves : near;
     dem__footing footing = dem__footing_of(w, slot[0]);
@@ -4853,7 +4869,7 @@ typedef struct dem__wall_test {
 static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test *t) {
     const dem_wall *wall = t->wall;
     const double stray = 2.0 * w->engine->bodies.bound[t->i].tolerance,
-                 near = w->engine->links.near + w->engine->pairs.position_tolerance, radius = w->particle[t->i].radius;
+                 near = w->engine->pairs.touch_gap + w->engine->pairs.position_tolerance, radius = w->particle[t->i].radius;
     const dem_vec u = dem__sub(t->v, wall->velocity), g = dem__free_fall(w);
     double a = w->engine->pairs.gravity_size + wall->acceleration_bound, least = HUGE_VAL;
     if (t->found == 0 || wall->asked.drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 ||
@@ -4881,10 +4897,20 @@ static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t
     else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
 }
 
+/* Returns whether a feature wants a contact of particle i with an element of a wall before they touch. */
+static inline int dem__begins_early(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
+    int early = 0;
+    for (int k = 0; k < w->engine->features && !early; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->begins_early) early = f->begins_early(w, i, -1 - wall, element);
+    }
+    return early;
+}
+
 /* Begins contacts at the places found, and sets what is clear of them. Returns 0 if the wall needs no other test: it is
    touched at its only place, or memory ran out. */
 static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
-    const double near = w->engine->links.near;
+    const double near = w->engine->pairs.touch_gap;
     int touches = 0;
     if (t->wall->kind == DEM_SCREEN)
         t->others = dem__other_bars(w, t->wall, w->particle[t->i].radius, t->touch, t->found);
@@ -4892,8 +4918,8 @@ static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
     for (int q = 0; q < t->found; q++) {
         const dem__touch *place = &t->touch[q];
         if (dem__touches_element(w, t->i, t->k, place->element)) continue;
-        const int linked = place->gap < near && dem__link_of(w, t->i, -1 - t->k, place->element) >= 0;
-        if (place->gap < (linked ? near : 0.0)) {
+        const int early = place->gap < near && dem__begins_early(w, t->i, t->k, place->element);
+        if (place->gap < (early ? near : 0.0)) {
             if (!dem__new_wall_contact(w, t->i, t->k, place, place->element)) return 0;
             touches = 1;
         } else t->clear = place->gap - near < t->clear ? place->gap - near : t->clear;
@@ -4945,7 +4971,7 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     if (w->engine->run.has_periodic)
         t.x = dem__in_box(w, t.x); /* where the step will put it: bars are told apart by their place */
     t.others = w->engine->pairs.wall_reach;
-    t.found = dem__touch_wall(t.wall, t.x, radius, skips ? t.others : w->engine->links.near, t.touch, &t.clear);
+    t.found = dem__touch_wall(t.wall, t.x, radius, skips ? t.others : w->engine->pairs.touch_gap, t.touch, &t.clear);
     if (t.wall->kind == DEM_EXIT && t.clear < 0.0) {
         dem__test_exit(w, &t, e, step);
         return;
@@ -5023,7 +5049,6 @@ static inline void dem__compact_bodies(dem_world *w) {
 /* Removes dropped particles from the arrays; the others keep their order. */
 static inline void dem__compact(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
-    dem__links *links = &w->engine->links;
     if (!w->engine->bodies.dropped) return;
     ptrdiff_t to = 0;
     dem__array list[DEM__ARRAYS_MAX];
@@ -5047,10 +5072,7 @@ static inline void dem__compact(dem_world *w) {
     }
     for (int q = 0; q < contacts->chunk_count; q++)
         contacts->chunk[q].first_particle = dem__remapped(w, contacts->chunk[q].first_particle);
-    for (ptrdiff_t k = 0; k < links->count; k++) {
-        links->i[k] = remap[links->i[k]];
-        if (links->j[k] >= 0) links->j[k] = remap[links->j[k]];
-    }
+    DEM__TELL(w, renumber, (w, remap));
     w->count = to;
     w->engine->bodies.dropped = 0;
     dem__compact_bodies(w);
@@ -5525,15 +5547,6 @@ DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
 /* ----------------------------------------------------------------------------------------------- >>search/bounds.h */
 /* Bounds on particles' motion, and the timers that depend on them. */
 
-/* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present
-   forces. */
-DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (r) return w->engine->bodies.calls->link_drift(w, r, i);
-    return (double)w->engine->links.every * w->engine->run.dt / w->particle[i].mass *
-           dem__length(dem__first(w->engine->bodies.load[i]));
-}
-
 /* Returns a limit of the change of velocity by an acceleration in one step [m/s]; the sum of components needs no root.
  */
 DEM_INLINE double dem__most_change(double dt, dem_vec pull) {
@@ -5556,7 +5569,6 @@ DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double straye
 DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec x, dem_vec v) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__pairs *pairs = &w->engine->pairs;
-    const dem__links *links = &w->engine->links;
     const double t = dem__since_listed(w, step);
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem__rigid *body =
@@ -5575,8 +5587,10 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
         c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
     c->tolerance += swing;
-    if (links->on && (links->first_link[i] >= 0 || dem__rigid_of(w, i))) c->tolerance += 2.0 * dem__link_drift(w, i);
-    c->reach = w->particle[i].radius + 0.5 * links->near + pairs->position_tolerance - t * c->tolerance;
+    for (int k = 0; k < w->engine->features; k++) {
+        if (w->engine->feature[k]->drift) c->tolerance += w->engine->feature[k]->drift(w, i);
+    }
+    c->reach = w->particle[i].radius + 0.5 * pairs->touch_gap + pairs->position_tolerance - t * c->tolerance;
     dem__set_tolerance_left(w, i, turn);
 }
 
@@ -6205,30 +6219,6 @@ static inline void dem__find_contacts(dem_world *w) {
     }
 }
 
-/* Sets the distance at which near pair p is in contact, which is larger for linked particles. p = -1: does nothing. */
-DEM_INLINE void dem__mark_link(dem_world *w, int32_t p, int linked) {
-    if (p < 0) return;
-    dem__near *q = &w->engine->pairs.near[p];
-    q->distance = w->particle[q->i].radius + w->particle[q->j].radius + (linked ? w->engine->links.near : 0.0);
-}
-
-DEM_INLINE void dem__list_link(dem_world *w, int32_t k) {
-    dem__links *links = &w->engine->links;
-    const int32_t i = links->i[k], j = links->j[k];
-    links->next_i[k] = links->first_link[i];
-    links->first_link[i] = k;
-    if (j < 0) return;
-    const int32_t p = dem__near_pair(w, i, j);
-    links->next_j[k] = links->first_link[j];
-    links->first_link[j] = k;
-    dem__mark_link(w, p, 1);
-}
-
-static inline void dem__find_links(dem_world *w) {
-    for (ptrdiff_t i = 0; i < w->count; i++) w->engine->links.first_link[i] = -1;
-    for (int32_t k = 0; k < (int32_t)w->engine->links.count; k++) dem__list_link(w, k);
-}
-
 /* Sets the timers of all near pairs in pages first .. end-1 that do not touch. */
 DEM_INLINE void dem__set_new_timers(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     const dem__pairs *pairs = &w->engine->pairs;
@@ -6314,8 +6304,6 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__choose_frame(w);
     dem__choose_margin(w, keeps, smallest, largest);
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
-    if (!(w->engine->links.near <= 0.01 * pairs->margin) && w->engine->links.count > 0)
-        return dem__fail_to_list(w, DEM_BAD_DEFINITION);
     if (pairs->count > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) return dem__fail_to_list(w, DEM_TOO_MANY);
     if (!dem__make_timers(w, keeps)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     run->needs_lists = 0;
@@ -6323,7 +6311,11 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__find_contacts(w);
     if (w->engine->convex.calls && !w->engine->convex.calls->list_pairs(w))
         return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
-    dem__find_links(w);
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        const dem_status status = f->listed ? f->listed(w) : DEM_OK;
+        if (status != DEM_OK) return dem__fail_to_list(w, status);
+    }
     pairs->next_check = w->step + DEM__STEPS_MAX;
     pairs->listed_step = w->step;
     w->rebuilds++;
@@ -7279,70 +7271,6 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
     }
 }
 
-/* Returns the number of parts into which the links are split. */
-DEM_INLINE int dem__link_parts(const dem_world *w) {
-    return dem__parts_of(w, w->engine->links.count, w->engine->scratch.works);
-}
-
-/* Adds the forces of links first .. end-1 to the loads of their bodies, in the order of the links. */
-DEM_INLINE void dem__add_links(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
-    dem__bodies *bodies = &w->engine->bodies;
-    const dem__links *links = &w->engine->links;
-    double *const *out = links->wrench;
-    for (ptrdiff_t k = first; k < end; k++) {
-        const ptrdiff_t i = links->i[k], j = links->j[k], ahead = k + DEM__AHEAD;
-        if (ahead < end) {
-            DEM__PREFETCH(bodies->load[links->i[ahead]]);
-            DEM__PREFETCH(bodies->load[links->j[ahead] < 0 ? 0 : links->j[ahead]]);
-        }
-        if (links->ended[k]) continue;
-        for (int a = 0; a < 6; a++) bodies->load[i][a] += out[a][k];
-        if (j < 0) continue;
-        for (int a = 0; a < 3; a++) bodies->load[j][a] -= out[a][k];
-        for (int a = 3; a < 6; a++) bodies->load[j][a] += out[3 + a][k];
-    }
-}
-
-/* Gathers the block of n links from base on, and prefetches those after it. */
-DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t base, int n, ptrdiff_t end) {
-    const dem__links *links = &w->engine->links;
-    x->walls = 0;
-    for (int k = 0; k < n; k++) {
-        const ptrdiff_t c = base + k, i = links->i[c], j = links->j[c], ahead = c + DEM__AHEAD;
-        if (ahead < end) dem__prefetch_particle(w, links->i[ahead]), dem__prefetch_particle(w, links->j[ahead]);
-        if (j >= 0) dem__gather_pair(w->particle, i, j, &x->rows, k, 1);
-        else dem__gather_wall(w, i, -1 - j, links->element[c], -1, &x->rows, k, 0.0, &x->wall[x->walls++]);
-        x->types.sum[k] = w->particle[i].radius + (j >= 0 ? w->particle[j].radius : 0.0);
-        x->types.part[k] = w->particle[i].radius / x->types.sum[k];
-    }
-    dem__complete_rows(w, &x->rows, &x->types, n, 0.0, 0.5 * w->engine->run.kernel_dt, x->wall, x->walls, 1);
-}
-
-/* Evaluates links first .. end - 1 at the present positions. If there is only one thread, it adds up each block while
-   it is in the cache. */
-DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law) {
-    dem__links *links = &w->engine->links;
-    dem__work *x = dem__work_of(w, part);
-    const double h = w->engine->run.kernel_dt;
-    for (ptrdiff_t base = first; base < end; base += DEM__BLOCK) {
-        const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;
-        const size_t bytes = (size_t)n * sizeof(double);
-        dem__columns old, at;
-        dem__gather_links(w, x, base, n, end);
-        for (int a = 0; a < law->states; a++) old.state[a] = links->state[a] + base;
-        for (int a = 0; a < 9; a++) old.out[a] = links->wrench[a] + base;
-        for (int a = 0; a < law->states; a++) at.state[a] = DEM__COPY_ROWS ? x->block.state[a] : old.state[a];
-        for (int a = 0; a < 9; a++) at.out[a] = DEM__COPY_ROWS ? x->block.out[a] : old.out[a];
-        dem__apply_law(w, x, links->i + base, links->j + base, n, &old, &at, law, h, 1.0 / h,
-                       DEM_FRICTION | DEM__OF_LINKS);
-        for (int a = 0; a < law->history && DEM__COPY_ROWS; a++) memcpy(old.state[a], at.state[a], bytes);
-        for (int a = 0; a < 9 && DEM__COPY_ROWS; a++) memcpy(old.out[a], at.out[a], bytes);
-        memcpy(links->gap + base, x->rows.gap, bytes);
-        for (int k = 0; k < n; k++) links->ended[base + k] = x->ended[k] != 0.0;
-        if (dem__link_parts(w) == 1) dem__add_links(w, base, base + n);
-    }
-}
-
 #define DEM__LOOP(name, call)                                                                                          \
     DEM__AVX2_CLONE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end, int part), (world, first, end, part),    \
                     call)
@@ -7353,28 +7281,10 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
     }                                                                                                                  \
     DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))                        \
     static const dem_kernel name = {&(law), features, name##_loop};
-#define DEM_LINK_KERNEL(name, law)                                                                                     \
-    DEM__LOOP(name##_loop, dem__link_kernel(world, first, end, part, &(law)))                                          \
-    static const dem_link_kernel name = {&(law), name##_loop};
 
 /* -------------------------------------------------------------------------------------------- >>particles/detach.h */
-/* Particles that leave, and their links, which end with them. Reads bodies, walls, pairs; writes links and lists.
+/* Particles that leave. Reads bodies, walls, pairs; writes lists.
    Promises: a particle that is gone is in no list. */
-
-/* Removes link k from particle i's list, or puts another link in its place. */
-static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t replacement) {
-    dem__links *links = &w->engine->links;
-    int32_t *at = &links->first_link[i];
-    while (*at != k) at = links->i[*at] == i ? &links->next_i[*at] : &links->next_j[*at];
-    *at = replacement >= 0 ? replacement : dem__next_link(w, k, i);
-}
-
-/* Returns the highest slot of a particle's links. The order of its list depends on the history of the scene. */
-static inline int32_t dem__last_link(const dem_world *w, ptrdiff_t i) {
-    int32_t last = -1;
-    for (int32_t k = w->engine->links.first_link[i]; k >= 0; k = dem__next_link(w, k, i)) last = k > last ? k : last;
-    return last;
-}
 
 /* Calls the law's hook for a contact or a link that has ended. */
 static inline void dem__report_end(dem_world *w, const dem_law *law, int32_t k) {
@@ -7382,29 +7292,6 @@ static inline void dem__report_end(dem_world *w, const dem_law *law, int32_t k) 
     w->engine->run.ending = 1;
     law->ended(w, k, w->user);
     w->engine->run.ending = 0;
-}
-
-/* Ends link k; the last link takes its slot. Its force acts until links are evaluated next. */
-static inline void dem__cut_link(dem_world *w, int32_t k) {
-    const int32_t i = w->engine->links.i[k], j = w->engine->links.j[k], last = (int32_t)w->engine->links.count - 1;
-    dem__report_end(w, w->engine->links.law, k);
-    dem__unlist_link(w, k, i, -1);
-    if (j >= 0) {
-        const int32_t p = dem__near_pair(w, i, j);
-        dem__mark_link(w, p, 0);
-        dem__unlist_link(w, k, j, -1);
-    }
-    w->engine->links.count = last;
-    if (k == last) return;
-    dem__unlist_link(w, last, w->engine->links.i[last], k);
-    if (w->engine->links.j[last] >= 0) dem__unlist_link(w, last, w->engine->links.j[last], k);
-    dem__array list[DEM__ARRAYS_MAX];
-    const int n = dem__link_arrays(w, list);
-    for (int a = 0; a < n; a++) {
-        char *base;
-        memcpy(&base, list[a].address, sizeof base);
-        memcpy(base + (size_t)k * list[a].size, base + (size_t)last * list[a].size, list[a].size);
-    }
 }
 
 /* Marks an active particle for dem__check_bounds. */
@@ -7423,11 +7310,9 @@ DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
 /* Removes particle i from all lists. Its entries in the arrays are removed by a later rebuild. */
 static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
     dem__pairs *pairs = &w->engine->pairs;
-    dem__book_link_work(w, dem__link_work(w, i));
     dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
     w->alive[i] = DEM_LEAVING; /* so that the law can tell a removal from a rupture */
-    while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
-    w->engine->links.is_loaded[i] = 0; /* the work of its links has been booked */
+    DEM__TELL(w, remove_particle, (w, i));
     w->alive[i] = 0;
     w->engine->bodies.dropped++;
     dem__mark_to_check(w, i);
@@ -7984,130 +7869,6 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
     }
 }
 
-/* -------------------------------------------------------------------------------------------- >>search/due_tests.h */
-/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers.
-   Promises: every contact that begins is found; a step that cannot be finished leaves no trace. */
-
-/* Sets the status, and failed_id to the first particle whose state is not finite. Returns 0. */
-static inline int dem__fail(dem_world *w, dem_status status) {
-    w->status = status;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem_particle *p = &w->particle[i];
-        const dem_vec sum = dem__add(dem__add(p->v, p->a), dem__add(p->spin, w->spin_rate[i]));
-        const double v = sum.x + sum.y + sum.z;
-        if (!(fabs(v) <= DBL_MAX)) {
-            w->failed_id = w->id[i];
-            break;
-        }
-    }
-    return 0;
-}
-
-/* Tests the due pairs in pages first .. end-1. */
-DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step,
-                                   int rigid) {
-    dem__pairs *pairs = &w->engine->pairs;
-    int32_t *due = pairs->timers.list + first * DEM__PAGE;
-    ptrdiff_t n;
-    dem__list_due(&pairs->timers, first, end, step, DEM__NEVER, &n);
-    dem__clear_batch(waits);
-    waits->found = due; /* pairs that are found overwrite pairs that have been tested */
-    for (ptrdiff_t k = dem__prefetch_from(n, 2 * DEM__AHEAD); k < n; k++) {
-        const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
-        if (pair < n) DEM__PREFETCH(&pairs->near[due[pair]]);
-        if (flight >= 0 && flight < n) {
-            dem__prefetch_flight(w, pairs->near[due[flight]].i);
-            dem__prefetch_flight(w, pairs->near[due[flight]].j);
-        }
-        if (k >= 0) dem__test_pair(w, waits, due[k], step, rigid);
-    }
-    dem__flush_batch(w, waits, step);
-}
-
-static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
-    dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 0);
-}
-
-/* Tests the due pairs. The number of threads follows from the number of due pairs in the step before. */
-static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
-    dem__pairs *pairs = &w->engine->pairs;
-    const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
-    dem__in_parts(w, parts, pairs->timers.pages,
-                  w->engine->bodies.rigid ? w->engine->bodies.calls->test_due : dem__test_due_range, &step);
-    pairs->due_count = 0;
-    for (int q = 0; q < parts; q++) {
-        dem__timer_batch *batch = &dem__work_of(w, q)->batch;
-        pairs->due_count += (ptrdiff_t)batch->looks;
-        dem__new_pair_contacts(w, batch);
-    }
-}
-
-/* Tests all pairs that do not touch. */
-static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
-    const dem__pairs *pairs = &w->engine->pairs;
-    dem__timer_batch waits;
-    dem__clear_batch(&waits);
-    waits.found = pairs->timers.list;
-    for (int32_t p = 0; p < (int32_t)pairs->count; p++) {
-        if (pairs->timers.due[p] != DEM__STOPPED) dem__test_pair(w, &waits, p, step, 1);
-    }
-    dem__new_pair_contacts(w, &waits);
-}
-
-/* Tests everything that is due at a step. */
-static inline void dem__detect(dem_world *w, int64_t step) {
-    dem__wall_state *walls = &w->engine->walls;
-    if (walls->meshes) walls->follow_meshes(w, step);
-    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, step);
-    if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__test_all_pairs(w, step);
-    if (!(w->def.skip & DEM_SKIP_SPACE)) {
-        for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
-            if (dem__needs_test(w, e / w->walls, (int)(e % w->walls))) dem__test_wall(w, e, step);
-        }
-    }
-    dem__test_due_pairs(w, step);
-    ptrdiff_t n;
-    dem__list_due(&walls->timers, 0, walls->timers.pages, step, DEM__STOPPED, &n);
-    for (ptrdiff_t k = 0; k < n; k++) dem__test_wall(w, walls->timers.list[k], step);
-}
-
-/* Fails if a contact begins between two different materials whose pair was never set. Until it is set, later runs fail
-   at the same place. */
-static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const ptrdiff_t end = dem__next_slot(w);
-    for (ptrdiff_t c = end - contacts->begun; c < end && w->status == DEM_OK; c++) {
-        const int32_t i = contacts->i[c], j = contacts->j[c];
-        const int a = w->material[i], b = j < 0 ? w->wall[-1 - j].material : w->material[j];
-        const int low = a < b ? a : b, high = a < b ? b : a;
-        if (low == high || w->def.pair[low][high].given) continue;
-        w->status = DEM_PAIR_NOT_SET;
-        w->failed_id = w->id[i];
-        w->failed_pair[0] = low, w->failed_pair[1] = high;
-        w->engine->run.needs_lists = 1; /* what was found must be found again */
-    }
-}
-
-/* Undoes what was found in a step that cannot be finished. Returns 0. */
-static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    for (; contacts->begun > 0; contacts->begun--) {
-        const int32_t p = contacts->near[dem__next_slot(w) - 1];
-        contacts->chunk[contacts->chunk_count - 1].count--;
-        contacts->count--;
-        if (p >= 0) w->engine->pairs.timers.due[p] = DEM__NEVER;
-    }
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem__rigid *r = dem__rigid_of(w, i);
-        if (w->alive[i] >= 0) continue;
-        w->alive[i] = 1;
-        if (!r || r->first == i) w->passed_count--, w->passed_total--;
-    }
-    w->engine->run.leaving = 0;
-    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
-    return 0;
-}
-
 /* --------------------------------------------------------------------------------------------- >>particles/fixed.h */
 /* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h;
    every part that turns forces into motion calls dem__is_fixed(). */
@@ -8134,7 +7895,7 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     if (dem__is_fixed(w, i) == fixed) return DEM_OK;
     if (!dem__reserve_fixed(w)) return DEM_OUT_OF_MEMORY;
     i = own.first;
-    dem__stop_link_work(w, own);
+    dem__begin_change(w, own);
     dem__restart(w, i);
     dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
     if (r && fixed) r->v = r->momentum = dem_vec3(0.0, 0.0, 0.0);
@@ -8148,7 +7909,7 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     dem__free_acceleration(w, i);
     dem__book_added(w, dem__potential(w, i));
     dem__book_motion(w, dem__motion_energy(w, i));
-    dem__resume_link_work(w, own);
+    dem__end_change(w, own);
     dem__wake(w, i); /* it takes steps, as a particle with a load does */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
@@ -8312,7 +8073,7 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
 /* Does so without loads where there are none: whether there are any is a constant of the loop. */
 DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
                                         ptrdiff_t *strays) {
-    if (w->engine->bodies.loads_on || w->engine->links.on) dem__kick_all(w, h, first, end, check, strays, 1);
+    if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, strays, 1);
     else dem__kick_all(w, h, first, end, check, strays, 0);
 }
 DEM__AVX2_CLONE(dem__kick_part,
@@ -8539,46 +8300,2055 @@ static inline void dem__check_bounds(dem_world *w) {
     if (2 * kept > w->count && w->step % 16 == 0) dem__list_active(w);
 }
 
+/* -------------------------------------------------------------------------------------------- >>search/due_tests.h */
+/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers.
+   Promises: every contact that begins is found; a step that cannot be finished leaves no trace. */
+
+/* Sets the status, and failed_id to the first particle whose state is not finite. Returns 0. */
+static inline int dem__fail(dem_world *w, dem_status status) {
+    w->status = status;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem_particle *p = &w->particle[i];
+        const dem_vec sum = dem__add(dem__add(p->v, p->a), dem__add(p->spin, w->spin_rate[i]));
+        const double v = sum.x + sum.y + sum.z;
+        if (!(fabs(v) <= DBL_MAX)) {
+            w->failed_id = w->id[i];
+            break;
+        }
+    }
+    return 0;
+}
+
+/* Tests the due pairs in pages first .. end-1. */
+DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step,
+                                   int rigid) {
+    dem__pairs *pairs = &w->engine->pairs;
+    int32_t *due = pairs->timers.list + first * DEM__PAGE;
+    ptrdiff_t n;
+    dem__list_due(&pairs->timers, first, end, step, DEM__NEVER, &n);
+    dem__clear_batch(waits);
+    waits->found = due; /* pairs that are found overwrite pairs that have been tested */
+    for (ptrdiff_t k = dem__prefetch_from(n, 2 * DEM__AHEAD); k < n; k++) {
+        const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
+        if (pair < n) DEM__PREFETCH(&pairs->near[due[pair]]);
+        if (flight >= 0 && flight < n) {
+            dem__prefetch_flight(w, pairs->near[due[flight]].i);
+            dem__prefetch_flight(w, pairs->near[due[flight]].j);
+        }
+        if (k >= 0) dem__test_pair(w, waits, due[k], step, rigid);
+    }
+    dem__flush_batch(w, waits, step);
+}
+
+static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
+    dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 0);
+}
+
+/* Tests the due pairs. The number of threads follows from the number of due pairs in the step before. */
+static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
+    dem__pairs *pairs = &w->engine->pairs;
+    const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
+    dem__in_parts(w, parts, pairs->timers.pages,
+                  w->engine->bodies.rigid ? w->engine->bodies.calls->test_due : dem__test_due_range, &step);
+    pairs->due_count = 0;
+    for (int q = 0; q < parts; q++) {
+        dem__timer_batch *batch = &dem__work_of(w, q)->batch;
+        pairs->due_count += (ptrdiff_t)batch->looks;
+        dem__new_pair_contacts(w, batch);
+    }
+}
+
+/* Tests all pairs that do not touch. */
+static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
+    const dem__pairs *pairs = &w->engine->pairs;
+    dem__timer_batch waits;
+    dem__clear_batch(&waits);
+    waits.found = pairs->timers.list;
+    for (int32_t p = 0; p < (int32_t)pairs->count; p++) {
+        if (pairs->timers.due[p] != DEM__STOPPED) dem__test_pair(w, &waits, p, step, 1);
+    }
+    dem__new_pair_contacts(w, &waits);
+}
+
+/* Tests everything that is due at a step. */
+static inline void dem__detect(dem_world *w, int64_t step) {
+    dem__wall_state *walls = &w->engine->walls;
+    if (walls->meshes) walls->follow_meshes(w, step);
+    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, step);
+    if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__test_all_pairs(w, step);
+    if (!(w->def.skip & DEM_SKIP_SPACE)) {
+        for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
+            if (dem__needs_test(w, e / w->walls, (int)(e % w->walls))) dem__test_wall(w, e, step);
+        }
+    }
+    dem__test_due_pairs(w, step);
+    ptrdiff_t n;
+    dem__list_due(&walls->timers, 0, walls->timers.pages, step, DEM__STOPPED, &n);
+    for (ptrdiff_t k = 0; k < n; k++) dem__test_wall(w, walls->timers.list[k], step);
+}
+
+/* Fails if a contact begins between two different materials whose pair was never set. Until it is set, later runs fail
+   at the same place. */
+static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t end = dem__next_slot(w);
+    for (ptrdiff_t c = end - contacts->begun; c < end && w->status == DEM_OK; c++) {
+        const int32_t i = contacts->i[c], j = contacts->j[c];
+        const int a = w->material[i], b = j < 0 ? w->wall[-1 - j].material : w->material[j];
+        const int low = a < b ? a : b, high = a < b ? b : a;
+        if (low == high || w->def.pair[low][high].given) continue;
+        w->status = DEM_PAIR_NOT_SET;
+        w->failed_id = w->id[i];
+        w->failed_pair[0] = low, w->failed_pair[1] = high;
+        w->engine->run.needs_lists = 1; /* what was found must be found again */
+    }
+}
+
+/* Undoes what was found in a step that cannot be finished. Returns 0. */
+static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    for (; contacts->begun > 0; contacts->begun--) {
+        const int32_t p = contacts->near[dem__next_slot(w) - 1];
+        contacts->chunk[contacts->chunk_count - 1].count--;
+        contacts->count--;
+        if (p >= 0) w->engine->pairs.timers.due[p] = DEM__NEVER;
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (w->alive[i] >= 0) continue;
+        w->alive[i] = 1;
+        if (!r || r->first == i) w->passed_count--, w->passed_total--;
+    }
+    w->engine->run.leaving = 0;
+    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    return 0;
+}
+
+/* --------------------------------------------------------------------------------------------------- >>step/step.h */
+/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world
+   can be read, saved and freed. */
+
+/* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip,
+   and set none if it is 0. */
+static inline void dem__test_everything(dem_world *w) {
+    int skip = w->def.skip;
+    w->def.skip = 0;
+    dem__test_all_pairs(w, w->step);
+    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, w->step);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        for (int k = 0; k < w->walls; k++) {
+            if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k))
+                dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
+        }
+    }
+    w->def.skip = skip;
+}
+
+/* Ends the contacts that the caller's changes have ended, and rebuilds the list of near pairs. Returns 0 after a
+   failure. */
+static inline int dem__prepare_lists(dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    if (!w->engine->run.needs_lists) return 1;
+    DEM__EACH_CONTACT(w, c) {
+        if (dem__is_taken_away(w, contacts->i[c], contacts->j[c])) contacts->ended[c] = 1;
+    }
+    dem__remove_ended(w, w->step, 1);
+    if (!dem__rebuild(w)) return 0;
+    int going = 1;
+    DEM__ASK(w, going, prepare_run, (w));
+    return going || dem__fail_to_list(w, w->status);
+}
+
+/* Computes the damping ratios of all pairs of materials, and whether all were set. */
+static inline void dem__prepare_pairs(dem_world *w) {
+    w->engine->run.has_unset_pairs = 0;
+    for (int a = 0; a < w->def.materials; a++) {
+        for (int b = a; b < w->def.materials; b++) {
+            const dem_pair_def *pair = &w->def.pair[a][b];
+            double(*ratio)[DEM_MATERIALS_MAX] = w->engine->run.damping_ratio;
+            w->engine->run.has_unset_pairs |= a != b && !pair->given;
+            ratio[a][b] = ratio[b][a] = dem_damping_ratio(pair->restitution, pair->mode);
+        }
+    }
+}
+
+/* Tests everything and begins the contacts that are found; their slots are listed then. Returns their number, or -1
+   after a failure. */
+static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__test_everything(w);
+    if (w->engine->run.has_unset_pairs && w->status == DEM_OK) dem__check_pairs_set(w);
+    if (w->status != DEM_OK) {
+        dem__undo_detection(w);
+        return -1;
+    }
+    const ptrdiff_t begun = contacts->begun;
+    dem__commit_begun(w, 0.0);
+    DEM__TELL(w, contacts_begun, (w, begun));
+    dem__list_active(w);
+    for (ptrdiff_t k = 0; k < begun; k++) {
+        const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
+        if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN)
+            dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
+    }
+    return begun;
+}
+
+/* Sets law and features of the run, and computes the constants of contacts anew if these have changed. */
+static inline void dem__set_law(dem_world *w, const dem_law *law, int features) {
+    dem__run *run = &w->engine->run;
+    if (run->needs_forces || run->features != features || run->law != law) {
+        w->engine->contacts.type_count = 0;
+        run->stiffest = 0.0;
+        DEM__EACH_CONTACT(w, c) { dem__set_constants(w, c, law, features); }
+    }
+    run->features = features;
+    run->law = law;
+}
+
+/* Computes the forces on everything while no time passes, and so the accelerations. Returns 0 after a failure. */
+static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdiff_t begun) {
+    dem__report_begun(w, kernel->law, begun);
+    dem__advance(w, 0.0); /* before anything that may run out of memory: a world that fails there can be saved */
+    if (!dem__reorder_contacts(w)) return 0;
+    const double stored = dem__stored_energy(w);
+    dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
+    dem__book_callers_contacts(w, stored);
+    DEM__TELL(w, add_forces, (w, 0.0));
+    if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
+    dem__kick_walls(w, 0.0);
+    dem__remove_ended(w, w->step, 0);
+    dem__check_bounds(w);
+    int going = w->status == DEM_OK;
+    DEM__ASK(w, going, begin_flights, (w));
+    return going;
+}
+
+/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error
+   either. */
+static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
+    dem__ledger *ledger = &w->engine->ledger;
+    const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
+    if (ledger->counts == counts) return;
+    if (!counts) ledger->paused_error = dem_energy(w).error;
+    else dem__find_stored(w, loop);
+    ledger->counts = counts;
+    if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
+}
+
+/* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a
+   failure. */
+static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
+    dem__run *run = &w->engine->run;
+    dem__ledger *ledger = &w->engine->ledger;
+    if (!dem__prepare_lists(w)) return 0;
+    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    w->engine->bodies.adds_loads = w->engine->bodies.loads_on;
+    for (int k = 0; k < w->engine->features; k++) w->engine->bodies.adds_loads |= w->engine->feature[k]->adds_loads;
+    dem__prepare_pairs(w);
+    const ptrdiff_t begun = run->needs_forces ? dem__begin_contacts_present(w) : 0;
+    if (begun < 0) return 0;
+    dem__set_law(w, kernel->law, features);
+    dem__switch_ledger(w, kernel->loop);
+    if (run->needs_forces && !dem__find_forces(w, kernel, begun)) return 0;
+    run->needs_forces = 0;
+    if ((features & DEM_ENERGY) && !ledger->started) {
+        ledger->started = 1;
+        memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked */
+        DEM__TELL(w, begin_ledger, (w));
+        dem_energy_ledger now = dem_energy(w);
+        ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
+        ledger->sums.start_potential = now.potential;
+    }
+    return 1;
+}
+
+/* Finds the contacts that begin in a step, with the walls at its end. Returns 0 after a failure. */
+static inline int dem__find_contacts_that_begin(dem_world *w) {
+    if (!dem__move_walls(w, w->step + 1)) w->status = DEM_NOT_FINITE;
+    else dem__detect(w, w->step + 1);
+    if (w->engine->run.has_unset_pairs && w->status == DEM_OK) dem__check_pairs_set(w);
+    return w->status == DEM_OK;
+}
+
+/* Computes the constants of the contacts that begin, and calls the law's hook. */
+static inline void dem__prepare_begun(dem_world *w, const dem_law *law, ptrdiff_t begun, int features) {
+    for (ptrdiff_t k = 0; k < begun; k++) dem__set_constants(w, w->engine->contacts.slots[k], law, features);
+    dem__report_begun(w, law, begun);
+}
+
+static inline void dem__count_step(dem_world *w) {
+    const dem__run *run = &w->engine->run;
+    w->particle_steps += w->count - w->engine->bodies.dropped;
+    w->contact_steps += w->engine->contacts.count;
+    w->step++;
+    w->time = run->start_time + (double)(w->step - run->start_step) * run->dt;
+}
+
+/* Returns whether the energies of the particles that leave in this step are numbers: their velocities are not checked
+   later. */
+static DEM__NOINLINE int dem__leave_with_numbers(dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i] != DEM_LEAVING) continue;
+        if (dem__finite(dem__motion_energy(w, i) + dem__potential(w, i))) continue;
+        w->failed_id = w->id[i];
+        return 0;
+    }
+    return 1;
+}
+
+/* Removes particles that passed an exit from the lists, and marks their contacts as ended. Returns whether there are
+   any. */
+static inline int dem__remove_leaving(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    if (!w->engine->run.leaving) return 0;
+    DEM__EACH_CONTACT(w, c) {
+        const ptrdiff_t j = contacts->j[c];
+        if (w->alive[contacts->i[c]] == DEM_LEAVING || (j >= 0 && w->alive[j] == DEM_LEAVING)) contacts->ended[c] = 1;
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i] == DEM_LEAVING) dem__detach_one(w, i); /* those of a rigid body are all marked */
+    }
+    dem__number_present(w);
+    w->engine->run.leaving = 0;
+    return 1;
+}
+
+/* Advances the world by one step. keep: keeps the forces of contacts for readers. Returns 0 after a failure. */
+static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
+    const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
+    const double h = w->engine->run.dt;
+    int going = 1;
+    if (w->step % DEM__REORDER_STEPS == 0 && !dem__reorder_contacts(w)) return 0;
+    if (w->step >= w->engine->pairs.next_check && !dem__check_list(w)) return 0;
+    DEM__ASK(w, going, begin_step, (w));
+    if (!going) return 0;
+    if (!dem__find_contacts_that_begin(w)) return dem__undo_detection(w);
+    const ptrdiff_t begun = w->engine->contacts.begun;
+    dem__commit_begun(w, 1.0);
+    if (begun > 0 && w->engine->ledger.on) dem__list_active(w); /* books are sums in the order of memory, whenever lists were built */
+    DEM__TELL(w, contacts_begun, (w, begun));
+    dem__advance(w, h);
+    dem__prepare_begun(w, kernel->law, begun, features);
+    dem__evaluate(w, kernel->loop, h, has_friction, keep);
+    DEM__TELL(w, add_forces, (w, h));
+    if (features & DEM_ENERGY) dem__book_losses(w);
+    const int finite = dem__kick(w, h);
+    dem__kick_walls(w, h);
+    dem__apply_corrections(w, has_friction);
+    dem__count_step(w);
+    if (!finite || (w->engine->run.leaving && !dem__leave_with_numbers(w))) return dem__fail(w, DEM_NOT_FINITE);
+    if (w->engine->run.leaving) DEM__TELL(w, leave, (w));
+    const int leaving = dem__remove_leaving(w);
+    dem__remove_ended(w, w->step, leaving);
+    if (leaving) dem__free_untouched(w);
+    dem__check_bounds(w);
+    going = w->status == DEM_OK;
+    DEM__ASK(w, going, begin_flights, (w));
+    DEM__ASK(w, going, end_step, (w));
+    return going;
+}
+
+/* Returns whether a kernel computes friction that the run leaves out. Then its history stays zero. */
+static inline int dem__has_void_history(const dem_kernel *kernel, int features) {
+    return (kernel->features & ~features & DEM_FRICTION) != 0;
+}
+
+/* Returns whether a law can take over the contacts present. They continue under a law with the same number of states; a
+   history that is zero can be dropped or begun. */
+static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    if (contacts->count == 0 || kernel->law->states == contacts->states) return 1;
+    return !contacts->has_history && (kernel->law->states == 0 || dem__has_void_history(kernel, features));
+}
+
+/* Returns what prevents a run, or DEM_OK. */
+static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *kernel, int features) {
+    if (!dem__is_thread_count(w->def.threads)) return DEM_BAD_DEFINITION;
+    if (w->status == DEM_NOT_FINITE || w->status == DEM_TOO_FAST) return w->status;
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        const dem_status status = f->check_run ? f->check_run(w, kernel) : DEM_OK;
+        if (status != DEM_OK) return status;
+    }
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
+    }
+    const double narrowest = dem__narrowest(w);
+    for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
+        if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
+    }
+    if (w->engine->convex.shapes > 0 && !(kernel->features & DEM_FRICTION))
+        return DEM_POLYHEDRON; /* others compute no torques */
+    if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
+    return DEM_OK;
+}
+
+/* Makes the arrays of contacts fit law, ledger and threads. Returns 0 when out of memory; nothing has changed then. */
+static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int ledger) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const int states = contacts->states, constants = contacts->constants, had_ledger = w->engine->ledger.on;
+    const int postpones = dem__may_postpone(w) && !contacts->postponed;
+    dem__array list[DEM__ARRAYS_MAX];
+    if (law->states == states && law->constants <= constants && ledger == had_ledger && !postpones) return 1;
+    contacts->states = law->states, w->engine->ledger.on = ledger;
+    contacts->constants = law->constants > constants ? law->constants : constants;
+    if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
+                         dem__next_slot(w) + 1)) {
+        contacts->states = states, contacts->constants = constants, w->engine->ledger.on = had_ledger;
+        return 0;
+    }
+    for (int a = contacts->states; a < DEM_STATE_MAX; a++) contacts->state[a] = NULL; /* not in the block */
+    return 1;
+}
+
+/* Returns the time step over the largest that is stable: of a spring 2 sqrt(m/k), whose contact lasts pi sqrt(m/k); of
+   a dashpot 2 m/gamma. */
+static inline double dem__step_ratio(const dem_world *w, int features) {
+    const dem_advice a = dem_advise(w, features, 1.0);
+    const double spring = features & DEM_HERTZ ? a.rayleigh : a.contact * (2.0 / RIDDLE_PI);
+    const double dashpot = features & DEM_HERTZ ? HUGE_VAL : 2.0 * a.dashpot,
+                 least = spring < dashpot ? spring : dashpot;
+    return least < HUGE_VAL ? w->engine->run.dt / least : 0.0;
+}
+
+/* Runs a kernel with some of its features: the law's prepare function leaves out friction and rolling that are not
+   among them. */
+static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare ||
+        !dem__not_negative(duration))
+        return DEM_BAD_ARGUMENT;
+    if (dem__is_running(w)) return DEM_BUSY;
+    const double dt = w->engine->run.dt, owed = w->owed + duration, remaining = owed / dt;
+    if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
+    const dem_status status = dem__check_run(w, kernel, features);
+    if (status != DEM_OK) return status;
+    w->status = DEM_OK; /* the caller may have mended any other failure */
+    if (!dem__make_work(w, w->def.threads) ||
+        !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
+        return DEM_OUT_OF_MEMORY;
+    w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
+    const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
+    w->owed = 0.0; /* if the run fails */
+    if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);
+    w->engine->run.running = 1;
+    int going = dem__prepare_run(w, kernel, features);
+    for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
+    for (int k = 0; k < w->engine->features; k++) {
+        if (w->engine->feature[k]->end_run) going = w->engine->feature[k]->end_run(w, going);
+    }
+    w->engine->run.running = 0;
+    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* of the contacts that have begun */
+    if (met > w->step_ratio) w->step_ratio = met;
+    if (!going) return w->status;
+    w->owed = owed - (double)steps * dt;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kernel *kernel) {
+    return dem__run_kernel(world, duration, kernel, kernel ? kernel->features : 0);
+}
+
+/* name, version, states, history, vectors, constants, prepare, force, born, ended */
+static const dem_law dem_law_linear = {"linear",         1,    0,   0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+                                       dem_force_linear, NULL, NULL};
+static const dem_law dem_law_linear_friction = {
+    "linear, friction", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear_friction, NULL, NULL};
+static const dem_law dem_law_linear_rolling = {
+    "linear, friction, rolling", 1,    3,   3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+    dem_force_linear_rolling,    NULL, NULL};
+static const dem_law dem_law_hertz = {"Hertz",         1,    0,   0, 0, DEM_HERTZ_CONSTANTS, dem_prepare_hertz,
+                                      dem_force_hertz, NULL, NULL};
+static const dem_law dem_law_hertz_friction = {
+    "Hertz-Mindlin", 1, 4, 4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz_friction, NULL, NULL};
+static const dem_law dem_law_hertz_rolling = {
+    "Hertz-Mindlin, rolling", 1, 4, 4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz_rolling, NULL, NULL};
+
+DEM_KERNEL(dem__kernel_linear, dem_law_linear, DEM_LINEAR)
+DEM_KERNEL(dem__kernel_linear_friction, dem_law_linear_friction, DEM_LINEAR | DEM_FRICTION)
+DEM_KERNEL(dem__kernel_linear_rolling, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
+DEM_KERNEL(dem__kernel_linear_energy, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
+DEM_KERNEL(dem__kernel_hertz, dem_law_hertz, DEM_HERTZ)
+DEM_KERNEL(dem__kernel_hertz_friction, dem_law_hertz_friction, DEM_HERTZ | DEM_FRICTION)
+DEM_KERNEL(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING)
+DEM_KERNEL(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
+
+DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
+    /* kernels with a ledger always compute friction and rolling; constants of zero take out what the caller did not
+       name */
+    switch (features) {
+    case DEM_LINEAR: return dem__run_kernel(world, duration, &dem__kernel_linear, features);
+    case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_linear_friction, features);
+    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING:
+        return dem__run_kernel(world, duration, &dem__kernel_linear_rolling, features);
+    case DEM_HERTZ: return dem__run_kernel(world, duration, &dem__kernel_hertz, features);
+    case DEM_HERTZ | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_hertz_friction, features);
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING:
+        return dem__run_kernel(world, duration, &dem__kernel_hertz_rolling, features);
+    case DEM_LINEAR | DEM_ENERGY:
+    case DEM_LINEAR | DEM_FRICTION | DEM_ENERGY:
+    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
+        return dem__run_kernel(world, duration, &dem__kernel_linear_energy, features);
+    case DEM_HERTZ | DEM_ENERGY:
+    case DEM_HERTZ | DEM_FRICTION | DEM_ENERGY:
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
+        return dem__run_kernel(world, duration, &dem__kernel_hertz_energy, features);
+    default: return DEM_BAD_ARGUMENT;
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------ >>bodies/rigid.h */
+/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in
+   base/engine.h). Reads the sums of forces on their particles; writes bodies and their particles. Promises: a sphere's
+   motion is untouched; each body is moved by one thread, so that bits do not depend on threads.
+
+   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle
+   of a body that has one lies at its centre of mass; its radius is that of the sphere that the search for contacts
+   uses. The forces on a body are those added to the sums of its particles, bodies.sum[i].load: force, and torque about
+   the particle's centre. dem__rigid_of(w, i) returns the body of particle i. Its orientation at the end of the present
+   step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
+
+/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter
+   radian at most. */
+DEM_INLINE int dem__strides(const dem__rigid *r) {
+    return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
+}
+
+#define DEM__STRIDES_MAX 1e7 /* of a flight between two lists */
+/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides
+   that are known. */
+static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
+    const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
+    dem_quaternion q = r->turn;
+    double n = 0.0;
+    if (!(stride < HUGE_VAL)) return q;
+    if (r->strides > 0.0 && r->strides <= whole) n = r->strides, q = r->ahead;
+    if (!(whole - n < DEM__STRIDES_MAX)) return q; /* only in a world that no run has accepted */
+    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, stride);
+    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
+}
+
+/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins.
+   DEM_TOO_FAST: a body turns by a hundred radians in a step. */
+static inline void dem__note_strides(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
+        dem__rigid *r = &bodies->rigid[k];
+        if (!w->alive[r->first] || bodies->activity[r->first]) continue;
+        const double stride = dem__turn_stride(r->momentum, r->moments);
+        const double whole = dem__strides(r) ? floor(dem__now(w, r->first) / stride) : 0.0;
+        if (!(400.0 * stride > w->engine->run.dt) || !(whole - r->strides < DEM__STRIDES_MAX)) {
+            w->status = DEM_TOO_FAST;
+            w->failed_id = w->id[r->first];
+            return;
+        }
+        if (!(whole > r->strides)) continue;
+        if (r->strides == 0.0) r->ahead = r->turn;
+        for (; r->strides < whole; r->strides += 1.0)
+            r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
+    }
+}
+
+/* Returns the orientation of a rigid body at tau after its origin step [s]. */
+DEM_INLINE dem_quaternion dem__turn_at(const dem_world *w, const dem__rigid *r, double tau) {
+    const int single = tau <= 1.5 * w->engine->run.dt;
+    if (tau == 0.0) return r->turn;
+    if (!single && dem__strides(r)) return dem__turn_of_flight(r, tau);
+    return dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, single);
+}
+
+/* Returns the state of a rigid body at tau after its origin step [s]. */
+static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigid *r, double tau) {
+    dem__posture p;
+    p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
+    p.momentum = dem__plus(r->momentum, tau, r->torque);
+    p.turn = dem__turn_at(w, r, tau);
+    p.spin = dem__spin_of(p.turn, r->moments, p.momentum);
+    return p;
+}
+
+/* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it.
+ */
+static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__axes axes = dem__axes_of(r->turn);
+    r->strides = 0.0;
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        const dem_vec arm = dem__out_of(&axes, bodies->offset[i]), round = dem__cross(spin, arm);
+        dem_particle *p = &w->particle[i];
+        bodies->arm[i] = arm;
+        p->x = dem__in_box(w, dem__add(r->x, arm)), p->v = dem__add(r->v, round), p->spin = spin;
+        p->a = dem__add(r->a, dem__add(dem__cross(rate, arm), dem__cross(spin, round)));
+        w->spin_rate[i] = rate;
+    }
+}
+
+/* Makes the present step the origin of a body. */
+static inline void dem__set_body_origin(dem_world *w, dem__rigid *r) {
+    const dem__posture p = dem__find_posture(w, r, dem__now(w, r->first));
+    r->x = p.x, r->v = p.v, r->momentum = p.momentum, r->turn = p.turn;
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) w->particle[i].origin = w->step;
+    dem__place_pieces(w, r);
+}
+
+/* Sets the velocity and the spin of a body at its origin. */
+static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec velocity, dem_vec spin) {
+    r->v = velocity, r->momentum = dem__momentum_of(r->turn, r->moments, spin);
+    dem__place_pieces(w, r);
+}
+
+/* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which
+   is booked. */
+DEM_INLINE void dem__wrap_body(dem_world *w, dem__rigid *r) {
+    const dem_vec x = dem__in_box(w, r->x);
+    if (w->engine->ledger.on && !dem__is_fixed(w, r->first))
+        dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
+    r->x = x;
+}
+
+/* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle.
+   Those of its particles, which kernels read, are computed with the mean of the arms at both ends. */
+DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const double middle = tau - 0.5 * h;
+    const int steps = tau <= h; /* else its flight ends in this step */
+    const dem_quaternion end = dem__turn_at(w, r, tau);
+    const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__turn_at(w, r, tau - h);
+    const dem__axes axes = dem__axes_of(end);
+    const dem_vec momentum = dem__plus(r->momentum, middle, r->torque);
+    dem_vec spin = dem__spin_of(end, r->moments, momentum);
+    if (h > 0.0) spin = dem__scale(0.5, dem__add(spin, dem__spin_of(from, r->moments, momentum)));
+    r->x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), r->v = dem__plus(r->v, middle, r->a),
+    r->momentum = momentum;
+    r->turn = dem__kept_unit(end);
+    r->strides = 0.0;
+    if (w->engine->run.has_periodic) dem__wrap_body(w, r);
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        const dem_vec arm = dem__out_of(&axes, bodies->offset[i]);
+        const dem_vec old = h == 0.0 ? arm : steps ? bodies->arm[i] : dem__to_lab(from, bodies->offset[i]);
+        dem_particle *p = &w->particle[i];
+        bodies->arm[i] = arm;
+        p->origin = w->step;
+        p->x = dem__in_box(w, dem__add(r->x, arm)), p->spin = spin;
+        p->v = dem__add(r->v, dem__cross(spin, dem__scale(0.5, dem__add(old, arm))));
+    }
+}
+
+/* Sums the force and the torque about its centre that act on a body's particles: by contacts, by loads, or both. */
+DEM_INLINE void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force,
+                                 dem_vec *torque) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    *force = *torque = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        for (int k = 0; k < 2; k++) {
+            if (!(k ? loads : contacts)) continue;
+            const double *six = k ? bodies->load[i] : bodies->sum[i].load;
+            *force = dem__add(*force, dem__first(six));
+            *torque = dem__add(*torque, dem__add(dem__second(six), dem__cross(bodies->arm[i], dem__first(six))));
+        }
+    }
+}
+
+/* Sets the sums from which dem__kick_all computes the accelerations of a body's particle. load: on the particle, or
+   NULL. */
+DEM_INLINE void dem__prepare_sum(dem__sum *sum, dem_vec pull, dem_vec rate, const double *load) {
+    const double mass = 1.0 / sum->per_mass, inertia = 1.0 / sum->per_inertia;
+    const dem_vec force = dem__scale(mass, pull), torque = dem__scale(inertia, rate);
+    sum->load[0] = force.x, sum->load[1] = force.y, sum->load[2] = force.z;
+    sum->load[3] = torque.x, sum->load[4] = torque.y, sum->load[5] = torque.z;
+    for (int a = 0; load && a < 6; a++) sum->load[a] -= load[a];
+}
+
+/* Computes the acceleration of a body, and moves its velocities from the middle of a step to its end. Prepares its
+   particles for dem__kick_all: sums that give them their accelerations as parts of the body, and velocities that it
+   moves to those at the end. */
+DEM_INLINE void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const int loads = bodies->adds_loads;
+    dem_vec force;
+    if (dem__is_fixed(w, r->first)) return; /* dem__kick_all records the forces on its particles */
+    r->strides = 0.0;
+    dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
+    if (w->engine->field.on) force = dem__add(force, w->engine->field.force[r->first]);
+    const dem_vec pulled = dem__scale(1.0 / r->mass, force);
+    r->a = dem__add(dem__free_fall(w), pulled);
+    r->v = dem__flushed_vec(dem__plus(r->v, half, r->a));
+    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, r->torque));
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        const dem_vec arm = bodies->arm[i], round = dem__cross(spin, arm);
+        const dem_vec pull = dem__add(dem__add(dem__cross(rate, arm), dem__cross(spin, round)), pulled);
+        dem_particle *p = &w->particle[i];
+        p->v = dem__plus(dem__add(r->v, round), -half, dem__add(dem__free_fall(w), pull));
+        p->spin = dem__plus(spin, -half, rate);
+        dem__prepare_sum(&bodies->sum[i], pull, rate, loads ? bodies->load[i] : NULL);
+    }
+}
+
+/* Computes the acceleration of a body that touches nothing. */
+static inline void dem__free_body(dem_world *w, dem__rigid *r) {
+    dem_vec force;
+    dem__sum_on_body(w, r, 0, 1, &force, &r->torque);
+    if (w->engine->field.on) force = dem__add(force, w->engine->field.force[r->first]); /* 0 in flight */
+    r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
+    if (dem__is_fixed(w, r->first)) r->a = r->torque = dem_vec3(0.0, 0.0, 0.0);
+    dem__place_pieces(w, r);
+}
+
+/* Applies an impulse [N s] and an angular impulse [N m s] at particle i of a body, and a shift [kg m] along n. */
+static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift,
+                                  dem_vec n) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem_vec arm = bodies->arm[i], moved = dem__scale(shift, n);
+    r->v = dem__plus(r->v, 1.0 / r->mass, impulse);
+    r->momentum = dem__add(r->momentum, dem__add(turn, dem__cross(arm, impulse)));
+    if (shift == 0.0) return;
+    const dem_vec angle = dem__spin_of(r->turn, r->moments, dem__cross(arm, moved));
+    r->x = dem__plus(r->x, 1.0 / r->mass, moved);
+    r->turn = dem__kept_unit(dem__turns(dem__turn_by(dem__scale(0.5, angle)), r->turn));
+    for (ptrdiff_t k = r->first; k < r->first + r->pieces; k++)
+        bodies->shifted[k] += fabs(shift) / r->mass + dem__length(angle) * dem__length(bodies->offset[k]);
+}
+
+/* Returns the greatest speed in flight of what is an arm [m] from a body's centre, relative to it [m/s]. */
+static inline double dem__swing(const dem__rigid *r, double arm) {
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    const double i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
+                 least = i_min < r->moments.y ? i_min : r->moments.y;
+    if (r->moments.x == r->moments.y) return (1.0 + 1e-9) * arm * dem__length(spin);
+    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the
+                                                                              axis of least inertia */
+}
+
+/* Moves the bodies whose first particles are among the active ones first .. end-1. */
+DEM_INLINE void dem__advance_some_bodies(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
+    const int64_t step = w->step + (h > 0.0);
+    for (ptrdiff_t k = first; k < end; k++) {
+        const int32_t i = w->engine->bodies.active[k];
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (r && r->first == i) dem__advance_body(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt, h);
+    }
+}
+DEM__AVX2_CLONE(dem__advance_bodies, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
+                dem__advance_some_bodies(w, h, first, end))
+/* Moves their velocities to the end of the step. */
+DEM_INLINE void dem__kick_some_bodies(dem_world *w, double half, ptrdiff_t first, ptrdiff_t end) {
+    for (ptrdiff_t k = first; k < end; k++) {
+        const int32_t i = w->engine->bodies.active[k];
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (r && r->first == i) dem__kick_body(w, r, half);
+    }
+}
+DEM__AVX2_CLONE(dem__kick_bodies, (dem_world * w, double half, ptrdiff_t first, ptrdiff_t end), (w, half, first, end),
+                dem__kick_some_bodies(w, half, first, end))
+static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
+    (void)part;
+    dem__kick_bodies(w, 0.5 * *(const double *)h, first, end);
+}
+
+/* Moves active particles first .. end-1 and the bodies whose first particles are among them to the end of the step. */
+static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
+    (void)part;
+    dem__advance_all(w, *(const double *)h, first, end, 1);
+    dem__advance_bodies(w, *(const double *)h, first, end);
+}
+
+/* Tests the due pairs in pages first .. end-1. */
+static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
+    dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 1);
+}
+
+/* Applies an impulse, an angular impulse and a shift along n to particle i or to its rigid body. */
+static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem_particle *p = &w->particle[i];
+    if (dem__is_fixed(w, i)) {
+        dem__strike_fixed(w, i, impulse, turn);
+        return;
+    }
+    dem__mark_to_check(w, i);
+    if (r) {
+        dem__push_body(w, r, i, impulse, turn, shift, n);
+        dem__place_pieces(w, r);
+        return;
+    }
+    p->v = dem__plus(p->v, 1.0 / p->mass, impulse);
+    p->x = dem__plus(p->x, shift / p->mass, n);
+    w->engine->bodies.shifted[i] += fabs(shift / p->mass);
+    p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, i), turn);
+}
+DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? r->v : w->particle[i].v;
+}
+
+/* Applies the impulses of a correction where a rigid body takes part. */
+static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__correction *h = &contacts->correction[c];
+    const int32_t i = contacts->i[c], j = contacts->j[c];
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]),
+                  impulse = dem__first(h->impulse);
+    const dem_vec on_i = has_friction ? dem__second(h->impulse) : none,
+                  on_j = has_friction ? dem__first(h->impulse + 6) : none;
+    dem__push_any(w, i, impulse, on_i, 0.0, n);
+    if (j >= 0) dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
+    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
+}
+
+/* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the
+   angular momentum about the common centre, which comes from the velocities of the centres of mass; two opposite
+   impulses at the particles restore it. */
+static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__correction *h = &contacts->correction[c];
+    const int32_t i = contacts->i[c], j = contacts->j[c];
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]);
+    if (j < 0) {
+        dem__push_any(w, i, none, none, h->shift, n);
+        const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], w->particle[i].x, n));
+        dem__expect_impact(w, i, j, n, -dem__dot(v, n));
+        return;
+    }
+    const dem_vec d = dem__nearest_image(w, dem__sub(w->particle[i].x, w->particle[j].x));
+    const dem_vec u = dem__sub(dem__centre_velocity(w, i), dem__centre_velocity(w, j));
+    const double distance = dem__length(d) + h->shift * (dem__per_mass(w, i) + dem__per_mass(w, j));
+    const dem_vec slower = dem__scale(-h->shift / distance, dem__sub(u, dem__scale(dem__dot(u, n), n)));
+    dem__push_any(w, i, slower, none, 0.0, n), dem__push_any(w, j, dem__scale(-1.0, slower), none, 0.0, n);
+    dem__push_any(w, i, none, none, h->shift, n), dem__push_any(w, j, none, none, -h->shift, n);
+    dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
+}
+
+static const dem__body_calls dem__rigid_bodies = {dem__find_posture,
+                                                  dem__set_body_origin,
+                                                  dem__set_body_motion,
+                                                  dem__wrap_body,
+                                                  dem__place_pieces,
+                                                  dem__free_body,
+                                                  dem__test_due_with_bodies,
+                                                  dem__advance_with_bodies,
+                                                  dem__kick_bodies_range,
+                                                  dem__push_bodies,
+                                                  dem__shift_bodies,
+                                                  dem__swing,
+                                                  dem__note_strides};
+
+/* Definition of a rigid body: see bodies/rigid.h. */
+typedef struct dem__body_def {
+    dem_vec x;             /* centre of mass [m] */
+    double mass;           /* [kg] */
+    dem_vec moments;       /* about the principal axes [kg m2] */
+    dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
+    dem_quaternion turn;   /* from that frame to the lab's axes */
+    ptrdiff_t pieces;      /* number of its particles */
+    const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
+    const double *radius;  /* [m] */
+    int material, group;
+} dem__body_def;
+
+/* Makes room for n more bodies with `pieces` particles in all; for the first body, also the arrays that particles of
+   bodies need. Returns 0 when out of memory. */
+static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__array list[DEM__ARRAYS_MAX];
+    const dem_allocator *a = &w->def.allocator;
+    const ptrdiff_t old = bodies->rigid_capacity, wanted = bodies->rigid_count + n;
+    if (wanted <= old) return dem__reserve_particles(w, pieces);
+    const ptrdiff_t larger = wanted + wanted / 2 + 16;
+    dem__rigid *fresh =
+        (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
+    if (!fresh) return 0;
+    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = &dem__rigid_bodies;
+    if (old > 0) return dem__reserve_particles(w, pieces);
+    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
+                        w->count + pieces + 1))
+        return 1;
+    a->fn(a->user, fresh, (size_t)larger * sizeof *fresh, 0);
+    bodies->rigid = NULL, bodies->rigid_capacity = 0;
+    bodies->rigid_of = NULL, bodies->offset = bodies->arm = NULL;
+    return 0;
+}
+
+/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by
+   rounding. Turns the frame accordingly; order: the old axis of each new one. */
+static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
+    const double m[3] = {moments->x, moments->y, moments->z};
+    int third = 2;
+    for (int k = 0; k < 2; k++) { /* the axis whose two others differ least */
+        if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
+    }
+    for (int k = 0; k < 3; k++)
+        order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
+    const double turns = (double)((third + 1) % 3);
+    if (turns > 0.0) {
+        const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);
+        *frame = dem__turns(*frame, dem__quaternion(c, dem_vec3(s, s, s)));
+    }
+    moments->x = m[order[0]], moments->y = m[order[1]], moments->z = m[order[2]];
+    if (fabs(moments->x - moments->y) <= 1e-12 * moments->x) moments->y = moments->x;
+    if (fabs(moments->x - moments->z) <= 1e-12 * moments->x && moments->x == moments->y) moments->z = moments->x;
+}
+
+/* Adds a body at rest, for which dem__reserve_bodies has made room. Returns the number of its first particle. */
+static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
+    int order[3];
+    memset(r, 0, sizeof *r);
+    r->first = (int32_t)w->count, r->pieces = (int32_t)def->pieces;
+    r->x = dem__in_box(w, def->x), r->mass = def->mass, r->moments = def->moments, r->frame = def->frame;
+    dem__order_moments(&r->moments, &r->frame, order);
+    r->turn = dem__kept_unit(dem__turns(def->turn, r->frame));
+    for (ptrdiff_t k = 0; k < def->pieces; k++) {
+        const ptrdiff_t i = dem__put_particle(w, r->x, def->radius[k], def->mass, def->material, def->group);
+        const dem_vec from = def->offset[k];
+        bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
+        bodies->offset[i] = dem_vec3(dem_axis(from, order[0]), dem_axis(from, order[1]), dem_axis(from, order[2]));
+    }
+    dem__free_body(w, r);
+    dem__book_added(w, dem__potential(w, r->first));
+    w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
+    return r->first;
+}
+
+/* --------------------------------------------------------------------------------------------- >>measure/getters.h */
+/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. */
+
+DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__in_box(world, dem__at(world, i, dem__now(world, i)));
+}
+
+DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__true_velocity_at(world, i, dem__now(world, i));
+}
+
+DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__spin_at(world, i, dem__now(world, i));
+}
+
+DEM_API double dem_radius(const dem_world *world, ptrdiff_t i) {
+    return world && i >= 0 && i < world->count ? world->particle[i].radius : (double)NAN;
+}
+DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
+    return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
+}
+
+DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count)
+        return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
+    const dem__rigid *r = dem__rigid_of(world, i);
+    if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
+}
+
+/* Returns the position of a rigid body now, within the periodic box. */
+static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
+    const double tau = dem__now(w, r->first);
+    return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
+}
+
+DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
+    dem_body body;
+    memset(&body, 0, sizeof body);
+    body.first = -1;
+    if (!world || i < 0 || i >= world->count) return body;
+    const dem__rigid *r = dem__rigid_of(world, i);
+    const dem__pieces own = dem__pieces_of(world, i);
+    const double tau = dem__now(world, i);
+    body.first = own.first, body.pieces = own.end - own.first;
+    body.mass = world->particle[i].mass;
+    body.diameter = r ? dem__equal_diameter(world, r) : 2.0 * world->particle[i].radius;
+    body.position = r ? dem__body_position(world, r) : dem_position(world, i);
+    body.velocity = dem__drift_at(world, i, tau);
+    body.velocity = dem__add(body.velocity, dem__velocity_error(world, i, tau));
+    body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
+    const double inertia = dem__inertia(world, i);
+    body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
+    body.axes = r ? dem__posture_at(world, r, tau).turn : body.orientation;
+    return body;
+}
+
+DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    dem_quaternion q;
+    if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) return DEM_BAD_ARGUMENT;
+    dem__begin_change(w, dem__pieces_of(w, i));
+    dem__restart(w, i);
+    dem__book_motion(w, -dem__rotational(w, r->first));
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    r->turn = dem__turns(q, r->frame);
+    w->engine->bodies.calls->set_motion(w, r, r->v, spin);
+    dem__book_motion(w, dem__rotational(w, r->first));
+    if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
+    dem__end_change(w, dem__pieces_of(w, i));
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_vec dem_momentum(const dem_world *world) {
+    dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t i = 0; world && i < world->count; i++) {
+        const dem__rigid *r = dem__rigid_of(world, i);
+        if (!world->alive[i] || (r && r->first != i)) continue;
+        sum = dem__add(
+            sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
+    }
+    return sum;
+}
+
+/* Returns the remainder of the energy balance [J]. */
+static inline double dem__ledger_error(const dem_energy_ledger *l) {
+    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss +
+           l->removed - l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
+}
+
+DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
+    dem_energy_ledger l;
+    memset(&l, 0, sizeof l);
+    if (!world || !world->engine) return l;
+    const dem__ledger *ledger = &world->engine->ledger;
+    l = ledger->sums;
+    l.kinetic = l.rotational = l.potential = 0.0;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        if (!world->alive[i]) continue;
+        l.kinetic += dem__kinetic(world, i);
+        l.rotational += dem__rotational(world, i);
+        l.potential += dem__potential(world, i);
+        if (ledger->on) DEM__TELL(world, open_books, (world, i, &l));
+    }
+    l.elastic = dem__stored_energy(world);
+    if (!ledger->started) return l;
+    l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
+    l.released = l.released > 0.0 ? l.released : 0.0;
+    l.error = ledger->counts ? dem__ledger_error(&l) : ledger->paused_error;
+    return l;
+}
+
+DEM_API ptrdiff_t dem_contact_count(const dem_world *world) {
+    return world && world->engine ? world->engine->contacts.count : 0;
+}
+
+/* Computes normal and point of the contact in a slot, or of a link (slot -1), from the present positions. */
+static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
+    const dem_vec x = dem_position(w, info->i);
+    const double radius = w->particle[info->i].radius;
+    if (info->j < 0) {
+        dem__touch touch;
+        dem__touch_place(w, slot, &w->wall[-1 - info->j], x, radius, info->element, &touch);
+        info->normal = touch.normal;
+        info->point = dem__plus(x, -(radius + touch.gap), touch.normal);
+        return;
+    }
+    const dem_vec d = dem__nearest_image(w, dem__sub(x, dem_position(w, info->j)));
+    info->point = dem__plus(x, -radius / (radius + w->particle[info->j].radius), d);
+    dem__unit(d, &info->normal);
+}
+
+DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
+    dem_contact_info info;
+    memset(&info, 0, sizeof info);
+    info.gap = (double)NAN;
+    if (!world || !world->engine || k < 0 || k >= world->engine->contacts.count) return info;
+    k = dem__slot_of(world, k);
+    info.i = world->engine->contacts.i[k];
+    info.j = world->engine->contacts.j[k];
+    info.gap = world->engine->contacts.gap[k];
+    info.force = dem_vec3(world->engine->contacts.wrench[0][k], world->engine->contacts.wrench[1][k],
+                          world->engine->contacts.wrench[2][k]);
+    info.element = world->engine->contacts.element[k];
+    for (int a = 0; a < world->engine->contacts.states; a++) info.state[a] = world->engine->contacts.state[a][k];
+    dem__find_point(world, k, &info);
+    return info;
+}
+
+DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state) {
+    if (!world || !world->engine || !state || k < 0 || k >= world->engine->contacts.count) return;
+    for (int a = 0; a < world->engine->contacts.states; a++)
+        world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
+    if (!dem__is_running(world))
+        world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
+}
+
+DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
+    dem_apertures count = {0, 0, 0};
+    if (!world || wall < 0 || wall >= world->walls || world->wall[wall].kind != DEM_SCREEN) return count;
+    const dem_wall *s = &world->wall[wall];
+    const double pitch = s->aperture + s->wire, half = 0.5 * pitch;
+    const int nx = (int)(s->half_x / pitch) + 1, ny = (int)(s->half_y / pitch) + 1;
+    for (int a = -nx; a <= nx; a++) {
+        for (int b = -ny; b <= ny; b++) {
+            double x = fabs(a * pitch) + half, y = fabs(b * pitch) + half;
+            count.total += s->circular ? x * x + y * y <= s->half_x * s->half_x : x <= s->half_x && y <= s->half_y;
+        }
+    }
+    count.free = count.total;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        if (!world->alive[i] || world->touching[i] < 2 || dem__shape_of(world, i)) continue;
+        const dem_vec d = dem__sub(dem__at(world, i, dem__now(world, i)), s->position);
+        if (!(fabs(dem__dot(d, s->axis[2])) < world->particle[i].radius)) continue;
+        dem_vec normal[DEM__TOUCHES];
+        int n = 0, holding = 0;
+        for (int32_t c = world->engine->walls.first_contact[i]; c >= 0 && n < DEM__TOUCHES;
+             c = world->engine->contacts.wall_next[c]) {
+            dem__touch touch;
+            if (world->engine->contacts.j[c] != -1 - wall || !(world->engine->contacts.gap[c] < 0.0)) continue;
+            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius,
+                               world->engine->contacts.element[c], &touch);
+            normal[n++] = touch.normal;
+        }
+        if (n < 2) continue;
+        const int m = s->material < world->material[i] ? s->material : world->material[i];
+        const double mu = world->def.pair[m][s->material + world->material[i] - m].friction;
+        const dem_vec up = s->axis[2];
+        for (int a = 0; a < n;
+             a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
+            for (int b = a + 1; b < n; b++) {
+                const double za = dem__dot(normal[a], up), zb = dem__dot(normal[b], up);
+                const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)),
+                              flat_b = dem__sub(normal[b], dem__scale(zb, up));
+                if (dem__dot(flat_a, flat_b) < -0.5 && fabs(za) <= mu * dem__length(flat_a) &&
+                    fabs(zb) <= mu * dem__length(flat_b))
+                    holding = 1;
+            }
+        }
+        count.occupied++;
+        count.free -= holding;
+    }
+    return count;
+}
+
+/* -------------------------------------------------------------------------------------------------- >>links/list.h */
+/* The links of each particle, in lists: a link is in those of both of its bodies. */
+
+/* Lists the arrays of links. Returns their number. */
+static inline int dem__link_arrays(dem_world *w, dem__array *list) {
+    dem__links *links = &w->engine->links;
+    int n = 0;
+    int32_t **integers[] = {&links->i, &links->j, &links->element, &links->next_i, &links->next_j};
+    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++)
+        list[n].address = integers[k], list[n].size = sizeof(int32_t);
+    for (int k = 0; k < links->states; k++, n++) list[n].address = &links->state[k], list[n].size = sizeof(double);
+    for (int k = 0; k < 9; k++, n++) list[n].address = &links->wrench[k], list[n].size = sizeof(double);
+    list[n].address = &links->gap, list[n++].size = sizeof(double);
+    list[n].address = &links->ended, list[n++].size = 1;
+    return n;
+}
+
+/* Returns the link after k in particle i's list; -1 at its end. */
+DEM_INLINE int32_t dem__next_link(const dem_world *w, int32_t k, ptrdiff_t i) {
+    const dem__links *links = &w->engine->links;
+    return links->i[k] == i ? links->next_i[k] : links->next_j[k];
+}
+
+/* Returns the link of particle i with body j (a wall: -1 - index) at an element of it, or -1. */
+static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element) {
+    const dem__links *links = &w->engine->links;
+    int32_t k = links->first_link[i];
+    while (k >= 0) {
+        const int first = links->i[k] == i;
+        if ((first ? links->j[k] : links->i[k]) == j && (j >= 0 || links->element[k] == element)) return k;
+        k = dem__next_link(w, k, i);
+    }
+    return -1;
+}
+
+/* Sets the distance at which near pair p is in contact, which is larger for linked particles. p = -1: does nothing. */
+DEM_INLINE void dem__mark_link(dem_world *w, int32_t p, int linked) {
+    if (p < 0) return;
+    dem__near *q = &w->engine->pairs.near[p];
+    q->distance = w->particle[q->i].radius + w->particle[q->j].radius + (linked ? w->engine->links.near : 0.0);
+}
+
+DEM_INLINE void dem__list_link(dem_world *w, int32_t k) {
+    dem__links *links = &w->engine->links;
+    const int32_t i = links->i[k], j = links->j[k];
+    links->next_i[k] = links->first_link[i];
+    links->first_link[i] = k;
+    if (j < 0) return;
+    const int32_t p = dem__near_pair(w, i, j);
+    links->next_j[k] = links->first_link[j];
+    links->first_link[j] = k;
+    dem__mark_link(w, p, 1);
+}
+
+static inline void dem__find_links(dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) w->engine->links.first_link[i] = -1;
+    for (int32_t k = 0; k < (int32_t)w->engine->links.count; k++) dem__list_link(w, k);
+}
+
+/* Removes link k from particle i's list, or puts another link in its place. */
+static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t replacement) {
+    dem__links *links = &w->engine->links;
+    int32_t *at = &links->first_link[i];
+    while (*at != k) at = links->i[*at] == i ? &links->next_i[*at] : &links->next_j[*at];
+    *at = replacement >= 0 ? replacement : dem__next_link(w, k, i);
+}
+
+/* Returns the highest slot of a particle's links. The order of its list depends on the history of the scene. */
+static inline int32_t dem__last_link(const dem_world *w, ptrdiff_t i) {
+    int32_t last = -1;
+    for (int32_t k = w->engine->links.first_link[i]; k >= 0; k = dem__next_link(w, k, i)) last = k > last ? k : last;
+    return last;
+}
+
+/* Ends link k; the last link takes its slot. Its force acts until links are evaluated next. */
+static inline void dem__cut_link(dem_world *w, int32_t k) {
+    const int32_t i = w->engine->links.i[k], j = w->engine->links.j[k], last = (int32_t)w->engine->links.count - 1;
+    dem__report_end(w, w->engine->links.law, k);
+    dem__unlist_link(w, k, i, -1);
+    if (j >= 0) {
+        const int32_t p = dem__near_pair(w, i, j);
+        dem__mark_link(w, p, 0);
+        dem__unlist_link(w, k, j, -1);
+    }
+    w->engine->links.count = last;
+    if (k == last) return;
+    dem__unlist_link(w, last, w->engine->links.i[last], k);
+    if (w->engine->links.j[last] >= 0) dem__unlist_link(w, last, w->engine->links.j[last], k);
+    dem__array list[DEM__ARRAYS_MAX];
+    const int n = dem__link_arrays(w, list);
+    for (int a = 0; a < n; a++) {
+        char *base;
+        memcpy(&base, list[a].address, sizeof base);
+        memcpy(base + (size_t)k * list[a].size, base + (size_t)last * list[a].size, list[a].size);
+    }
+}
+
+/* ----------------------------------------------------------------------------------------------- >>links/getters.h */
+/* Reading links. */
+
+DEM_API ptrdiff_t dem_link_count(const dem_world *world) {
+    return world && world->engine ? world->engine->links.count : 0;
+}
+
+DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
+    dem_contact_info info;
+    memset(&info, 0, sizeof info);
+    info.gap = (double)NAN;
+    if (!world || !world->engine || k < 0 || k >= world->engine->links.count) return info;
+    info.i = world->engine->links.i[k];
+    info.j = world->engine->links.j[k];
+    info.element = world->engine->links.element[k];
+    info.gap = world->engine->links.gap[k];
+    info.force = dem_vec3(world->engine->links.wrench[0][k], world->engine->links.wrench[1][k],
+                          world->engine->links.wrench[2][k]);
+    for (int a = 0; a < world->engine->links.states; a++) info.state[a] = world->engine->links.state[a][k];
+    dem__find_point(world, -1, &info);
+    return info;
+}
+
+DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element) {
+    return world && i >= 0 && i < world->count ? dem__link_of(world, i, j, element) : -1;
+}
+
+/* ------------------------------------------------------------------------------------------------ >>links/kernel.h */
+/* Forces of links, block by block: a law's loop over them, and the sums. */
+
+/* Returns the number of parts into which the links are split. */
+DEM_INLINE int dem__link_parts(const dem_world *w) {
+    return dem__parts_of(w, w->engine->links.count, w->engine->scratch.works);
+}
+
+/* Adds the forces of links first .. end-1 to the loads of their bodies, in the order of the links. */
+DEM_INLINE void dem__add_links(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__links *links = &w->engine->links;
+    double *const *out = links->wrench;
+    for (ptrdiff_t k = first; k < end; k++) {
+        const ptrdiff_t i = links->i[k], j = links->j[k], ahead = k + DEM__AHEAD;
+        if (ahead < end) {
+            DEM__PREFETCH(bodies->load[links->i[ahead]]);
+            DEM__PREFETCH(bodies->load[links->j[ahead] < 0 ? 0 : links->j[ahead]]);
+        }
+        if (links->ended[k]) continue;
+        for (int a = 0; a < 6; a++) bodies->load[i][a] += out[a][k];
+        if (j < 0) continue;
+        for (int a = 0; a < 3; a++) bodies->load[j][a] -= out[a][k];
+        for (int a = 3; a < 6; a++) bodies->load[j][a] += out[3 + a][k];
+    }
+}
+
+/* Gathers the block of n links from base on, and prefetches those after it. */
+DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t base, int n, ptrdiff_t end) {
+    const dem__links *links = &w->engine->links;
+    x->walls = 0;
+    for (int k = 0; k < n; k++) {
+        const ptrdiff_t c = base + k, i = links->i[c], j = links->j[c], ahead = c + DEM__AHEAD;
+        if (ahead < end) dem__prefetch_particle(w, links->i[ahead]), dem__prefetch_particle(w, links->j[ahead]);
+        if (j >= 0) dem__gather_pair(w->particle, i, j, &x->rows, k, 1);
+        else dem__gather_wall(w, i, -1 - j, links->element[c], -1, &x->rows, k, 0.0, &x->wall[x->walls++]);
+        x->types.sum[k] = w->particle[i].radius + (j >= 0 ? w->particle[j].radius : 0.0);
+        x->types.part[k] = w->particle[i].radius / x->types.sum[k];
+    }
+    dem__complete_rows(w, &x->rows, &x->types, n, 0.0, 0.5 * w->engine->run.kernel_dt, x->wall, x->walls, 1);
+}
+
+/* Evaluates links first .. end - 1 at the present positions. If there is only one thread, it adds up each block while
+   it is in the cache. */
+DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law) {
+    dem__links *links = &w->engine->links;
+    dem__work *x = dem__work_of(w, part);
+    const double h = w->engine->run.kernel_dt;
+    for (ptrdiff_t base = first; base < end; base += DEM__BLOCK) {
+        const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;
+        const size_t bytes = (size_t)n * sizeof(double);
+        dem__columns old, at;
+        dem__gather_links(w, x, base, n, end);
+        for (int a = 0; a < law->states; a++) old.state[a] = links->state[a] + base;
+        for (int a = 0; a < 9; a++) old.out[a] = links->wrench[a] + base;
+        for (int a = 0; a < law->states; a++) at.state[a] = DEM__COPY_ROWS ? x->block.state[a] : old.state[a];
+        for (int a = 0; a < 9; a++) at.out[a] = DEM__COPY_ROWS ? x->block.out[a] : old.out[a];
+        dem__apply_law(w, x, links->i + base, links->j + base, n, &old, &at, law, h, 1.0 / h,
+                       DEM_FRICTION | DEM__OF_LINKS);
+        for (int a = 0; a < law->history && DEM__COPY_ROWS; a++) memcpy(old.state[a], at.state[a], bytes);
+        for (int a = 0; a < 9 && DEM__COPY_ROWS; a++) memcpy(old.out[a], at.out[a], bytes);
+        memcpy(links->gap + base, x->rows.gap, bytes);
+        for (int k = 0; k < n; k++) links->ended[base + k] = x->ended[k] != 0.0;
+        if (dem__link_parts(w) == 1) dem__add_links(w, base, base + n);
+    }
+}
+
+#define DEM_LINK_KERNEL(name, law)                                                                                     \
+    DEM__LOOP(name##_loop, dem__link_kernel(world, first, end, part, &(law)))                                          \
+    static const dem_link_kernel name = {&(law), name##_loop};
+
+/* ------------------------------------------------------------------------------------------------ >>save/records.h */
+/* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows
+   bytes and memory, no physics. Relies on nothing; save/fields.h names what is saved, save/save.h and save/load.h use
+   both. */
+
+/* A field that becomes a record: its entries, of some numbers each, are `stride` bytes apart in memory. */
+enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
+typedef struct dem__saved_field {
+    char name[DEM__NAME_BYTES]; /* at most 23 characters */
+    void *data;                 /* of the first entry */
+    size_t stride;
+    int numbers, width; /* numbers of an entry; bytes of a number: 1, 4 or 8 */
+} dem__saved_field;
+#define DEM__DOUBLES(name, first, stride)                                                                              \
+    { name, &(first), stride, (int)(sizeof(first) / (sizeof(double))), sizeof(double) }
+#define DEM__INTEGER(name, first, stride)                                                                              \
+    { name, &(first), stride, 1, (int)sizeof(first) }
+
+/* Bytes that are written, only counted, or read. */
+typedef struct dem__stream {
+    unsigned char *to;         /* NULL: count only */
+    const unsigned char *from; /* NULL: write */
+    size_t at;
+} dem__stream;
+
+/* Returns the FNV-1a hash of n bytes. */
+static inline uint64_t dem__checksum(const unsigned char *bytes, size_t n) {
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (size_t k = 0; k < n; k++) hash = (hash ^ bytes[k]) * 0x100000001b3u;
+    return hash;
+}
+
+/* Writes or reads a number of 1, 4 or 8 bytes in memory. */
+static inline void dem__stream_number(dem__stream *s, void *number, int width) {
+    uint64_t bits = 0;
+    uint32_t half;
+    unsigned char byte;
+    if (s->from) {
+        for (int k = 0; k < width; k++) bits |= (uint64_t)s->from[s->at + (size_t)k] << (8 * k);
+        half = (uint32_t)bits, byte = (unsigned char)bits;
+        memcpy(number, width == 8 ? (void *)&bits : width == 4 ? (void *)&half : (void *)&byte, (size_t)width);
+    } else if (s->to) {
+        memcpy(width == 8 ? (void *)&bits : width == 4 ? (void *)&half : (void *)&byte, number, (size_t)width);
+        bits = width == 8 ? bits : width == 4 ? half : byte;
+        for (int k = 0; k < width; k++) s->to[s->at + (size_t)k] = (unsigned char)(bits >> (8 * k) & 255u);
+    }
+    s->at += (size_t)width;
+}
+static inline void dem__stream_u64(dem__stream *s, uint64_t *v) { dem__stream_number(s, v, 8); }
+
+/* Writes or reads entry k of a field. */
+static inline void dem__stream_entry(dem__stream *s, const dem__saved_field *f, ptrdiff_t k) {
+    unsigned char *number = (unsigned char *)f->data + (size_t)k * f->stride;
+    for (int q = 0; q < f->numbers; q++) dem__stream_number(s, number + q * f->width, f->width);
+}
+
+/* Begins a record of n entries. */
+static inline void dem__begin_record(dem__stream *s, const dem__saved_field *f, uint64_t n) {
+    uint64_t bytes = (uint64_t)f->numbers * (uint64_t)f->width;
+    if (s->to) memcpy(s->to + s->at, f->name, DEM__NAME_BYTES);
+    s->at += DEM__NAME_BYTES;
+    dem__stream_u64(s, &bytes), dem__stream_u64(s, &n);
+}
+
+/* A record that was found: where its entries begin, the bytes of an entry, the number of entries. */
+typedef struct dem__record {
+    size_t at;
+    uint64_t bytes, count;
+} dem__record;
+
+/* Reads the head of the record at `at` of a file whose records end at `end`. Returns 0 if the record does not fit
+   there. */
+static inline int dem__read_head(const unsigned char *file, size_t end, size_t at, dem__record *r) {
+    dem__stream s;
+    if (end - at < DEM__HEAD_BYTES) return 0;
+    s.to = NULL, s.from = file, s.at = at + DEM__NAME_BYTES;
+    dem__stream_u64(&s, &r->bytes), dem__stream_u64(&s, &r->count);
+    r->at = s.at;
+    return r->bytes > 0 && r->count <= (end - r->at) / r->bytes;
+}
+
+/* Returns whether the bytes from `at` to `end` are whole records. */
+static inline int dem__are_records(const unsigned char *file, size_t at, size_t end) {
+    dem__record r;
+    while (at < end) {
+        if (!dem__read_head(file, end, at, &r)) return 0;
+        at = r.at + (size_t)(r.bytes * r.count);
+    }
+    return at == end;
+}
+
+/* Finds the first record with a name among whole ones. Returns 0 if there is none. */
+static inline int dem__find_record(const unsigned char *file, size_t at, size_t end, const char *name, dem__record *r) {
+    memset(r, 0, sizeof *r);
+    for (; at < end; at = r->at + (size_t)(r->bytes * r->count)) {
+        dem__read_head(file, end, at, r);
+        if (memcmp(file + at, name, DEM__NAME_BYTES) == 0) return 1;
+    }
+    return 0;
+}
+
+/* ------------------------------------------------------------------------------------------------- >>save/groups.h */
+/* Groups of fields that have the same number of entries: writing and reading them, and hashes of numbers. */
+
+enum { DEM__FIELDS_MAX = 64 };
+
+/* Fields with the same number of entries. */
+typedef struct dem__group {
+    int fields, needed; /* the first `needed` of them are required */
+    dem__saved_field field[DEM__FIELDS_MAX];
+} dem__group;
+
+static inline void dem__set_fields(dem__group *g, const dem__saved_field *field, size_t bytes, int needed) {
+    memcpy(g->field, field, bytes);
+    g->fields = (int)(bytes / sizeof *field), g->needed = needed;
+}
+/* Adds fields that are not required. */
+static inline void dem__add_optional(dem__group *g, const dem__saved_field *field, size_t bytes) {
+    memcpy(&g->field[g->fields], field, bytes);
+    g->fields += (int)(bytes / sizeof *field);
+}
+
+/* Adds arrays of doubles, numbered: contact.wrench0, contact.wrench1 .. */
+static inline void dem__add_fields(dem__group *g, const char *name, double *const *array, int n) {
+    for (int k = 0; k < n; k++) {
+        dem__saved_field *f = &g->field[g->fields++];
+        const size_t length = strlen(name);
+        memset(f, 0, sizeof *f);
+        memcpy(f->name, name, length);
+        if (k > 9) f->name[length] = (char)('0' + k / 10);
+        f->name[length + (k > 9)] = (char)('0' + k % 10);
+        f->data = array[k], f->stride = sizeof(double), f->numbers = 1, f->width = sizeof(double);
+    }
+}
+
+/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among
+   those present. */
+static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at,
+                                    int is_body) {
+    if (!is_body) {
+        dem__stream_entry(s, f, at);
+        return;
+    }
+    int32_t body = *(const int32_t *)(const void *)((const unsigned char *)f->data + (size_t)at * f->stride);
+    if (body >= 0) body = w->engine->bodies.number[body];
+    dem__stream_number(s, &body, sizeof body);
+}
+
+/* Writes a group of n consecutive entries. The first `bodies` fields are indices of particles. */
+static inline void dem__write_group(dem__stream *s, const dem_world *w, const dem__group *g, ptrdiff_t n, int bodies) {
+    for (int q = 0; q < g->fields && n > 0; q++) {
+        dem__begin_record(s, &g->field[q], (uint64_t)n);
+        for (ptrdiff_t k = 0; k < n; k++) dem__write_entry(s, w, &g->field[q], k, q < bodies);
+    }
+}
+
+/* A file that is read: its bytes, and where its records begin and end. */
+typedef struct dem__file {
+    const unsigned char *bytes;
+    size_t first, end;
+} dem__file;
+
+/* Returns whether the bytes are a whole and unchanged saved world of this format. */
+static inline int dem__open_file(dem__file *file, const void *buffer, size_t size) {
+    uint64_t magic, version, check;
+    dem__stream s = {NULL, (const unsigned char *)buffer, 0};
+    if (size < 24) return 0;
+    dem__stream_u64(&s, &magic), dem__stream_u64(&s, &version);
+    file->bytes = s.from, file->first = s.at, file->end = s.at = size - 8;
+    dem__stream_u64(&s, &check);
+    return magic == DEM__MAGIC && version == DEM__FORMAT && check == dem__checksum(file->bytes, file->end) &&
+           dem__are_records(file->bytes, file->first, file->end);
+}
+
+/* Returns the number of entries of a group in a file: of its first field, which is required. */
+static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first) {
+    char name[DEM__NAME_BYTES];
+    dem__record r;
+    memset(name, 0, sizeof name);
+    memcpy(name, first, strlen(first));
+    return dem__find_record(file->bytes, file->first, file->end, name, &r) && r.count < INT32_MAX / 4
+               ? (ptrdiff_t)r.count
+               : 0;
+}
+
+/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of
+   another kind. */
+static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
+    const dem__saved_field *f = &g->field[field];
+    dem__record r;
+    if (!dem__find_record(file->bytes, file->first, file->end, f->name, &r)) return field < g->needed ? -1 : 0;
+    s->to = NULL, s->from = file->bytes, s->at = r.at;
+    return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
+}
+
+/* Reads a group of n consecutive entries. Returns 0 if the file is not valid. */
+static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
+    for (int q = 0; q < g->fields && n > 0; q++) {
+        dem__stream s;
+        const int found = dem__find_field(file, g, q, n, &s);
+        if (found < 0) return 0;
+        for (ptrdiff_t k = 0; k < n && found; k++) dem__stream_entry(&s, &g->field[q], k);
+    }
+    return 1;
+}
+
+static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
+
+/* Returns whether i is a particle, and j another one or a wall. */
+static inline int dem__are_bodies(const dem_world *w, int32_t i, int32_t j) {
+    return i >= 0 && i < w->count && j < w->count && j >= -w->walls && i != j;
+}
+
+/* Adds a number of 8 bytes to an FNV-1a hash. */
+DEM_INLINE void dem__hash_u64(uint64_t *hash, uint64_t v) {
+    for (int k = 0; k < 8; k++) *hash = (*hash ^ (v >> (8 * k) & 255u)) * 0x100000001b3u;
+}
+static inline void dem__hash_i64(uint64_t *hash, int64_t v) { dem__hash_u64(hash, (uint64_t)v); }
+static inline void dem__hash_f64(uint64_t *hash, const double *v, int n) {
+    for (int k = 0; k < n; k++) {
+        uint64_t bits;
+        memcpy(&bits, &v[k], sizeof bits);
+        dem__hash_u64(hash, bits);
+    }
+}
+static inline void dem__hash_vec(uint64_t *hash, dem_vec v) {
+    dem__hash_f64(hash, &v.x, 1), dem__hash_f64(hash, &v.y, 1), dem__hash_f64(hash, &v.z, 1);
+}
+
+static inline void dem__hash_quaternion(uint64_t *hash, dem_quaternion q) {
+    dem__hash_f64(hash, &q.w, 1), dem__hash_f64(hash, &q.x, 1), dem__hash_f64(hash, &q.y, 1),
+        dem__hash_f64(hash, &q.z, 1);
+}
+
+/* Adds the bodies of a contact or a link, numbered among those present, and its element. */
+static inline void dem__hash_bodies(uint64_t *hash, const dem_world *w, int32_t i, int32_t j, int32_t element) {
+    const int32_t *number = w->engine->bodies.number;
+    dem__hash_i64(hash, number[i]), dem__hash_i64(hash, j >= 0 ? number[j] : j), dem__hash_i64(hash, element);
+}
+
+/* -------------------------------------------------------------------------------------------------- >>links/work.h */
+/* The work of links on particles, which the energy ledger books: their forces are constant between two evaluations. */
+
+/* Returns the number of steps between two evaluations of the links, also for a loaded world without their law. */
+DEM_INLINE int dem__steps_of_links(const dem_world *w) {
+    const double n = floor(w->engine->links.interval / w->engine->run.dt);
+    return n < 1.0 ? 1 : n > 1000.0 ? 1000 : (int)n;
+}
+
+/* Returns the time since links were evaluated [s]. */
+DEM_INLINE double dem__since_evaluated(const dem_world *w) {
+    return w->engine->run.dt * (double)(w->step - w->engine->links.evaluated_step);
+}
+
+/* Returns the work of the link forces on particle i, which is at x and has a spin, since they were evaluated [J]. */
+DEM_INLINE double dem__link_work_until(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const dem__links *links = &w->engine->links;
+    const double turned = 0.5 * dem__since_evaluated(w);
+    const dem_vec way = dem__nearest_image(w, dem__sub(x, dem__first(links->evaluated_at[i])));
+    const dem_vec force = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->external[i]));
+    const dem_vec torque = dem__sub(dem__second(bodies->load[i]), dem__second(bodies->external[i]));
+    return dem__dot(force, way) + turned * dem__dot(torque, dem__add(spin, dem__second(links->evaluated_at[i])));
+}
+static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
+    const double tau = dem__now(w, i);
+    if (!w->engine->links.is_loaded[i] || dem__is_fixed(w, i)) return 0.0;
+    return dem__link_work_until(w, i, dem__at(w, i, tau), dem__spin_at(w, i, tau));
+}
+
+/* Stop and resume counting the work of links on some particles, while a caller changes how they move. The spin from
+   which counting resumes is the one that a particle would have had at the last evaluation. */
+static inline void dem__stop_link_work(dem_world *w, dem__pieces of) {
+    for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) dem__book_link_work(w, dem__link_work(w, k));
+}
+static inline void dem__resume_link_work(dem_world *w, dem__pieces of) {
+    for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) {
+        double *from = w->engine->links.evaluated_at[k];
+        const double tau = dem__now(w, k);
+        if (!w->engine->links.is_loaded[k]) continue;
+        const dem_vec x = dem__at(w, k, tau),
+                      spin = dem__plus(dem__spin_at(w, k, tau), -dem__since_evaluated(w), w->spin_rate[k]);
+        for (int a = 0; a < 3; a++) from[a] = dem_axis(x, a), from[3 + a] = dem_axis(spin, a);
+        dem__book_link_work(w, -dem__link_work(w, k));
+    }
+}
+
+/* Sets the number of steps between two evaluations of the links, and the step of the last one as it would have been
+   with it. */
+static inline void dem__set_link_steps(dem_world *w) {
+    dem__links *links = &w->engine->links;
+    if (!links->on) return;
+    if (links->law) links->every = dem__steps_of_links(w);
+    links->evaluated_step = w->step - w->step % dem__steps_of_links(w);
+}
+
+/* -------------------------------------------------------------------------------------------------- >>links/save.h */
+/* Links in a saved world. */
+
+static inline void dem__link_fields(dem_world *w, dem__group *g) {
+    dem__links *links = &w->engine->links;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("link.i", links->i[0], sizeof *links->i),
+        DEM__INTEGER("link.j", links->j[0], sizeof *links->j),
+        DEM__INTEGER("link.element", links->element[0], sizeof *links->element),
+    };
+    dem__set_fields(g, fields, sizeof fields, 3);
+    dem__add_fields(g, "link.state", links->state, links->states);
+    g->needed = g->fields;
+}
+
+static inline void dem__world_fields_of_links(dem_world *w, dem__group *g) {
+    dem__links *links = &w->engine->links;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("link.on", links->on, 0),
+        DEM__INTEGER("link.states", links->states, 0),
+        DEM__DOUBLES("link.interval", links->interval, 0),
+        DEM__DOUBLES("link.near", links->near, 0),
+    };
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline void dem__particle_fields_of_links(dem_world *w, dem__group *g) {
+    dem__links *links = &w->engine->links;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("particle.is_loaded", links->is_loaded[0], sizeof *links->is_loaded),
+        DEM__DOUBLES("particle.evaluated_at", links->evaluated_at[0], sizeof *links->evaluated_at),
+    };
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline void dem__save_links(dem__stream *s, dem_world *w, dem__group *g) {
+    if (w->engine->links.count == 0) return;
+    dem__link_fields(w, g);
+    dem__write_group(s, w, g, w->engine->links.count, 2);
+}
+
+static inline int dem__has_links(const dem_world *w) {
+    const dem__links *links = &w->engine->links;
+    if (!dem__is_flag(links->on) || links->states < 0 || links->states > DEM_STATE_MAX) return -1;
+    if (!dem__not_negative(links->near) || !dem__not_negative(links->interval)) return -1;
+    return links->on;
+}
+
+static inline dem_status dem__load_links(const dem__file *file, dem_world *w, dem__group *g) {
+    dem__links *links = &w->engine->links;
+    dem__array list[DEM__ARRAYS_MAX];
+    const ptrdiff_t n = dem__entries_of(file, "link.i");
+    if (n == 0) return DEM_OK;
+    if (!dem__grow_group(w, list, dem__link_arrays(w, list), &links->block, &links->bytes, &links->capacity, n))
+        return DEM_OUT_OF_MEMORY;
+    dem__link_fields(w, g);
+    if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
+    for (links->count = 0; links->count < n; links->count++) {
+        if (!dem__are_bodies(w, links->i[links->count], links->j[links->count])) return DEM_BAD_DATA;
+    }
+    return DEM_OK;
+}
+
+static inline void dem__derive_links(dem_world *w) {
+    w->engine->pairs.touch_gap = w->engine->links.near;
+    dem__set_link_steps(w);
+    dem__find_links(w);
+}
+
+static inline void dem__hash_linked(uint64_t *hash, const dem_world *w, ptrdiff_t i) {
+    dem__hash_f64(hash, w->engine->bodies.external[i], 6);
+    dem__hash_i64(hash, w->engine->links.is_loaded[i]);
+}
+
+static inline void dem__hash_links(uint64_t *hash, const dem_world *w) {
+    const dem__links *links = &w->engine->links;
+    for (ptrdiff_t k = 0; k < links->count; k++) {
+        dem__hash_bodies(hash, w, links->i[k], links->j[k], links->element[k]);
+        for (int a = 0; a < links->states; a++) dem__hash_f64(hash, &links->state[a][k], 1);
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------- >>links/links.h */
+/* Links, which have a step of their own: setting them and adding one, and their step. Reads bodies and the law of
+   links; writes links, the loads and velocities of bodies. dem_set_links adds the feature to a
+   world. */
+
+/* Runs the links' loop on blocks first .. end - 1. */
+static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__links *links = &w->engine->links;
+    (void)context;
+    links->loop(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count, part);
+}
+static inline void dem__evaluate_links(dem_world *w) {
+    const ptrdiff_t n = w->engine->links.count;
+    dem__in_parts(w, dem__link_parts(w), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
+}
+
+/* Returns whether particle i has links, or its load contains forces of links. */
+DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
+    return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
+}
+
+/* Applies half of the change of its links' forces to a body; the old forces are in the sums. In flight, the old torque
+   is that of the place where it was computed; for a body that takes steps, both are taken at the present place. */
+static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
+    dem__sum_on_body(w, r, 0, 1, &force, &torque);
+    if (w->touching[r->first] == 0) {
+        more = dem__sub(dem__plus(dem__free_fall(w), 1.0 / r->mass, force), r->a),
+        turning = dem__sub(torque, r->torque);
+    } else {
+        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+            if (!dem__is_linked(w, i)) continue;
+            const dem_vec change = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->sum[i].load));
+            more = dem__plus(more, 1.0 / r->mass, change);
+            turning =
+                dem__add(turning, dem__add(dem__sub(dem__second(bodies->load[i]), dem__second(bodies->sum[i].load)),
+                                           dem__cross(bodies->arm[i], change)));
+        }
+    }
+    r->v = dem__flushed_vec(dem__plus(r->v, half, more)), r->a = dem__add(r->a, more);
+    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, turning)), r->torque = dem__add(r->torque, turning);
+    dem__place_pieces(w, r);
+}
+
+/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from
+   their present forces. */
+static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
+    const dem_vec m = r->moments;
+    const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
+    dem_vec force, torque;
+    dem__sum_on_body(w, r, 0, 1, &force, &torque);
+    return (double)w->engine->links.every * w->engine->run.dt *
+           (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
+}
+
+/* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present
+   forces. */
+DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (r) return dem__body_link_drift(w, r, i);
+    return (double)w->engine->links.every * w->engine->run.dt / w->particle[i].mass *
+           dem__length(dem__first(w->engine->bodies.load[i]));
+}
+
+/* Returns the kinetic energy of a sphere whose origin is the present step [J]. */
+DEM_INLINE double dem__energy_at_origin(const dem_world *w, ptrdiff_t i) {
+    const dem_particle *p = &w->particle[i];
+    return 0.5 * p->mass * dem__dot(p->v, p->v) + 0.5 * dem__inertia(w, i) * dem__dot(p->spin, p->spin);
+}
+
+/* Makes the present step the origin of a linked particle, books the work of its links until now, and moves its load to
+   the sums. */
+static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__rigid *r = dem__rigid_of(w, i);
+    const dem_particle *p = &w->particle[i];
+    dem__set_origin(w, i);
+    if (r) bodies->calls->wrap(w, r), bodies->calls->place(w, r);
+    else dem__wrap(w, i);
+    if (w->engine->ledger.on && r) dem__book_link_work(w, dem__link_work(w, i));
+    else if (w->engine->ledger.on && !dem__is_fixed(w, i)) {
+        const double work = w->engine->links.is_loaded[i] ? dem__link_work_until(w, i, p->x, p->spin) : 0.0;
+        dem__book_link_work(w, work - dem__energy_at_origin(w, i));
+    }
+    memcpy(bodies->sum[i].load, bodies->load[i], sizeof bodies->load[i]);
+    memcpy(bodies->load[i], bodies->external[i], sizeof bodies->load[i]);
+}
+
+/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at
+   its first linked particle. */
+static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
+    const dem__sum *sum = &w->engine->bodies.sum[i];
+    const double *load = w->engine->bodies.load[i];
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem_particle *p = &w->particle[i];
+    if (dem__is_fixed(w, i)) return;
+    if (r) {
+        for (ptrdiff_t k = r->first; k < i; k++) {
+            if (dem__is_linked(w, k)) return;
+        }
+        dem__book_link_work(w, -dem__motion_energy(w, r->first));
+        dem__kick_linked_body(w, r, half);
+        dem__book_link_work(w, dem__motion_energy(w, r->first));
+        return;
+    }
+    const dem_vec a = dem__scale(sum->per_mass, dem__sub(dem__first(load), dem__first(sum->load)));
+    const dem_vec b = dem__scale(sum->per_inertia, dem__sub(dem__second(load), dem__second(sum->load)));
+    p->v = dem__flushed_vec(dem__plus(p->v, half, a)), p->a = dem__add(p->a, a);
+    p->spin = dem__flushed_vec(dem__plus(p->spin, half, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
+    if (w->engine->ledger.on) dem__book_link_work(w, dem__energy_at_origin(w, i));
+}
+
+/* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a
+   new one. */
+static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
+    const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
+    if (strayed < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
+    else {
+        const int32_t one = (int32_t)i;
+        dem__renew_bound(w, i, w->step);
+        dem__reset_pair_timers(w, &one, 1, w->step);
+    }
+}
+
+/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations; each
+   evaluation corrects the velocities to the mean of the old force and the new one. */
+static inline void dem__step_links(dem_world *w) {
+    dem__run *run = &w->engine->run;
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__links *links = &w->engine->links;
+    int32_t *linked = w->engine->scratch.index;
+    ptrdiff_t n = 0;
+    const double h = (double)links->every * run->dt;
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        linked[n] = i;
+        n += dem__is_linked(w, i);
+    }
+    for (ptrdiff_t q = 0; q < n; q++) dem__stop_linked(w, linked[q]);
+    run->kernel_dt = h;
+    links->evaluated_step = w->step;
+    dem__evaluate_links(w);
+    if (dem__link_parts(w) > 1) dem__add_links(w, 0, links->count);
+    for (ptrdiff_t q = 0; q < n; q++) dem__kick_linked(w, linked[q], 0.5 * h);
+    for (ptrdiff_t q = 0; q < n; q++) { /* after all particles of a body have changed */
+        const int32_t i = linked[q];
+        const dem__pieces own = dem__pieces_of(w, i);
+        const dem_particle *p = &w->particle[i];
+        for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = 0.0;
+        links->is_loaded[i] = links->first_link[i] >= 0;
+        if (w->engine->ledger.on)
+            memcpy(links->evaluated_at[i], &p->x, sizeof p->x),
+                memcpy(links->evaluated_at[i] + 3, &p->spin, sizeof p->spin);
+        if (run->needs_lists) continue;
+        for (ptrdiff_t k = own.first; k < own.end; k++) dem__check_linked(w, k);
+    }
+    for (int32_t k = 0; k < (int32_t)links->count;) {
+        if (links->ended[k]) dem__cut_link(w, k);
+        else k++;
+    }
+}
+
+static inline int dem__end_step_with_links(dem_world *w) {
+    dem__links *links = &w->engine->links;
+    if (links->every > 0 && w->step % links->every == 0) dem__step_links(w);
+    return w->status == DEM_OK;
+}
+
+static inline int dem__list_arrays_of_links(dem_world *w, dem__array *list) {
+    dem__links *links = &w->engine->links;
+    const dem__array arrays[] = {{&links->first_link, sizeof *links->first_link},
+                                 {&links->is_loaded, sizeof *links->is_loaded},
+                                 {&links->evaluated_at, sizeof *links->evaluated_at}};
+    memcpy(list, arrays, sizeof arrays);
+    return (int)(sizeof arrays / sizeof *arrays);
+}
+
+static inline void dem__release_links(dem_world *w) {
+    dem__release(&w->def.allocator, w->engine->links.block, w->engine->links.bytes);
+}
+
+static inline void dem__add_unlinked(dem_world *w, ptrdiff_t i) {
+    w->engine->links.first_link[i] = -1;
+    w->engine->links.is_loaded[i] = 0;
+}
+
+/* Ends the links of a particle that leaves, from the highest slot on: the order of its list depends on the history. */
+static inline void dem__cut_links_of(dem_world *w, ptrdiff_t i) {
+    dem__book_link_work(w, dem__link_work(w, i));
+    while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
+    w->engine->links.is_loaded[i] = 0; /* the work of its links has been booked */
+}
+
+static inline void dem__renumber_links(dem_world *w, const int32_t *number) {
+    dem__links *links = &w->engine->links;
+    for (ptrdiff_t k = 0; k < links->count; k++) {
+        links->i[k] = number[links->i[k]];
+        if (links->j[k] >= 0) links->j[k] = number[links->j[k]];
+    }
+}
+
+/* Links without a law: after loading dem_set_links comes first. */
+static inline dem_status dem__check_links(const dem_world *w, const dem_kernel *kernel) {
+    (void)kernel;
+    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK;
+}
+
+static inline void dem__begin_books_of_links(dem_world *w) { dem__resume_link_work(w, dem__all_particles(w)); }
+
+/* Finds the links of each particle for a new list, whose margin must be far larger than their reach. */
+static inline dem_status dem__relist_links(dem_world *w) {
+    const dem__links *links = &w->engine->links;
+    if (!(links->near <= 0.01 * w->engine->pairs.margin) && links->count > 0) return DEM_BAD_DEFINITION;
+    dem__find_links(w);
+    return DEM_OK;
+}
+
+static inline double dem__drift_by_links(const dem_world *w, ptrdiff_t i) {
+    const int linked = w->engine->links.first_link[i] >= 0 || dem__rigid_of(w, i);
+    return linked ? 2.0 * dem__link_drift(w, i) : 0.0;
+}
+
+static inline int dem__is_linked_with(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element) {
+    return dem__link_of(w, i, j, element) >= 0;
+}
+
+static inline void dem__open_books_of_links(const dem_world *w, ptrdiff_t i, dem_energy_ledger *sums) {
+    sums->link_work += dem__link_work(w, i);
+}
+
+static const dem__feature dem__feature_links = {
+    2, /* place */
+    1, /* adds_loads */
+    1, /* exclusive */
+    dem__list_arrays_of_links, /* list_arrays */
+    dem__release_links, /* release */
+    dem__add_unlinked, /* add_particle */
+    dem__stop_link_work, /* begin_change */
+    dem__resume_link_work, /* end_change */
+    dem__set_link_steps, /* set_time_step */
+    dem__cut_links_of, /* remove_particle */
+    dem__renumber_links, /* renumber */
+    dem__check_links, /* check_run */
+    NULL, /* prepare_run */
+    dem__begin_books_of_links, /* begin_ledger */
+    NULL, /* end_run */
+    NULL, /* keep_up */
+    dem__relist_links, /* listed */
+    dem__drift_by_links, /* drift */
+    dem__is_linked_with, /* begins_early */
+    NULL, /* begin_step */
+    NULL, /* contacts_begun */
+    NULL, /* add_forces */
+    NULL, /* leave */
+    NULL, /* begin_flights */
+    dem__end_step_with_links, /* end_step */
+    dem_link_count, /* forces */
+    dem_get_link, /* force */
+    NULL, /* velocity_error */
+    NULL, /* correct_velocity */
+    dem__open_books_of_links, /* open_books */
+    dem__world_fields_of_links, /* world_fields */
+    dem__particle_fields_of_links, /* particle_fields */
+    dem__save_links, /* save */
+    dem__has_links, /* is_used */
+    dem__load_links, /* load */
+    dem__derive_links, /* loaded */
+    dem__hash_linked, /* hash_particle */
+    dem__hash_links, /* hash */
+};
+
+DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) ||
+        !dem__positive(interval) || !dem__not_negative(near))
+        return DEM_BAD_ARGUMENT;
+    dem__links *links = &w->engine->links;
+    const dem_law *law = kernel->law;
+    if (links->count > 0 && law->states != links->states) return DEM_LAW_MISMATCH;
+    if (!links->on) {
+        const dem_status status = dem__take_feature(w, &dem__feature_links);
+        if (status != DEM_OK) return status;
+        for (ptrdiff_t i = 0; i < w->count; i++) dem__add_unlinked(w, i);
+    }
+    dem__pieces others = dem__all_particles(w); /* whose work is counted with another interval from now on */
+    if (links->on && links->interval == interval) others.end = others.first; /* a loaded world whose law is set again */
+    links->on = 1;
+    links->law = law;
+    links->loop = kernel->loop;
+    links->interval = interval;
+    if (links->near != near) w->engine->run.needs_lists = 1;
+    links->near = w->engine->pairs.touch_gap = near;
+    if (law->states != links->states) { /* other arrays: dem_add_link allocates them */
+        dem__release(&w->def.allocator, links->block, links->bytes);
+        links->block = NULL;
+        links->capacity = 0;
+        links->states = law->states;
+    }
+    dem__stop_link_work(w, others);
+    dem__set_link_steps(w);
+    dem__resume_link_work(w, others);
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state) {
+    dem_world *w = world;
+    if (w && w->engine && w->engine->run.ending) return DEM_BUSY;
+    if (!dem__is_present(w, i) || !w->engine->links.law || (!state && w->engine->links.states > 0) || i == j)
+        return DEM_BAD_ARGUMENT;
+    if (dem__shape_of(w, i) || (j >= 0 && j < w->count && dem__shape_of(w, j))) return DEM_POLYHEDRON;
+    if (j >= 0 && j < w->count && dem__rigid_of(w, i) && dem__rigid_of(w, i) == dem__rigid_of(w, j))
+        return DEM_BAD_ARGUMENT;
+    if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls) return DEM_BAD_ARGUMENT;
+    if (w->engine->links.count + 1 > w->engine->links.capacity) {
+        dem__array list[DEM__ARRAYS_MAX];
+        if (w->engine->links.count > INT32_MAX / 2 ||
+            !dem__grow_group(w, list, dem__link_arrays(w, list), &w->engine->links.block, &w->engine->links.bytes,
+                             &w->engine->links.capacity, w->engine->links.count + 1))
+            return DEM_OUT_OF_MEMORY;
+    }
+    const int32_t k = (int32_t)w->engine->links.count++;
+    w->engine->links.i[k] = (int32_t)i, w->engine->links.j[k] = (int32_t)j, w->engine->links.element[k] = element;
+    for (int a = 0; a < w->engine->links.states; a++) w->engine->links.state[a][k] = state[a];
+    for (int a = 0; a < 9; a++) w->engine->links.wrench[a][k] = 0.0;
+    w->engine->links.gap[k] = 0.0;
+    w->engine->links.ended[k] = 0;
+    dem__list_link(w, k);
+    return DEM_OK;
+}
+
 /* --------------------------------------------------------------------------------------------------- >>gas/field.h */
 /* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads
    bodies, the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end,
    computed at its origin and the same whatever is skipped. */
 
-/* Tasks of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none
-   of it. */
+/* Tasks of the kernel of a field, which DEM_FORCE_FIELD makes of a law. */
 enum {
-    DEM__FIND_FLIGHTS,    /* of particles: begins flights now */
-    DEM__RENEW_FLIGHTS,   /* of particles: keeps the flights that the law still gives, begins the others anew */
-    DEM__END_FLIGHTS,     /* of particles: ends flights now; from here on they take steps */
-    DEM__ADD_FIELD_FORCE, /* on particles: at the end of the present step, of length h */
-    DEM__PREPARE_FIELD,   /* before a run: dem__prepare_flights */
-    DEM__FIELD_CONTACTS,  /* n contacts have begun: dem__end_flights */
-    DEM__FIELD_FORCES,    /* on all particles that take steps: dem__add_field_forces */
-    DEM__FIELD_FLIGHTS,   /* after a step: dem__begin_flights */
-    DEM__FIELD_BOOKS,     /* the ledger begins: dem__begin_books */
-    DEM__RUN_IN_FIELD     /* n steps */
+    DEM__FIND_FLIGHTS,   /* of particles: begins flights now */
+    DEM__RENEW_FLIGHTS,  /* of particles: keeps the flights that the law still gives, begins the others anew */
+    DEM__END_FLIGHTS,    /* of particles: ends flights now; from here on they take steps */
+    DEM__ADD_FIELD_FORCE /* on particles: at the end of the present step, of length h */
 };
 typedef struct dem__field_task {
     int task;
     const int32_t *particle;
     ptrdiff_t n;
-    double h;                 /* [s] */
-    const dem_kernel *kernel; /* of contacts */
+    double h; /* [s] */
 } dem__field_task;
-
-/* Runs one of the tasks that need only a number. Returns 0 after a failure. */
-static inline int dem__ask_field(dem_world *w, int task, ptrdiff_t n) {
-    dem__field_task q;
-    memset(&q, 0, sizeof q);
-    q.task = task, q.n = n;
-    return w->engine->field.def.kernel(w, &q);
-}
-static inline int dem__ask_field_to_run(dem_world *w, ptrdiff_t steps, const dem_kernel *kernel) {
-    dem__field_task q;
-    memset(&q, 0, sizeof q);
-    q.task = DEM__RUN_IN_FIELD, q.n = steps, q.kernel = kernel;
-    return w->engine->field.def.kernel(w, &q);
-}
 
 DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
     return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
@@ -8810,6 +10580,12 @@ DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_ve
         else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law);
     }
 }
+
+#define DEM_FORCE_FIELD(name, law)                                                                                     \
+    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                    \
+        dem__field_kernel(world, task, law);                                                                           \
+        return 1;                                                                                                      \
+    }
 
 /* ------------------------------------------------------------------------------------------------- >>gas/flights.h */
 /* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. */
@@ -9060,6 +10836,130 @@ static inline int dem__begin_flights(dem_world *w) {
     return dem__follow_flights(w, list, n);
 }
 
+/* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at
+   both ends, but not the right velocities; the error at its end shows how the acceleration changes. */
+static inline dem_vec dem__velocity_error_in_field(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__field *field = &w->engine->field;
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const ptrdiff_t first = r ? r->first : i; /* has the flight */
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    if (w->engine->bodies.activity[i] || field->until[first] == DEM__NO_FLIGHT) return none;
+    const double whole = (double)(field->until[first] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
+    if (!(share >= 0.0 && share <= 1.0)) return none;
+    return dem__scale(share * (3.0 * share - 2.0), dem__sub(field->end_velocity[first], dem__drift_at(w, i, whole)));
+}
+
+/* Gives particle i, or its body, the most accurate velocity that is known, at an origin that has just been set. */
+static inline void dem__correct_velocity_in_field(dem_world *w, ptrdiff_t i, dem_vec error) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem__book_field_work(w, -dem__motion_energy(w, i));
+    if (r) {
+        r->v = dem__add(r->v, error);
+        w->engine->bodies.calls->place(w, r);
+    } else w->particle[i].v = dem__add(w->particle[i].v, error);
+    dem__book_field_work(w, dem__motion_energy(w, i));
+}
+
+/* ---- the feature ---- */
+
+/* Lists the arrays of particles in a force field. Returns their number. */
+static inline int dem__list_arrays_of_field(dem_world *w, dem__array *list) {
+    dem__field *field = &w->engine->field;
+    const dem__array arrays[] = {{&field->until, sizeof *field->until},
+                                 {&field->end_velocity, sizeof *field->end_velocity},
+                                 {&field->force, sizeof *field->force},
+                                 {&field->work, sizeof *field->work},
+                                 {&field->booked, sizeof *field->booked}};
+    const int n = (int)(sizeof arrays / sizeof *arrays);
+    memcpy(list, arrays, sizeof arrays);
+    return n;
+}
+
+static inline void dem__release_field(dem_world *w) {
+    dem__release(&w->def.allocator, w->engine->field.timers.block, w->engine->field.timers.bytes);
+}
+
+static inline void dem__add_unflown(dem_world *w, ptrdiff_t i) {
+    w->engine->field.until[i] = DEM__NO_FLIGHT;
+    w->engine->field.force[i] = dem_vec3(0.0, 0.0, 0.0);
+}
+
+/* A field without a law: after loading dem_set_force_field comes first. */
+static inline dem_status dem__check_field(const dem_world *w, const dem_kernel *kernel) {
+    (void)kernel;
+    return w->engine->field.def.kernel ? DEM_OK : DEM_NO_FIELD;
+}
+
+/* Continues flights that are over, so that a caller who changes particles finds none. */
+static inline int dem__end_run_in_field(dem_world *w, int going) {
+    if (going) going = dem__continue_flights(w);
+    dem__book_flights(w, 0);
+    return going;
+}
+
+static inline void dem__leave_field(dem_world *w) { dem__book_flights(w, 1); }
+
+static inline void dem__world_fields_of_field(dem_world *w, dem__group *g) {
+    const dem__saved_field fields[] = {DEM__INTEGER("field.on", w->engine->field.on, 0)};
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline void dem__particle_fields_of_field(dem_world *w, dem__group *g) {
+    dem__field *field = &w->engine->field;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("particle.until", field->until[0], sizeof *field->until),
+        DEM__DOUBLES("particle.end_velocity", field->end_velocity[0], sizeof *field->end_velocity),
+        DEM__DOUBLES("particle.field_force", field->force[0], sizeof *field->force),
+        DEM__DOUBLES("particle.field_work", field->work[0], sizeof *field->work),
+    };
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline int dem__has_field(const dem_world *w) {
+    return dem__is_flag(w->engine->field.on) ? w->engine->field.on : -1;
+}
+
+static const dem__feature dem__feature_field = {
+    3, /* place */
+    0, /* adds_loads */
+    1, /* exclusive */
+    dem__list_arrays_of_field, /* list_arrays */
+    dem__release_field, /* release */
+    dem__add_unflown, /* add_particle */
+    NULL, /* begin_change */
+    NULL, /* end_change */
+    NULL, /* set_time_step */
+    NULL, /* remove_particle */
+    NULL, /* renumber */
+    dem__check_field, /* check_run */
+    dem__prepare_flights, /* prepare_run */
+    dem__begin_books, /* begin_ledger */
+    dem__end_run_in_field, /* end_run */
+    NULL, /* keep_up */
+    NULL, /* listed */
+    NULL, /* drift */
+    NULL, /* begins_early */
+    dem__continue_flights, /* begin_step */
+    dem__end_flights, /* contacts_begun */
+    dem__add_field_forces, /* add_forces */
+    dem__leave_field, /* leave */
+    dem__begin_flights, /* begin_flights */
+    NULL, /* end_step */
+    NULL, /* forces */
+    NULL, /* force */
+    dem__velocity_error_in_field, /* velocity_error */
+    dem__correct_velocity_in_field, /* correct_velocity */
+    NULL, /* open_books */
+    dem__world_fields_of_field, /* world_fields */
+    dem__particle_fields_of_field, /* particle_fields */
+    NULL, /* save */
+    dem__has_field, /* is_used */
+    NULL, /* load */
+    NULL, /* loaded */
+    NULL, /* hash_particle */
+    NULL, /* hash */
+};
+
 DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user) {
     dem_force_field field;
     field.kernel = kernel;
@@ -9079,12 +10979,12 @@ static inline void dem__drop_field(dem_world *w) {
     }
     dem__release(&w->def.allocator, field->timers.block, field->timers.bytes);
     memset(field, 0, sizeof *field);
+    dem__drop_feature(w, &dem__feature_field);
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
 }
 
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field) {
     dem_world *w = world;
-    dem__array list[DEM__ARRAYS_MAX];
     if (dem__is_running(w)) return DEM_BUSY;
     if (!w || !w->def.allocator.fn) return DEM_BAD_ARGUMENT;
     if (!field) {
@@ -9093,1044 +10993,17 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
     }
     const int was_loaded = w->engine->field.on && !w->engine->field.def.kernel;
     if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) ||
-        !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) || w->engine->links.on)
+        !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4))
         return DEM_BAD_ARGUMENT;
     if (!w->engine->field.on) {
+        const dem_status status = dem__take_feature(w, &dem__feature_field);
+        if (status != DEM_OK) return status;
         w->engine->field.on = 1;
-        if (w->engine->bodies.capacity > 0 &&
-            !dem__grow_group(w, list, dem__particle_arrays(w, list), &w->engine->bodies.block, &w->engine->bodies.bytes,
-                             &w->engine->bodies.capacity, w->engine->bodies.capacity)) {
-            w->engine->field.on = 0;
-            return DEM_OUT_OF_MEMORY;
-        }
     }
     if (!was_loaded) w->engine->run.needs_forces = 1; /* otherwise the accelerations are those of the field already */
     w->engine->field.def = *field;
     w->engine->run.needs_lists = 1;
     return DEM_OK;
-}
-
-/* --------------------------------------------------------------------------------------------------- >>step/step.h */
-/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world
-   can be read, saved and freed. */
-
-/* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip,
-   and set none if it is 0. */
-static inline void dem__test_everything(dem_world *w) {
-    int skip = w->def.skip;
-    w->def.skip = 0;
-    dem__test_all_pairs(w, w->step);
-    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, w->step);
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        for (int k = 0; k < w->walls; k++) {
-            if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k))
-                dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
-        }
-    }
-    w->def.skip = skip;
-}
-
-/* Ends the contacts that the caller's changes have ended, and rebuilds the list of near pairs. Returns 0 after a
-   failure. */
-static inline int dem__prepare_lists(dem_world *w) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    if (!w->engine->run.needs_lists) return 1;
-    DEM__EACH_CONTACT(w, c) {
-        if (dem__is_taken_away(w, contacts->i[c], contacts->j[c])) contacts->ended[c] = 1;
-    }
-    dem__remove_ended(w, w->step, 1);
-    if (!dem__rebuild(w)) return 0;
-    if (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0)) return 1;
-    return dem__fail_to_list(w, w->status);
-}
-
-/* Computes the damping ratios of all pairs of materials, and whether all were set. */
-static inline void dem__prepare_pairs(dem_world *w) {
-    w->engine->run.has_unset_pairs = 0;
-    for (int a = 0; a < w->def.materials; a++) {
-        for (int b = a; b < w->def.materials; b++) {
-            const dem_pair_def *pair = &w->def.pair[a][b];
-            double(*ratio)[DEM_MATERIALS_MAX] = w->engine->run.damping_ratio;
-            w->engine->run.has_unset_pairs |= a != b && !pair->given;
-            ratio[a][b] = ratio[b][a] = dem_damping_ratio(pair->restitution, pair->mode);
-        }
-    }
-}
-
-/* Tests everything and begins the contacts that are found; their slots are listed then. Returns their number, or -1
-   after a failure. */
-static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    dem__test_everything(w);
-    if (w->engine->run.has_unset_pairs && w->status == DEM_OK) dem__check_pairs_set(w);
-    if (w->status != DEM_OK) {
-        dem__undo_detection(w);
-        return -1;
-    }
-    const ptrdiff_t begun = contacts->begun;
-    dem__commit_begun(w, 0.0);
-    if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_CONTACTS, begun);
-    dem__list_active(w);
-    for (ptrdiff_t k = 0; k < begun; k++) {
-        const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
-        if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN)
-            dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
-    }
-    return begun;
-}
-
-/* Sets law and features of the run, and computes the constants of contacts anew if these have changed. */
-static inline void dem__set_law(dem_world *w, const dem_law *law, int features) {
-    dem__run *run = &w->engine->run;
-    if (run->needs_forces || run->features != features || run->law != law) {
-        w->engine->contacts.type_count = 0;
-        run->stiffest = 0.0;
-        DEM__EACH_CONTACT(w, c) { dem__set_constants(w, c, law, features); }
-    }
-    run->features = features;
-    run->law = law;
-}
-
-/* Computes the forces on everything while no time passes, and so the accelerations. Returns 0 after a failure. */
-static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdiff_t begun) {
-    dem__report_begun(w, kernel->law, begun);
-    dem__advance(w, 0.0); /* before anything that may run out of memory: a world that fails there can be saved */
-    if (!dem__reorder_contacts(w)) return 0;
-    const double stored = dem__stored_energy(w);
-    dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
-    dem__book_callers_contacts(w, stored);
-    if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_FORCES, 0);
-    if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
-    dem__kick_walls(w, 0.0);
-    dem__remove_ended(w, w->step, 0);
-    dem__check_bounds(w);
-    return w->status == DEM_OK && (!w->engine->field.on || dem__ask_field(w, DEM__FIELD_FLIGHTS, 0));
-}
-
-/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error
-   either. */
-static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
-    dem__ledger *ledger = &w->engine->ledger;
-    const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
-    if (ledger->counts == counts) return;
-    if (!counts) ledger->paused_error = dem_energy(w).error;
-    else dem__find_stored(w, loop);
-    ledger->counts = counts;
-    if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
-}
-
-/* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a
-   failure. */
-static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
-    dem__run *run = &w->engine->run;
-    dem__ledger *ledger = &w->engine->ledger;
-    if (!dem__prepare_lists(w)) return 0;
-    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
-    dem__prepare_pairs(w);
-    const ptrdiff_t begun = run->needs_forces ? dem__begin_contacts_present(w) : 0;
-    if (begun < 0) return 0;
-    dem__set_law(w, kernel->law, features);
-    dem__switch_ledger(w, kernel->loop);
-    if (run->needs_forces && !dem__find_forces(w, kernel, begun)) return 0;
-    run->needs_forces = 0;
-    if ((features & DEM_ENERGY) && !ledger->started) {
-        ledger->started = 1;
-        memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked */
-        dem__resume_link_work(w, dem__all_particles(w));
-        if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_BOOKS, 0);
-        dem_energy_ledger now = dem_energy(w);
-        ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
-        ledger->sums.start_potential = now.potential;
-    }
-    return 1;
-}
-
-/* Finds the contacts that begin in a step, with the walls at its end. Returns 0 after a failure. */
-static inline int dem__find_contacts_that_begin(dem_world *w) {
-    if (!dem__move_walls(w, w->step + 1)) w->status = DEM_NOT_FINITE;
-    else dem__detect(w, w->step + 1);
-    if (w->engine->run.has_unset_pairs && w->status == DEM_OK) dem__check_pairs_set(w);
-    return w->status == DEM_OK;
-}
-
-/* Computes the constants of the contacts that begin, and calls the law's hook. */
-static inline void dem__prepare_begun(dem_world *w, const dem_law *law, ptrdiff_t begun, int features) {
-    for (ptrdiff_t k = 0; k < begun; k++) dem__set_constants(w, w->engine->contacts.slots[k], law, features);
-    dem__report_begun(w, law, begun);
-}
-
-static inline void dem__count_step(dem_world *w) {
-    const dem__run *run = &w->engine->run;
-    w->particle_steps += w->count - w->engine->bodies.dropped;
-    w->contact_steps += w->engine->contacts.count;
-    w->step++;
-    w->time = run->start_time + (double)(w->step - run->start_step) * run->dt;
-}
-
-/* Returns whether the energies of the particles that leave in this step are numbers: their velocities are not checked
-   later. */
-static DEM__NOINLINE int dem__leave_with_numbers(dem_world *w) {
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i] != DEM_LEAVING) continue;
-        if (dem__finite(dem__motion_energy(w, i) + dem__potential(w, i))) continue;
-        w->failed_id = w->id[i];
-        return 0;
-    }
-    return 1;
-}
-
-/* Removes particles that passed an exit from the lists, and marks their contacts as ended. Returns whether there are
-   any. */
-static inline int dem__remove_leaving(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    if (!w->engine->run.leaving) return 0;
-    DEM__EACH_CONTACT(w, c) {
-        const ptrdiff_t j = contacts->j[c];
-        if (w->alive[contacts->i[c]] == DEM_LEAVING || (j >= 0 && w->alive[j] == DEM_LEAVING)) contacts->ended[c] = 1;
-    }
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i] == DEM_LEAVING) dem__detach_one(w, i); /* those of a rigid body are all marked */
-    }
-    dem__number_present(w);
-    w->engine->run.leaving = 0;
-    return 1;
-}
-
-/* Advances the world by one step. keep: keeps the forces of contacts for readers; in_field: a constant at compile time.
-   Returns 0 after a failure. */
-DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, int in_field) {
-    const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
-    const double h = w->engine->run.dt;
-    if (w->step % DEM__REORDER_STEPS == 0 && !dem__reorder_contacts(w)) return 0;
-    if (w->step >= w->engine->pairs.next_check && !dem__check_list(w)) return 0;
-    if (in_field && !dem__continue_flights(w)) return 0;
-    if (!dem__find_contacts_that_begin(w)) return dem__undo_detection(w);
-    const ptrdiff_t begun = w->engine->contacts.begun;
-    dem__commit_begun(w, 1.0);
-    if (begun > 0 && w->engine->ledger.on)
-        dem__list_active(w); /* books are sums in the order of memory, whenever lists were built */
-    if (in_field) dem__end_flights(w, begun);
-    dem__advance(w, h);
-    dem__prepare_begun(w, kernel->law, begun, features);
-    dem__evaluate(w, kernel->loop, h, has_friction, keep);
-    if (in_field) dem__add_field_forces(w, h);
-    if (features & DEM_ENERGY) dem__book_losses(w);
-    const int finite = dem__kick(w, h);
-    dem__kick_walls(w, h);
-    dem__apply_corrections(w, has_friction);
-    dem__count_step(w);
-    if (!finite || (w->engine->run.leaving && !dem__leave_with_numbers(w))) return dem__fail(w, DEM_NOT_FINITE);
-    if (in_field && w->engine->run.leaving) dem__book_flights(w, 1);
-    const int leaving = dem__remove_leaving(w);
-    dem__remove_ended(w, w->step, leaving);
-    if (leaving) dem__free_untouched(w);
-    dem__check_bounds(w);
-    if (in_field && w->status == DEM_OK && !dem__begin_flights(w)) return 0;
-    if (w->engine->links.every > 0 && w->step % w->engine->links.every == 0) w->engine->links.step(w);
-    return w->status == DEM_OK;
-}
-
-static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
-    return dem__step_of(w, kernel, keep, 0);
-}
-
-/* Runs the steps of a task in a force field. At the end it continues flights that are over, so that a caller who
-   changes particles finds none. */
-static inline int dem__run_in_field(dem_world *w, const dem__field_task *q) {
-    int going = 1;
-    for (ptrdiff_t n = q->n; n > 0 && going; n--) going = dem__step_of(w, q->kernel, n == 1, 1);
-    if (going) going = dem__continue_flights(w);
-    dem__book_flights(w, 0);
-    return going;
-}
-static inline int dem__field_hook(dem_world *w, const dem__field_task *q) {
-    switch (q->task) {
-    case DEM__PREPARE_FIELD: return dem__prepare_flights(w);
-    case DEM__FIELD_CONTACTS: dem__end_flights(w, q->n); return 1;
-    case DEM__FIELD_FORCES: dem__add_field_forces(w, 0.0); return 1;
-    case DEM__FIELD_FLIGHTS: return dem__begin_flights(w);
-    case DEM__FIELD_BOOKS: dem__begin_books(w); return 1;
-    default: return dem__run_in_field(w, q);
-    }
-}
-
-#define DEM_FORCE_FIELD(name, law)                                                                                     \
-    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                    \
-        if (task->task > DEM__ADD_FIELD_FORCE) return dem__field_hook(world, task);                                    \
-        dem__field_kernel(world, task, law);                                                                           \
-        return 1;                                                                                                      \
-    }
-
-/* Returns whether a kernel computes friction that the run leaves out. Then its history stays zero. */
-static inline int dem__has_void_history(const dem_kernel *kernel, int features) {
-    return (kernel->features & ~features & DEM_FRICTION) != 0;
-}
-
-/* Returns whether a law can take over the contacts present. They continue under a law with the same number of states; a
-   history that is zero can be dropped or begun. */
-static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    if (contacts->count == 0 || kernel->law->states == contacts->states) return 1;
-    return !contacts->has_history && (kernel->law->states == 0 || dem__has_void_history(kernel, features));
-}
-
-/* Returns what prevents a run, or DEM_OK. */
-static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *kernel, int features) {
-    if (!dem__is_thread_count(w->def.threads)) return DEM_BAD_DEFINITION;
-    if (w->status == DEM_NOT_FINITE || w->status == DEM_TOO_FAST) return w->status;
-    for (int k = 0; k < w->walls; k++) {
-        if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
-    }
-    if (w->engine->field.on && !w->engine->field.def.kernel) return DEM_NO_FIELD;
-    const double narrowest = dem__narrowest(w);
-    for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
-        if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
-    }
-    if (w->engine->convex.shapes > 0 && !(kernel->features & DEM_FRICTION))
-        return DEM_POLYHEDRON; /* others compute no torques */
-    if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
-    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH
-                                                               : DEM_OK; /* after loading dem_set_links comes first */
-}
-
-/* Makes the arrays of contacts fit law, ledger and threads. Returns 0 when out of memory; nothing has changed then. */
-static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int ledger) {
-    dem__contacts *contacts = &w->engine->contacts;
-    const int states = contacts->states, constants = contacts->constants, had_ledger = w->engine->ledger.on;
-    const int postpones = dem__may_postpone(w) && !contacts->postponed;
-    dem__array list[DEM__ARRAYS_MAX];
-    if (law->states == states && law->constants <= constants && ledger == had_ledger && !postpones) return 1;
-    contacts->states = law->states, w->engine->ledger.on = ledger;
-    contacts->constants = law->constants > constants ? law->constants : constants;
-    if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
-                         dem__next_slot(w) + 1)) {
-        contacts->states = states, contacts->constants = constants, w->engine->ledger.on = had_ledger;
-        return 0;
-    }
-    for (int a = contacts->states; a < DEM_STATE_MAX; a++) contacts->state[a] = NULL; /* not in the block */
-    return 1;
-}
-
-/* Returns the time step over the largest that is stable: of a spring 2 sqrt(m/k), whose contact lasts pi sqrt(m/k); of
-   a dashpot 2 m/gamma. */
-static inline double dem__step_ratio(const dem_world *w, int features) {
-    const dem_advice a = dem_advise(w, features, 1.0);
-    const double spring = features & DEM_HERTZ ? a.rayleigh : a.contact * (2.0 / RIDDLE_PI);
-    const double dashpot = features & DEM_HERTZ ? HUGE_VAL : 2.0 * a.dashpot,
-                 least = spring < dashpot ? spring : dashpot;
-    return least < HUGE_VAL ? w->engine->run.dt / least : 0.0;
-}
-
-/* Runs a kernel with some of its features: the law's prepare function leaves out friction and rolling that are not
-   among them. */
-static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
-    dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare ||
-        !dem__not_negative(duration))
-        return DEM_BAD_ARGUMENT;
-    if (dem__is_running(w)) return DEM_BUSY;
-    const double dt = w->engine->run.dt, owed = w->owed + duration, remaining = owed / dt;
-    if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
-    const dem_status status = dem__check_run(w, kernel, features);
-    if (status != DEM_OK) return status;
-    w->status = DEM_OK; /* the caller may have mended any other failure */
-    if (!dem__make_work(w, w->def.threads) ||
-        !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
-        return DEM_OUT_OF_MEMORY;
-    w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
-    const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
-    w->owed = 0.0; /* if the run fails */
-    if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);
-    w->engine->run.running = 1;
-    int going = dem__prepare_run(w, kernel, features);
-    if (going && w->engine->field.on) going = dem__ask_field_to_run(w, (ptrdiff_t)steps, kernel);
-    else
-        for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
-    w->engine->run.running = 0;
-    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* of the contacts that have begun */
-    if (met > w->step_ratio) w->step_ratio = met;
-    if (!going) return w->status;
-    w->owed = owed - (double)steps * dt;
-    return DEM_OK;
-}
-
-DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kernel *kernel) {
-    return dem__run_kernel(world, duration, kernel, kernel ? kernel->features : 0);
-}
-
-/* name, version, states, history, vectors, constants, prepare, force, born, ended */
-static const dem_law dem_law_linear = {"linear",         1,    0,   0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
-                                       dem_force_linear, NULL, NULL};
-static const dem_law dem_law_linear_friction = {
-    "linear, friction", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear_friction, NULL, NULL};
-static const dem_law dem_law_linear_rolling = {
-    "linear, friction, rolling", 1,    3,   3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
-    dem_force_linear_rolling,    NULL, NULL};
-static const dem_law dem_law_hertz = {"Hertz",         1,    0,   0, 0, DEM_HERTZ_CONSTANTS, dem_prepare_hertz,
-                                      dem_force_hertz, NULL, NULL};
-static const dem_law dem_law_hertz_friction = {
-    "Hertz-Mindlin", 1, 4, 4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz_friction, NULL, NULL};
-static const dem_law dem_law_hertz_rolling = {
-    "Hertz-Mindlin, rolling", 1, 4, 4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz_rolling, NULL, NULL};
-
-DEM_KERNEL(dem__kernel_linear, dem_law_linear, DEM_LINEAR)
-DEM_KERNEL(dem__kernel_linear_friction, dem_law_linear_friction, DEM_LINEAR | DEM_FRICTION)
-DEM_KERNEL(dem__kernel_linear_rolling, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
-DEM_KERNEL(dem__kernel_linear_energy, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
-DEM_KERNEL(dem__kernel_hertz, dem_law_hertz, DEM_HERTZ)
-DEM_KERNEL(dem__kernel_hertz_friction, dem_law_hertz_friction, DEM_HERTZ | DEM_FRICTION)
-DEM_KERNEL(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING)
-DEM_KERNEL(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
-
-DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
-    /* kernels with a ledger always compute friction and rolling; constants of zero take out what the caller did not
-       name */
-    switch (features) {
-    case DEM_LINEAR: return dem__run_kernel(world, duration, &dem__kernel_linear, features);
-    case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_linear_friction, features);
-    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING:
-        return dem__run_kernel(world, duration, &dem__kernel_linear_rolling, features);
-    case DEM_HERTZ: return dem__run_kernel(world, duration, &dem__kernel_hertz, features);
-    case DEM_HERTZ | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_hertz_friction, features);
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING:
-        return dem__run_kernel(world, duration, &dem__kernel_hertz_rolling, features);
-    case DEM_LINEAR | DEM_ENERGY:
-    case DEM_LINEAR | DEM_FRICTION | DEM_ENERGY:
-    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
-        return dem__run_kernel(world, duration, &dem__kernel_linear_energy, features);
-    case DEM_HERTZ | DEM_ENERGY:
-    case DEM_HERTZ | DEM_FRICTION | DEM_ENERGY:
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
-        return dem__run_kernel(world, duration, &dem__kernel_hertz_energy, features);
-    default: return DEM_BAD_ARGUMENT;
-    }
-}
-
-/* ------------------------------------------------------------------------------------------------- >>links/links.h */
-/* Links, which have a step of their own: setting them and adding one, and their step. Reads bodies and the law of
-   links; writes links, the loads and velocities of bodies. The engine calls links.step, which dem_set_links sets: a
-   program without links compiles none of it. */
-
-/* Runs the links' loop on blocks first .. end - 1. */
-static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const dem__links *links = &w->engine->links;
-    (void)context;
-    links->loop(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count, part);
-}
-static inline void dem__evaluate_links(dem_world *w) {
-    const ptrdiff_t n = w->engine->links.count;
-    dem__in_parts(w, dem__link_parts(w), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
-}
-
-/* Returns whether particle i has links, or its load contains forces of links. */
-DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
-    return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
-}
-
-/* Returns the kinetic energy of a sphere whose origin is the present step [J]. */
-DEM_INLINE double dem__energy_at_origin(const dem_world *w, ptrdiff_t i) {
-    const dem_particle *p = &w->particle[i];
-    return 0.5 * p->mass * dem__dot(p->v, p->v) + 0.5 * dem__inertia(w, i) * dem__dot(p->spin, p->spin);
-}
-
-/* Makes the present step the origin of a linked particle, books the work of its links until now, and moves its load to
-   the sums. */
-static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__rigid *r = dem__rigid_of(w, i);
-    const dem_particle *p = &w->particle[i];
-    dem__set_origin(w, i);
-    if (r) bodies->calls->wrap(w, r), bodies->calls->place(w, r);
-    else dem__wrap(w, i);
-    if (w->engine->ledger.on && r) dem__book_link_work(w, dem__link_work(w, i));
-    else if (w->engine->ledger.on && !dem__is_fixed(w, i)) {
-        const double work = w->engine->links.is_loaded[i] ? dem__link_work_until(w, i, p->x, p->spin) : 0.0;
-        dem__book_link_work(w, work - dem__energy_at_origin(w, i));
-    }
-    memcpy(bodies->sum[i].load, bodies->load[i], sizeof bodies->load[i]);
-    memcpy(bodies->load[i], bodies->external[i], sizeof bodies->load[i]);
-}
-
-/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at
-   its first linked particle. */
-static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
-    const dem__sum *sum = &w->engine->bodies.sum[i];
-    const double *load = w->engine->bodies.load[i];
-    dem__rigid *r = dem__rigid_of(w, i);
-    dem_particle *p = &w->particle[i];
-    if (dem__is_fixed(w, i)) return;
-    if (r) {
-        for (ptrdiff_t k = r->first; k < i; k++) {
-            if (dem__is_linked(w, k)) return;
-        }
-        dem__book_link_work(w, -dem__motion_energy(w, r->first));
-        w->engine->bodies.calls->kick_links(w, r, half);
-        dem__book_link_work(w, dem__motion_energy(w, r->first));
-        return;
-    }
-    const dem_vec a = dem__scale(sum->per_mass, dem__sub(dem__first(load), dem__first(sum->load)));
-    const dem_vec b = dem__scale(sum->per_inertia, dem__sub(dem__second(load), dem__second(sum->load)));
-    p->v = dem__flushed_vec(dem__plus(p->v, half, a)), p->a = dem__add(p->a, a);
-    p->spin = dem__flushed_vec(dem__plus(p->spin, half, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
-    if (w->engine->ledger.on) dem__book_link_work(w, dem__energy_at_origin(w, i));
-}
-
-/* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a
-   new one. */
-static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
-    const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
-    if (strayed < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
-    else {
-        const int32_t one = (int32_t)i;
-        dem__renew_bound(w, i, w->step);
-        dem__reset_pair_timers(w, &one, 1, w->step);
-    }
-}
-
-/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations; each
-   evaluation corrects the velocities to the mean of the old force and the new one. */
-static inline void dem__step_links(dem_world *w) {
-    dem__run *run = &w->engine->run;
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__links *links = &w->engine->links;
-    int32_t *linked = w->engine->scratch.index;
-    ptrdiff_t n = 0;
-    const double h = (double)links->every * run->dt;
-    for (int32_t i = 0; i < (int32_t)w->count; i++) {
-        linked[n] = i;
-        n += dem__is_linked(w, i);
-    }
-    for (ptrdiff_t q = 0; q < n; q++) dem__stop_linked(w, linked[q]);
-    run->kernel_dt = h;
-    links->evaluated_step = w->step;
-    dem__evaluate_links(w);
-    if (dem__link_parts(w) > 1) dem__add_links(w, 0, links->count);
-    for (ptrdiff_t q = 0; q < n; q++) dem__kick_linked(w, linked[q], 0.5 * h);
-    for (ptrdiff_t q = 0; q < n; q++) { /* after all particles of a body have changed */
-        const int32_t i = linked[q];
-        const dem__pieces own = dem__pieces_of(w, i);
-        const dem_particle *p = &w->particle[i];
-        for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = 0.0;
-        links->is_loaded[i] = links->first_link[i] >= 0;
-        if (w->engine->ledger.on)
-            memcpy(links->evaluated_at[i], &p->x, sizeof p->x),
-                memcpy(links->evaluated_at[i] + 3, &p->spin, sizeof p->spin);
-        if (run->needs_lists) continue;
-        for (ptrdiff_t k = own.first; k < own.end; k++) dem__check_linked(w, k);
-    }
-    for (int32_t k = 0; k < (int32_t)links->count;) {
-        if (links->ended[k]) dem__cut_link(w, k);
-        else k++;
-    }
-}
-
-DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) ||
-        !dem__positive(interval) || !dem__not_negative(near) || w->engine->field.on)
-        return DEM_BAD_ARGUMENT;
-    dem__links *links = &w->engine->links;
-    const dem_law *law = kernel->law;
-    if (links->count > 0 && law->states != links->states) return DEM_LAW_MISMATCH;
-    dem__pieces others = dem__all_particles(w); /* whose work is counted with another interval from now on */
-    if (links->on && links->interval == interval) others.end = others.first; /* a loaded world whose law is set again */
-    links->on = 1;
-    links->law = law;
-    links->loop = kernel->loop, links->step = dem__step_links;
-    links->interval = interval;
-    if (links->near != near) w->engine->run.needs_lists = 1;
-    links->near = near;
-    if (law->states != links->states) { /* other arrays: dem_add_link allocates them */
-        dem__release(&w->def.allocator, links->block, links->bytes);
-        links->block = NULL;
-        links->capacity = 0;
-        links->states = law->states;
-    }
-    dem__stop_link_work(w, others);
-    dem__set_link_steps(w);
-    dem__resume_link_work(w, others);
-    return DEM_OK;
-}
-
-DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state) {
-    dem_world *w = world;
-    if (w && w->engine && w->engine->run.ending) return DEM_BUSY;
-    if (!dem__is_present(w, i) || !w->engine->links.law || (!state && w->engine->links.states > 0) || i == j)
-        return DEM_BAD_ARGUMENT;
-    if (dem__shape_of(w, i) || (j >= 0 && j < w->count && dem__shape_of(w, j))) return DEM_POLYHEDRON;
-    if (j >= 0 && j < w->count && dem__rigid_of(w, i) && dem__rigid_of(w, i) == dem__rigid_of(w, j))
-        return DEM_BAD_ARGUMENT;
-    if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls) return DEM_BAD_ARGUMENT;
-    if (w->engine->links.count + 1 > w->engine->links.capacity) {
-        dem__array list[DEM__ARRAYS_MAX];
-        if (w->engine->links.count > INT32_MAX / 2 ||
-            !dem__grow_group(w, list, dem__link_arrays(w, list), &w->engine->links.block, &w->engine->links.bytes,
-                             &w->engine->links.capacity, w->engine->links.count + 1))
-            return DEM_OUT_OF_MEMORY;
-    }
-    const int32_t k = (int32_t)w->engine->links.count++;
-    w->engine->links.i[k] = (int32_t)i, w->engine->links.j[k] = (int32_t)j, w->engine->links.element[k] = element;
-    for (int a = 0; a < w->engine->links.states; a++) w->engine->links.state[a][k] = state[a];
-    for (int a = 0; a < 9; a++) w->engine->links.wrench[a][k] = 0.0;
-    w->engine->links.gap[k] = 0.0;
-    w->engine->links.ended[k] = 0;
-    dem__list_link(w, k);
-    return DEM_OK;
-}
-
-/* ------------------------------------------------------------------------------------------------ >>bodies/rigid.h */
-/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in
-   base/engine.h). Reads the sums of forces on their particles; writes bodies and their particles. Promises: a sphere's
-   motion is untouched; each body is moved by one thread, so that bits do not depend on threads.
-
-   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle
-   of a body that has one lies at its centre of mass; its radius is that of the sphere that the search for contacts
-   uses. The forces on a body are those added to the sums of its particles, bodies.sum[i].load: force, and torque about
-   the particle's centre. dem__rigid_of(w, i) returns the body of particle i. Its orientation at the end of the present
-   step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
-
-/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter
-   radian at most. */
-DEM_INLINE int dem__strides(const dem__rigid *r) {
-    return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
-}
-
-#define DEM__STRIDES_MAX 1e7 /* of a flight between two lists */
-/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides
-   that are known. */
-static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
-    const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
-    dem_quaternion q = r->turn;
-    double n = 0.0;
-    if (!(stride < HUGE_VAL)) return q;
-    if (r->strides > 0.0 && r->strides <= whole) n = r->strides, q = r->ahead;
-    if (!(whole - n < DEM__STRIDES_MAX)) return q; /* only in a world that no run has accepted */
-    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, stride);
-    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
-}
-
-/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins.
-   DEM_TOO_FAST: a body turns by a hundred radians in a step. */
-static inline void dem__note_strides(dem_world *w) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
-        dem__rigid *r = &bodies->rigid[k];
-        if (!w->alive[r->first] || bodies->activity[r->first]) continue;
-        const double stride = dem__turn_stride(r->momentum, r->moments);
-        const double whole = dem__strides(r) ? floor(dem__now(w, r->first) / stride) : 0.0;
-        if (!(400.0 * stride > w->engine->run.dt) || !(whole - r->strides < DEM__STRIDES_MAX)) {
-            w->status = DEM_TOO_FAST;
-            w->failed_id = w->id[r->first];
-            return;
-        }
-        if (!(whole > r->strides)) continue;
-        if (r->strides == 0.0) r->ahead = r->turn;
-        for (; r->strides < whole; r->strides += 1.0)
-            r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
-    }
-}
-
-/* Returns the orientation of a rigid body at tau after its origin step [s]. */
-DEM_INLINE dem_quaternion dem__turn_at(const dem_world *w, const dem__rigid *r, double tau) {
-    const int single = tau <= 1.5 * w->engine->run.dt;
-    if (tau == 0.0) return r->turn;
-    if (!single && dem__strides(r)) return dem__turn_of_flight(r, tau);
-    return dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, single);
-}
-
-/* Returns the state of a rigid body at tau after its origin step [s]. */
-static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigid *r, double tau) {
-    dem__posture p;
-    p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
-    p.momentum = dem__plus(r->momentum, tau, r->torque);
-    p.turn = dem__turn_at(w, r, tau);
-    p.spin = dem__spin_of(p.turn, r->moments, p.momentum);
-    return p;
-}
-
-/* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it.
- */
-static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
-    dem__bodies *bodies = &w->engine->bodies;
-    const dem__axes axes = dem__axes_of(r->turn);
-    r->strides = 0.0;
-    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-        const dem_vec arm = dem__out_of(&axes, bodies->offset[i]), round = dem__cross(spin, arm);
-        dem_particle *p = &w->particle[i];
-        bodies->arm[i] = arm;
-        p->x = dem__in_box(w, dem__add(r->x, arm)), p->v = dem__add(r->v, round), p->spin = spin;
-        p->a = dem__add(r->a, dem__add(dem__cross(rate, arm), dem__cross(spin, round)));
-        w->spin_rate[i] = rate;
-    }
-}
-
-/* Makes the present step the origin of a body. */
-static inline void dem__set_body_origin(dem_world *w, dem__rigid *r) {
-    const dem__posture p = dem__find_posture(w, r, dem__now(w, r->first));
-    r->x = p.x, r->v = p.v, r->momentum = p.momentum, r->turn = p.turn;
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) w->particle[i].origin = w->step;
-    dem__place_pieces(w, r);
-}
-
-/* Sets the velocity and the spin of a body at its origin. */
-static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec velocity, dem_vec spin) {
-    r->v = velocity, r->momentum = dem__momentum_of(r->turn, r->moments, spin);
-    dem__place_pieces(w, r);
-}
-
-/* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which
-   is booked. */
-DEM_INLINE void dem__wrap_body(dem_world *w, dem__rigid *r) {
-    const dem_vec x = dem__in_box(w, r->x);
-    if (w->engine->ledger.on && !dem__is_fixed(w, r->first))
-        dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
-    r->x = x;
-}
-
-/* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle.
-   Those of its particles, which kernels read, are computed with the mean of the arms at both ends. */
-DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
-    dem__bodies *bodies = &w->engine->bodies;
-    const double middle = tau - 0.5 * h;
-    const int steps = tau <= h; /* else its flight ends in this step */
-    const dem_quaternion end = dem__turn_at(w, r, tau);
-    const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__turn_at(w, r, tau - h);
-    const dem__axes axes = dem__axes_of(end);
-    const dem_vec momentum = dem__plus(r->momentum, middle, r->torque);
-    dem_vec spin = dem__spin_of(end, r->moments, momentum);
-    if (h > 0.0) spin = dem__scale(0.5, dem__add(spin, dem__spin_of(from, r->moments, momentum)));
-    r->x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), r->v = dem__plus(r->v, middle, r->a),
-    r->momentum = momentum;
-    r->turn = dem__kept_unit(end);
-    r->strides = 0.0;
-    if (w->engine->run.has_periodic) dem__wrap_body(w, r);
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-        const dem_vec arm = dem__out_of(&axes, bodies->offset[i]);
-        const dem_vec old = h == 0.0 ? arm : steps ? bodies->arm[i] : dem__to_lab(from, bodies->offset[i]);
-        dem_particle *p = &w->particle[i];
-        bodies->arm[i] = arm;
-        p->origin = w->step;
-        p->x = dem__in_box(w, dem__add(r->x, arm)), p->spin = spin;
-        p->v = dem__add(r->v, dem__cross(spin, dem__scale(0.5, dem__add(old, arm))));
-    }
-}
-
-/* Sums the force and the torque about its centre that act on a body's particles: by contacts, by loads, or both. */
-DEM_INLINE void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force,
-                                 dem_vec *torque) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    *force = *torque = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-        for (int k = 0; k < 2; k++) {
-            if (!(k ? loads : contacts)) continue;
-            const double *six = k ? bodies->load[i] : bodies->sum[i].load;
-            *force = dem__add(*force, dem__first(six));
-            *torque = dem__add(*torque, dem__add(dem__second(six), dem__cross(bodies->arm[i], dem__first(six))));
-        }
-    }
-}
-
-/* Sets the sums from which dem__kick_all computes the accelerations of a body's particle. load: on the particle, or
-   NULL. */
-DEM_INLINE void dem__prepare_sum(dem__sum *sum, dem_vec pull, dem_vec rate, const double *load) {
-    const double mass = 1.0 / sum->per_mass, inertia = 1.0 / sum->per_inertia;
-    const dem_vec force = dem__scale(mass, pull), torque = dem__scale(inertia, rate);
-    sum->load[0] = force.x, sum->load[1] = force.y, sum->load[2] = force.z;
-    sum->load[3] = torque.x, sum->load[4] = torque.y, sum->load[5] = torque.z;
-    for (int a = 0; load && a < 6; a++) sum->load[a] -= load[a];
-}
-
-/* Computes the acceleration of a body, and moves its velocities from the middle of a step to its end. Prepares its
-   particles for dem__kick_all: sums that give them their accelerations as parts of the body, and velocities that it
-   moves to those at the end. */
-DEM_INLINE void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
-    dem__bodies *bodies = &w->engine->bodies;
-    const int loads = bodies->loads_on || w->engine->links.on;
-    dem_vec force;
-    if (dem__is_fixed(w, r->first)) return; /* dem__kick_all records the forces on its particles */
-    r->strides = 0.0;
-    dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
-    if (w->engine->field.on) force = dem__add(force, w->engine->field.force[r->first]);
-    const dem_vec pulled = dem__scale(1.0 / r->mass, force);
-    r->a = dem__add(dem__free_fall(w), pulled);
-    r->v = dem__flushed_vec(dem__plus(r->v, half, r->a));
-    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, r->torque));
-    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-        const dem_vec arm = bodies->arm[i], round = dem__cross(spin, arm);
-        const dem_vec pull = dem__add(dem__add(dem__cross(rate, arm), dem__cross(spin, round)), pulled);
-        dem_particle *p = &w->particle[i];
-        p->v = dem__plus(dem__add(r->v, round), -half, dem__add(dem__free_fall(w), pull));
-        p->spin = dem__plus(spin, -half, rate);
-        dem__prepare_sum(&bodies->sum[i], pull, rate, loads ? bodies->load[i] : NULL);
-    }
-}
-
-/* Computes the acceleration of a body that touches nothing. */
-static inline void dem__free_body(dem_world *w, dem__rigid *r) {
-    dem_vec force;
-    dem__sum_on_body(w, r, 0, 1, &force, &r->torque);
-    if (w->engine->field.on) force = dem__add(force, w->engine->field.force[r->first]); /* 0 in flight */
-    r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
-    if (dem__is_fixed(w, r->first)) r->a = r->torque = dem_vec3(0.0, 0.0, 0.0);
-    dem__place_pieces(w, r);
-}
-
-/* Applies an impulse [N s] and an angular impulse [N m s] at particle i of a body, and a shift [kg m] along n. */
-static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift,
-                                  dem_vec n) {
-    dem__bodies *bodies = &w->engine->bodies;
-    const dem_vec arm = bodies->arm[i], moved = dem__scale(shift, n);
-    r->v = dem__plus(r->v, 1.0 / r->mass, impulse);
-    r->momentum = dem__add(r->momentum, dem__add(turn, dem__cross(arm, impulse)));
-    if (shift == 0.0) return;
-    const dem_vec angle = dem__spin_of(r->turn, r->moments, dem__cross(arm, moved));
-    r->x = dem__plus(r->x, 1.0 / r->mass, moved);
-    r->turn = dem__kept_unit(dem__turns(dem__turn_by(dem__scale(0.5, angle)), r->turn));
-    for (ptrdiff_t k = r->first; k < r->first + r->pieces; k++)
-        bodies->shifted[k] += fabs(shift) / r->mass + dem__length(angle) * dem__length(bodies->offset[k]);
-}
-
-/* Returns the greatest speed in flight of what is an arm [m] from a body's centre, relative to it [m/s]. */
-static inline double dem__swing(const dem__rigid *r, double arm) {
-    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    const double i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
-                 least = i_min < r->moments.y ? i_min : r->moments.y;
-    if (r->moments.x == r->moments.y) return (1.0 + 1e-9) * arm * dem__length(spin);
-    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the
-                                                                              axis of least inertia */
-}
-
-/* Moves the bodies whose first particles are among the active ones first .. end-1. */
-DEM_INLINE void dem__advance_some_bodies(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
-    const int64_t step = w->step + (h > 0.0);
-    for (ptrdiff_t k = first; k < end; k++) {
-        const int32_t i = w->engine->bodies.active[k];
-        dem__rigid *r = dem__rigid_of(w, i);
-        if (r && r->first == i) dem__advance_body(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt, h);
-    }
-}
-DEM__AVX2_CLONE(dem__advance_bodies, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
-                dem__advance_some_bodies(w, h, first, end))
-/* Moves their velocities to the end of the step. */
-DEM_INLINE void dem__kick_some_bodies(dem_world *w, double half, ptrdiff_t first, ptrdiff_t end) {
-    for (ptrdiff_t k = first; k < end; k++) {
-        const int32_t i = w->engine->bodies.active[k];
-        dem__rigid *r = dem__rigid_of(w, i);
-        if (r && r->first == i) dem__kick_body(w, r, half);
-    }
-}
-DEM__AVX2_CLONE(dem__kick_bodies, (dem_world * w, double half, ptrdiff_t first, ptrdiff_t end), (w, half, first, end),
-                dem__kick_some_bodies(w, half, first, end))
-static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
-    (void)part;
-    dem__kick_bodies(w, 0.5 * *(const double *)h, first, end);
-}
-
-/* Moves active particles first .. end-1 and the bodies whose first particles are among them to the end of the step. */
-static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
-    (void)part;
-    dem__advance_all(w, *(const double *)h, first, end, 1);
-    dem__advance_bodies(w, *(const double *)h, first, end);
-}
-
-/* Tests the due pairs in pages first .. end-1. */
-static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
-    dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 1);
-}
-
-/* Applies an impulse, an angular impulse and a shift along n to particle i or to its rigid body. */
-static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
-    dem__rigid *r = dem__rigid_of(w, i);
-    dem_particle *p = &w->particle[i];
-    if (dem__is_fixed(w, i)) {
-        dem__strike_fixed(w, i, impulse, turn);
-        return;
-    }
-    dem__mark_to_check(w, i);
-    if (r) {
-        dem__push_body(w, r, i, impulse, turn, shift, n);
-        dem__place_pieces(w, r);
-        return;
-    }
-    p->v = dem__plus(p->v, 1.0 / p->mass, impulse);
-    p->x = dem__plus(p->x, shift / p->mass, n);
-    w->engine->bodies.shifted[i] += fabs(shift / p->mass);
-    p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, i), turn);
-}
-DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? r->v : w->particle[i].v;
-}
-
-/* Applies the impulses of a correction where a rigid body takes part. */
-static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_friction) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const dem__correction *h = &contacts->correction[c];
-    const int32_t i = contacts->i[c], j = contacts->j[c];
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]),
-                  impulse = dem__first(h->impulse);
-    const dem_vec on_i = has_friction ? dem__second(h->impulse) : none,
-                  on_j = has_friction ? dem__first(h->impulse + 6) : none;
-    dem__push_any(w, i, impulse, on_i, 0.0, n);
-    if (j >= 0) dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
-    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
-}
-
-/* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the
-   angular momentum about the common centre, which comes from the velocities of the centres of mass; two opposite
-   impulses at the particles restore it. */
-static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const dem__correction *h = &contacts->correction[c];
-    const int32_t i = contacts->i[c], j = contacts->j[c];
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]);
-    if (j < 0) {
-        dem__push_any(w, i, none, none, h->shift, n);
-        const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], w->particle[i].x, n));
-        dem__expect_impact(w, i, j, n, -dem__dot(v, n));
-        return;
-    }
-    const dem_vec d = dem__nearest_image(w, dem__sub(w->particle[i].x, w->particle[j].x));
-    const dem_vec u = dem__sub(dem__centre_velocity(w, i), dem__centre_velocity(w, j));
-    const double distance = dem__length(d) + h->shift * (dem__per_mass(w, i) + dem__per_mass(w, j));
-    const dem_vec slower = dem__scale(-h->shift / distance, dem__sub(u, dem__scale(dem__dot(u, n), n)));
-    dem__push_any(w, i, slower, none, 0.0, n), dem__push_any(w, j, dem__scale(-1.0, slower), none, 0.0, n);
-    dem__push_any(w, i, none, none, h->shift, n), dem__push_any(w, j, none, none, -h->shift, n);
-    dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
-}
-
-/* Applies half of the change of its links' forces to a body; the old forces are in the sums. In flight, the old torque
-   is that of the place where it was computed; for a body that takes steps, both are taken at the present place. */
-static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
-    dem__sum_on_body(w, r, 0, 1, &force, &torque);
-    if (w->touching[r->first] == 0) {
-        more = dem__sub(dem__plus(dem__free_fall(w), 1.0 / r->mass, force), r->a),
-        turning = dem__sub(torque, r->torque);
-    } else {
-        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-            if (!dem__is_linked(w, i)) continue;
-            const dem_vec change = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->sum[i].load));
-            more = dem__plus(more, 1.0 / r->mass, change);
-            turning =
-                dem__add(turning, dem__add(dem__sub(dem__second(bodies->load[i]), dem__second(bodies->sum[i].load)),
-                                           dem__cross(bodies->arm[i], change)));
-        }
-    }
-    r->v = dem__flushed_vec(dem__plus(r->v, half, more)), r->a = dem__add(r->a, more);
-    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, turning)), r->torque = dem__add(r->torque, turning);
-    dem__place_pieces(w, r);
-}
-
-/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from
-   their present forces. */
-static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
-    const dem_vec m = r->moments;
-    const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
-    dem_vec force, torque;
-    dem__sum_on_body(w, r, 0, 1, &force, &torque);
-    return (double)w->engine->links.every * w->engine->run.dt *
-           (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
-}
-
-static const dem__body_calls dem__rigid_bodies = {dem__find_posture,
-                                                  dem__set_body_origin,
-                                                  dem__set_body_motion,
-                                                  dem__wrap_body,
-                                                  dem__place_pieces,
-                                                  dem__free_body,
-                                                  dem__test_due_with_bodies,
-                                                  dem__advance_with_bodies,
-                                                  dem__kick_bodies_range,
-                                                  dem__push_bodies,
-                                                  dem__shift_bodies,
-                                                  dem__kick_linked_body,
-                                                  dem__swing,
-                                                  dem__body_link_drift,
-                                                  dem__note_strides};
-
-/* Definition of a rigid body: see bodies/rigid.h. */
-typedef struct dem__body_def {
-    dem_vec x;             /* centre of mass [m] */
-    double mass;           /* [kg] */
-    dem_vec moments;       /* about the principal axes [kg m2] */
-    dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
-    dem_quaternion turn;   /* from that frame to the lab's axes */
-    ptrdiff_t pieces;      /* number of its particles */
-    const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
-    const double *radius;  /* [m] */
-    int material, group;
-} dem__body_def;
-
-/* Makes room for n more bodies with `pieces` particles in all; for the first body, also the arrays that particles of
-   bodies need. Returns 0 when out of memory. */
-static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__array list[DEM__ARRAYS_MAX];
-    const dem_allocator *a = &w->def.allocator;
-    const ptrdiff_t old = bodies->rigid_capacity, wanted = bodies->rigid_count + n;
-    if (wanted <= old) return dem__reserve_particles(w, pieces);
-    const ptrdiff_t larger = wanted + wanted / 2 + 16;
-    dem__rigid *fresh =
-        (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
-    if (!fresh) return 0;
-    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = &dem__rigid_bodies;
-    if (old > 0) return dem__reserve_particles(w, pieces);
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
-                        w->count + pieces + 1))
-        return 1;
-    a->fn(a->user, fresh, (size_t)larger * sizeof *fresh, 0);
-    bodies->rigid = NULL, bodies->rigid_capacity = 0;
-    bodies->rigid_of = NULL, bodies->offset = bodies->arm = NULL;
-    return 0;
-}
-
-/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by
-   rounding. Turns the frame accordingly; order: the old axis of each new one. */
-static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
-    const double m[3] = {moments->x, moments->y, moments->z};
-    int third = 2;
-    for (int k = 0; k < 2; k++) { /* the axis whose two others differ least */
-        if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
-    }
-    for (int k = 0; k < 3; k++)
-        order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
-    const double turns = (double)((third + 1) % 3);
-    if (turns > 0.0) {
-        const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);
-        *frame = dem__turns(*frame, dem__quaternion(c, dem_vec3(s, s, s)));
-    }
-    moments->x = m[order[0]], moments->y = m[order[1]], moments->z = m[order[2]];
-    if (fabs(moments->x - moments->y) <= 1e-12 * moments->x) moments->y = moments->x;
-    if (fabs(moments->x - moments->z) <= 1e-12 * moments->x && moments->x == moments->y) moments->z = moments->x;
-}
-
-/* Adds a body at rest, for which dem__reserve_bodies has made room. Returns the number of its first particle. */
-static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
-    int order[3];
-    memset(r, 0, sizeof *r);
-    r->first = (int32_t)w->count, r->pieces = (int32_t)def->pieces;
-    r->x = dem__in_box(w, def->x), r->mass = def->mass, r->moments = def->moments, r->frame = def->frame;
-    dem__order_moments(&r->moments, &r->frame, order);
-    r->turn = dem__kept_unit(dem__turns(def->turn, r->frame));
-    for (ptrdiff_t k = 0; k < def->pieces; k++) {
-        const ptrdiff_t i = dem__put_particle(w, r->x, def->radius[k], def->mass, def->material, def->group);
-        const dem_vec from = def->offset[k];
-        bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
-        bodies->offset[i] = dem_vec3(dem_axis(from, order[0]), dem_axis(from, order[1]), dem_axis(from, order[2]));
-    }
-    dem__free_body(w, r);
-    dem__book_added(w, dem__potential(w, r->first));
-    w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
-    return r->first;
 }
 
 /* ------------------------------------------------------------------------------------------ >>bodies/clump_shape.h */
@@ -10499,242 +11372,6 @@ DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengt
     shape[1] = 3.0 / sqrt(sphericity * sqrt(sphericity));
     shape[2] = 0.42 / crosswise;
     if (flat > 0.0) shape[2] *= riddle_exp(2.302585092994045684 * 0.4 * riddle_exp(0.2 * riddle_log(flat)));
-}
-
-/* --------------------------------------------------------------------------------------------- >>measure/getters.h */
-/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. */
-
-DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    return dem__in_box(world, dem__at(world, i, dem__now(world, i)));
-}
-
-DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    return dem__true_velocity_at(world, i, dem__now(world, i));
-}
-
-DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    return dem__spin_at(world, i, dem__now(world, i));
-}
-
-DEM_API double dem_radius(const dem_world *world, ptrdiff_t i) {
-    return world && i >= 0 && i < world->count ? world->particle[i].radius : (double)NAN;
-}
-DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
-    return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
-}
-
-DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count)
-        return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
-    const dem__rigid *r = dem__rigid_of(world, i);
-    if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
-}
-
-/* Returns the position of a rigid body now, within the periodic box. */
-static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
-    const double tau = dem__now(w, r->first);
-    return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
-}
-
-DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
-    dem_body body;
-    memset(&body, 0, sizeof body);
-    body.first = -1;
-    if (!world || i < 0 || i >= world->count) return body;
-    const dem__rigid *r = dem__rigid_of(world, i);
-    const dem__pieces own = dem__pieces_of(world, i);
-    const double tau = dem__now(world, i);
-    body.first = own.first, body.pieces = own.end - own.first;
-    body.mass = world->particle[i].mass;
-    body.diameter = r ? dem__equal_diameter(world, r) : 2.0 * world->particle[i].radius;
-    body.position = r ? dem__body_position(world, r) : dem_position(world, i);
-    body.velocity = dem__drift_at(world, i, tau);
-    body.velocity = dem__add(body.velocity, dem__velocity_error(world, i, tau));
-    body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
-    const double inertia = dem__inertia(world, i);
-    body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
-    body.axes = r ? dem__posture_at(world, r, tau).turn : body.orientation;
-    return body;
-}
-
-DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    dem_quaternion q;
-    if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
-    dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) return DEM_BAD_ARGUMENT;
-    dem__stop_link_work(w, dem__pieces_of(w, i));
-    dem__restart(w, i);
-    dem__book_motion(w, -dem__rotational(w, r->first));
-    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    r->turn = dem__turns(q, r->frame);
-    w->engine->bodies.calls->set_motion(w, r, r->v, spin);
-    dem__book_motion(w, dem__rotational(w, r->first));
-    if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
-    dem__resume_link_work(w, dem__pieces_of(w, i));
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return DEM_OK;
-}
-
-DEM_API dem_vec dem_momentum(const dem_world *world) {
-    dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t i = 0; world && i < world->count; i++) {
-        const dem__rigid *r = dem__rigid_of(world, i);
-        if (!world->alive[i] || (r && r->first != i)) continue;
-        sum = dem__add(
-            sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
-    }
-    return sum;
-}
-
-/* Returns the remainder of the energy balance [J]. */
-static inline double dem__ledger_error(const dem_energy_ledger *l) {
-    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss +
-           l->removed - l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
-}
-
-DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
-    dem_energy_ledger l;
-    memset(&l, 0, sizeof l);
-    if (!world || !world->engine) return l;
-    const dem__ledger *ledger = &world->engine->ledger;
-    l = ledger->sums;
-    l.kinetic = l.rotational = l.potential = 0.0;
-    for (ptrdiff_t i = 0; i < world->count; i++) {
-        if (!world->alive[i]) continue;
-        l.kinetic += dem__kinetic(world, i);
-        l.rotational += dem__rotational(world, i);
-        l.potential += dem__potential(world, i);
-        if (ledger->on) l.link_work += dem__link_work(world, i);
-    }
-    l.elastic = dem__stored_energy(world);
-    if (!ledger->started) return l;
-    l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
-    l.released = l.released > 0.0 ? l.released : 0.0;
-    l.error = ledger->counts ? dem__ledger_error(&l) : ledger->paused_error;
-    return l;
-}
-
-DEM_API ptrdiff_t dem_contact_count(const dem_world *world) {
-    return world && world->engine ? world->engine->contacts.count : 0;
-}
-
-/* Computes normal and point of the contact in a slot, or of a link (slot -1), from the present positions. */
-static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
-    const dem_vec x = dem_position(w, info->i);
-    const double radius = w->particle[info->i].radius;
-    if (info->j < 0) {
-        dem__touch touch;
-        dem__touch_place(w, slot, &w->wall[-1 - info->j], x, radius, info->element, &touch);
-        info->normal = touch.normal;
-        info->point = dem__plus(x, -(radius + touch.gap), touch.normal);
-        return;
-    }
-    const dem_vec d = dem__nearest_image(w, dem__sub(x, dem_position(w, info->j)));
-    info->point = dem__plus(x, -radius / (radius + w->particle[info->j].radius), d);
-    dem__unit(d, &info->normal);
-}
-
-DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
-    dem_contact_info info;
-    memset(&info, 0, sizeof info);
-    info.gap = (double)NAN;
-    if (!world || !world->engine || k < 0 || k >= world->engine->contacts.count) return info;
-    k = dem__slot_of(world, k);
-    info.i = world->engine->contacts.i[k];
-    info.j = world->engine->contacts.j[k];
-    info.gap = world->engine->contacts.gap[k];
-    info.force = dem_vec3(world->engine->contacts.wrench[0][k], world->engine->contacts.wrench[1][k],
-                          world->engine->contacts.wrench[2][k]);
-    info.element = world->engine->contacts.element[k];
-    for (int a = 0; a < world->engine->contacts.states; a++) info.state[a] = world->engine->contacts.state[a][k];
-    dem__find_point(world, k, &info);
-    return info;
-}
-
-DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state) {
-    if (!world || !world->engine || !state || k < 0 || k >= world->engine->contacts.count) return;
-    for (int a = 0; a < world->engine->contacts.states; a++)
-        world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
-    if (!dem__is_running(world))
-        world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
-}
-
-DEM_API ptrdiff_t dem_link_count(const dem_world *world) {
-    return world && world->engine ? world->engine->links.count : 0;
-}
-
-DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
-    dem_contact_info info;
-    memset(&info, 0, sizeof info);
-    info.gap = (double)NAN;
-    if (!world || !world->engine || k < 0 || k >= world->engine->links.count) return info;
-    info.i = world->engine->links.i[k];
-    info.j = world->engine->links.j[k];
-    info.element = world->engine->links.element[k];
-    info.gap = world->engine->links.gap[k];
-    info.force = dem_vec3(world->engine->links.wrench[0][k], world->engine->links.wrench[1][k],
-                          world->engine->links.wrench[2][k]);
-    for (int a = 0; a < world->engine->links.states; a++) info.state[a] = world->engine->links.state[a][k];
-    dem__find_point(world, -1, &info);
-    return info;
-}
-
-DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element) {
-    return world && i >= 0 && i < world->count ? dem__link_of(world, i, j, element) : -1;
-}
-
-DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
-    dem_apertures count = {0, 0, 0};
-    if (!world || wall < 0 || wall >= world->walls || world->wall[wall].kind != DEM_SCREEN) return count;
-    const dem_wall *s = &world->wall[wall];
-    const double pitch = s->aperture + s->wire, half = 0.5 * pitch;
-    const int nx = (int)(s->half_x / pitch) + 1, ny = (int)(s->half_y / pitch) + 1;
-    for (int a = -nx; a <= nx; a++) {
-        for (int b = -ny; b <= ny; b++) {
-            double x = fabs(a * pitch) + half, y = fabs(b * pitch) + half;
-            count.total += s->circular ? x * x + y * y <= s->half_x * s->half_x : x <= s->half_x && y <= s->half_y;
-        }
-    }
-    count.free = count.total;
-    for (ptrdiff_t i = 0; i < world->count; i++) {
-        if (!world->alive[i] || world->touching[i] < 2 || dem__shape_of(world, i)) continue;
-        const dem_vec d = dem__sub(dem__at(world, i, dem__now(world, i)), s->position);
-        if (!(fabs(dem__dot(d, s->axis[2])) < world->particle[i].radius)) continue;
-        dem_vec normal[DEM__TOUCHES];
-        int n = 0, holding = 0;
-        for (int32_t c = world->engine->walls.first_contact[i]; c >= 0 && n < DEM__TOUCHES;
-             c = world->engine->contacts.wall_next[c]) {
-            dem__touch touch;
-            if (world->engine->contacts.j[c] != -1 - wall || !(world->engine->contacts.gap[c] < 0.0)) continue;
-            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius,
-                               world->engine->contacts.element[c], &touch);
-            normal[n++] = touch.normal;
-        }
-        if (n < 2) continue;
-        const int m = s->material < world->material[i] ? s->material : world->material[i];
-        const double mu = world->def.pair[m][s->material + world->material[i] - m].friction;
-        const dem_vec up = s->axis[2];
-        for (int a = 0; a < n;
-             a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
-            for (int b = a + 1; b < n; b++) {
-                const double za = dem__dot(normal[a], up), zb = dem__dot(normal[b], up);
-                const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)),
-                              flat_b = dem__sub(normal[b], dem__scale(zb, up));
-                if (dem__dot(flat_a, flat_b) < -0.5 && fabs(za) <= mu * dem__length(flat_a) &&
-                    fabs(zb) <= mu * dem__length(flat_b))
-                    holding = 1;
-            }
-        }
-        count.occupied++;
-        count.free -= holding;
-    }
-    return count;
 }
 
 /* -------------------------------------------------------------------------------------------------- >>walls/mesh.h */
@@ -12751,11 +13388,26 @@ static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
              : dem_vec3(0.0, 0.0, 0.0);
 }
 
+/* Return how many forces act between particles, and one of them: contacts come first, then those of features. */
+static inline ptrdiff_t dem__forces(const dem_world *w) {
+    ptrdiff_t n = w->engine->contacts.count;
+    for (int k = 0; k < w->engine->features; k++) n += w->engine->feature[k]->forces ? w->engine->feature[k]->forces(w) : 0;
+    return n;
+}
+static inline dem_contact_info dem__get_force(const dem_world *w, ptrdiff_t k) {
+    const dem__feature *const *f = w->engine->feature;
+    if (k < w->engine->contacts.count) return dem_get_contact(w, k);
+    for (k -= w->engine->contacts.count; !(*f)->forces || k >= (*f)->forces(w); f++) {
+        if ((*f)->forces) k -= (*f)->forces(w);
+    }
+    return (*f)->force(w, k);
+}
+
 /* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's
    point, to i's centre; of bodies, to their centres of mass. Returns 0 if it carries no force. */
 static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, dem_vec *to, dem_vec *force) {
     const dem__contacts *contacts = &w->engine->contacts;
-    const dem_contact_info c = k < contacts->count ? dem_get_contact(w, k) : dem_get_link(w, k - contacts->count);
+    const dem_contact_info c = dem__get_force(w, k);
     *to = dem_position(w, c.i);
     *force = c.force;
     if (c.j >= 0) *from = dem__sub(*to, dem__nearest_image(w, dem__sub(*to, dem_position(w, c.j))));
@@ -12850,7 +13502,7 @@ static inline void dem__measure_fluctuations(const dem_world *w, const dem__meas
 
 /* Measures the stress by forces of contacts and links. */
 static inline void dem__measure_contacts(const dem_world *w, const dem__measured *q, dem_measure *m) {
-    for (ptrdiff_t k = 0; k < w->engine->contacts.count + w->engine->links.count; k++) {
+    for (ptrdiff_t k = 0; k < dem__forces(w); k++) {
         dem_vec from, to, force;
         if (!dem__branch(w, k, &from, &to, &force)) continue;
         for (int image = 0; image < q->images; image++) {
@@ -12973,7 +13625,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         if (dem__counts(w, i, &at, &load.velocity)) dem__smear(w, c, field, at, &load);
     }
     memset(&load, 0, sizeof load);
-    for (ptrdiff_t k = 0; k < w->engine->contacts.count + w->engine->links.count; k++) {
+    for (ptrdiff_t k = 0; k < dem__forces(w); k++) {
         dem_vec from, to;
         if (!dem__branch(w, k, &from, &to, &load.force)) continue;
         load.along = dem__sub(to, from);
@@ -13098,107 +13750,6 @@ DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
     return unlike / (all * 2.0 * p * (1.0 - p));
 }
 
-/* ------------------------------------------------------------------------------------------------ >>save/records.h */
-/* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows
-   bytes and memory, no physics. Relies on nothing; save/fields.h names what is saved, save/save.h and save/load.h use
-   both. */
-
-/* A field that becomes a record: its entries, of some numbers each, are `stride` bytes apart in memory. */
-enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
-typedef struct dem__saved_field {
-    char name[DEM__NAME_BYTES]; /* at most 23 characters */
-    void *data;                 /* of the first entry */
-    size_t stride;
-    int numbers, width; /* numbers of an entry; bytes of a number: 1, 4 or 8 */
-} dem__saved_field;
-#define DEM__DOUBLES(name, first, stride)                                                                              \
-    { name, &(first), stride, (int)(sizeof(first) / (sizeof(double))), sizeof(double) }
-#define DEM__INTEGER(name, first, stride)                                                                              \
-    { name, &(first), stride, 1, (int)sizeof(first) }
-
-/* Bytes that are written, only counted, or read. */
-typedef struct dem__stream {
-    unsigned char *to;         /* NULL: count only */
-    const unsigned char *from; /* NULL: write */
-    size_t at;
-} dem__stream;
-
-/* Returns the FNV-1a hash of n bytes. */
-static inline uint64_t dem__checksum(const unsigned char *bytes, size_t n) {
-    uint64_t hash = 0xcbf29ce484222325u;
-    for (size_t k = 0; k < n; k++) hash = (hash ^ bytes[k]) * 0x100000001b3u;
-    return hash;
-}
-
-/* Writes or reads a number of 1, 4 or 8 bytes in memory. */
-static inline void dem__stream_number(dem__stream *s, void *number, int width) {
-    uint64_t bits = 0;
-    uint32_t half;
-    unsigned char byte;
-    if (s->from) {
-        for (int k = 0; k < width; k++) bits |= (uint64_t)s->from[s->at + (size_t)k] << (8 * k);
-        half = (uint32_t)bits, byte = (unsigned char)bits;
-        memcpy(number, width == 8 ? (void *)&bits : width == 4 ? (void *)&half : (void *)&byte, (size_t)width);
-    } else if (s->to) {
-        memcpy(width == 8 ? (void *)&bits : width == 4 ? (void *)&half : (void *)&byte, number, (size_t)width);
-        bits = width == 8 ? bits : width == 4 ? half : byte;
-        for (int k = 0; k < width; k++) s->to[s->at + (size_t)k] = (unsigned char)(bits >> (8 * k) & 255u);
-    }
-    s->at += (size_t)width;
-}
-static inline void dem__stream_u64(dem__stream *s, uint64_t *v) { dem__stream_number(s, v, 8); }
-
-/* Writes or reads entry k of a field. */
-static inline void dem__stream_entry(dem__stream *s, const dem__saved_field *f, ptrdiff_t k) {
-    unsigned char *number = (unsigned char *)f->data + (size_t)k * f->stride;
-    for (int q = 0; q < f->numbers; q++) dem__stream_number(s, number + q * f->width, f->width);
-}
-
-/* Begins a record of n entries. */
-static inline void dem__begin_record(dem__stream *s, const dem__saved_field *f, uint64_t n) {
-    uint64_t bytes = (uint64_t)f->numbers * (uint64_t)f->width;
-    if (s->to) memcpy(s->to + s->at, f->name, DEM__NAME_BYTES);
-    s->at += DEM__NAME_BYTES;
-    dem__stream_u64(s, &bytes), dem__stream_u64(s, &n);
-}
-
-/* A record that was found: where its entries begin, the bytes of an entry, the number of entries. */
-typedef struct dem__record {
-    size_t at;
-    uint64_t bytes, count;
-} dem__record;
-
-/* Reads the head of the record at `at` of a file whose records end at `end`. Returns 0 if the record does not fit
-   there. */
-static inline int dem__read_head(const unsigned char *file, size_t end, size_t at, dem__record *r) {
-    dem__stream s;
-    if (end - at < DEM__HEAD_BYTES) return 0;
-    s.to = NULL, s.from = file, s.at = at + DEM__NAME_BYTES;
-    dem__stream_u64(&s, &r->bytes), dem__stream_u64(&s, &r->count);
-    r->at = s.at;
-    return r->bytes > 0 && r->count <= (end - r->at) / r->bytes;
-}
-
-/* Returns whether the bytes from `at` to `end` are whole records. */
-static inline int dem__are_records(const unsigned char *file, size_t at, size_t end) {
-    dem__record r;
-    while (at < end) {
-        if (!dem__read_head(file, end, at, &r)) return 0;
-        at = r.at + (size_t)(r.bytes * r.count);
-    }
-    return at == end;
-}
-
-/* Finds the first record with a name among whole ones. Returns 0 if there is none. */
-static inline int dem__find_record(const unsigned char *file, size_t at, size_t end, const char *name, dem__record *r) {
-    memset(r, 0, sizeof *r);
-    for (; at < end; at = r->at + (size_t)(r->bytes * r->count)) {
-        dem__read_head(file, end, at, r);
-        if (memcmp(file + at, name, DEM__NAME_BYTES) == 0) return 1;
-    }
-    return 0;
-}
-
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/save.h */
 /* Shapes in a saved world: their fields, and whether loaded ones are sound. */
 
@@ -13239,32 +13790,6 @@ static inline int dem__is_sound_polyhedron(const dem_world *w, ptrdiff_t i) {
 /* ------------------------------------------------------------------------------------------------- >>save/fields.h */
 /* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none. */
 
-enum { DEM__FIELDS_MAX = 64 };
-
-/* Fields with the same number of entries. */
-typedef struct dem__group {
-    int fields, needed; /* the first `needed` of them are required */
-    dem__saved_field field[DEM__FIELDS_MAX];
-} dem__group;
-
-static inline void dem__set_fields(dem__group *g, const dem__saved_field *field, size_t bytes, int needed) {
-    memcpy(g->field, field, bytes);
-    g->fields = (int)(bytes / sizeof *field), g->needed = needed;
-}
-
-/* Adds arrays of doubles, numbered: contact.wrench0, contact.wrench1 .. */
-static inline void dem__add_fields(dem__group *g, const char *name, double *const *array, int n) {
-    for (int k = 0; k < n; k++) {
-        dem__saved_field *f = &g->field[g->fields++];
-        const size_t length = strlen(name);
-        memset(f, 0, sizeof *f);
-        memcpy(f->name, name, length);
-        if (k > 9) f->name[length] = (char)('0' + k / 10);
-        f->name[length + (k > 9)] = (char)('0' + k % 10);
-        f->data = array[k], f->stride = sizeof(double), f->numbers = 1, f->width = sizeof(double);
-    }
-}
-
 /* Lists single numbers of the world. */
 static inline void dem__world_fields(dem_world *w, dem__group *g) {
     dem__engine *e = w->engine;
@@ -13298,11 +13823,6 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("has_fixed", e->bodies.has_fixed, 0),
         DEM__INTEGER("contact.states", e->contacts.states, 0),
         DEM__INTEGER("contact.has_history", e->contacts.has_history, 0),
-        DEM__INTEGER("link.on", e->links.on, 0),
-        DEM__INTEGER("link.states", e->links.states, 0),
-        DEM__DOUBLES("link.interval", e->links.interval, 0),
-        DEM__DOUBLES("link.near", e->links.near, 0),
-        DEM__INTEGER("field.on", e->field.on, 0),
         DEM__INTEGER("ledger.on", e->ledger.on, 0),
         DEM__INTEGER("ledger.started", e->ledger.started, 0),
         DEM__INTEGER("ledger.counts", e->ledger.counts, 0),
@@ -13322,6 +13842,7 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
         DEM__DOUBLES("ledger.removed_pot", l->removed_potential, 0),
     };
     dem__set_fields(g, fields, sizeof fields, 8);
+    DEM__TELL(w, world_fields, (w, g));
 }
 
 static inline void dem__material_fields(dem_material *m, dem__group *g) {
@@ -13407,7 +13928,6 @@ static inline void dem__wall_fields(dem_wall *a, dem__group *g) {
 /* Lists the fields of particles present. */
 static inline void dem__particle_fields(dem_world *w, dem__group *g) {
     dem__bodies *bodies = &w->engine->bodies;
-    dem__links *links = &w->engine->links;
     dem_particle *p = w->particle;
     const size_t s = sizeof *p;
     const dem__saved_field fields[] = {
@@ -13424,22 +13944,9 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("particle.group", w->group[0], sizeof *w->group),
         DEM__DOUBLES("particle.load", bodies->load[0], sizeof *bodies->load),
         DEM__DOUBLES("particle.external", bodies->external[0], sizeof *bodies->external),
-        DEM__INTEGER("particle.is_loaded", links->is_loaded[0], sizeof *links->is_loaded),
-        DEM__DOUBLES("particle.evaluated_at", links->evaluated_at[0], sizeof *links->evaluated_at),
     };
     dem__set_fields(g, fields, sizeof fields, 8);
-    if (!links->on) g->fields -= 2; /* without links: not their fields */
-    if (w->engine->field.on) {
-        dem__field *field = &w->engine->field;
-        const dem__saved_field flights[] = {
-            DEM__INTEGER("particle.until", field->until[0], sizeof *field->until),
-            DEM__DOUBLES("particle.end_velocity", field->end_velocity[0], sizeof *field->end_velocity),
-            DEM__DOUBLES("particle.field_force", field->force[0], sizeof *field->force),
-            DEM__DOUBLES("particle.field_work", field->work[0], sizeof *field->work),
-        };
-        memcpy(&g->field[g->fields], flights, sizeof flights);
-        g->fields += 4;
-    }
+    DEM__TELL(w, particle_fields, (w, g));
     if (bodies->has_fixed) {
         const size_t f = sizeof *bodies->fixed;
         const dem__saved_field fixed[] = {DEM__INTEGER("particle.fixed", bodies->fixed->on, f),
@@ -13474,18 +13981,6 @@ static inline void dem__body_fields(dem__rigid *r, dem__group *g) {
         DEM__DOUBLES("body.mass", r->mass, s),
     };
     dem__set_fields(g, fields, sizeof fields, 11);
-}
-
-static inline void dem__link_fields(dem_world *w, dem__group *g) {
-    dem__links *links = &w->engine->links;
-    const dem__saved_field fields[] = {
-        DEM__INTEGER("link.i", links->i[0], sizeof *links->i),
-        DEM__INTEGER("link.j", links->j[0], sizeof *links->j),
-        DEM__INTEGER("link.element", links->element[0], sizeof *links->element),
-    };
-    dem__set_fields(g, fields, sizeof fields, 3);
-    dem__add_fields(g, "link.state", links->state, links->states);
-    g->needed = g->fields;
 }
 
 static inline void dem__contact_fields(dem_world *w, dem__group *g) {
@@ -13553,27 +14048,6 @@ static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, 
 /* --------------------------------------------------------------------------------------------------- >>save/save.h */
 /* Saving: writes the groups of save/fields.h as records. Reads a const world and writes nothing of it, so that several
    threads may save one. */
-
-/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among
-   those present. */
-static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at,
-                                    int is_body) {
-    if (!is_body) {
-        dem__stream_entry(s, f, at);
-        return;
-    }
-    int32_t body = *(const int32_t *)(const void *)((const unsigned char *)f->data + (size_t)at * f->stride);
-    if (body >= 0) body = w->engine->bodies.number[body];
-    dem__stream_number(s, &body, sizeof body);
-}
-
-/* Writes a group of n consecutive entries. The first `bodies` fields are indices of particles. */
-static inline void dem__write_group(dem__stream *s, const dem_world *w, const dem__group *g, ptrdiff_t n, int bodies) {
-    for (int q = 0; q < g->fields && n > 0; q++) {
-        dem__begin_record(s, &g->field[q], (uint64_t)n);
-        for (ptrdiff_t k = 0; k < n; k++) dem__write_entry(s, w, &g->field[q], k, q < bodies);
-    }
-}
 
 static inline void dem__write_particles(dem__stream *s, dem_world *w, dem__group *g) {
     const ptrdiff_t present = w->count - w->engine->bodies.dropped;
@@ -13648,7 +14122,7 @@ static inline void dem__write_world(dem__stream *s, dem_world *w) {
     dem__write_particles(s, w, &g);
     dem__write_bodies(s, w, &g);
     dem__write_contacts(s, w, &g);
-    if (w->engine->links.count > 0) dem__link_fields(w, &g), dem__write_group(s, w, &g, w->engine->links.count, 2);
+    DEM__TELL(w, save, (s, w, &g));
     if (w->passed_count > 0) dem__passed_fields(w->passed, &g), dem__write_group(s, w, &g, w->passed_count, 0);
 }
 
@@ -13668,22 +14142,6 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
 
 /* ---- hash ---- */
 
-/* Adds a number of 8 bytes to an FNV-1a hash. */
-DEM_INLINE void dem__hash_u64(uint64_t *hash, uint64_t v) {
-    for (int k = 0; k < 8; k++) *hash = (*hash ^ (v >> (8 * k) & 255u)) * 0x100000001b3u;
-}
-static inline void dem__hash_i64(uint64_t *hash, int64_t v) { dem__hash_u64(hash, (uint64_t)v); }
-static inline void dem__hash_f64(uint64_t *hash, const double *v, int n) {
-    for (int k = 0; k < n; k++) {
-        uint64_t bits;
-        memcpy(&bits, &v[k], sizeof bits);
-        dem__hash_u64(hash, bits);
-    }
-}
-static inline void dem__hash_vec(uint64_t *hash, dem_vec v) {
-    dem__hash_f64(hash, &v.x, 1), dem__hash_f64(hash, &v.y, 1), dem__hash_f64(hash, &v.z, 1);
-}
-
 static inline void dem__hash_particle(uint64_t *hash, const dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     const dem_particle *p = &w->particle[i];
@@ -13694,14 +14152,7 @@ static inline void dem__hash_particle(uint64_t *hash, const dem_world *w, ptrdif
     dem__hash_i64(hash, w->material[i]), dem__hash_i64(hash, w->group[i]);
     if (dem__is_fixed(w, i))
         dem__hash_f64(hash, bodies->fixed[i].load, 6), dem__hash_vec(hash, bodies->fixed[i].impulse);
-    if (!w->engine->links.on) return;
-    dem__hash_f64(hash, bodies->external[i], 6);
-    dem__hash_i64(hash, w->engine->links.is_loaded[i]);
-}
-
-static inline void dem__hash_quaternion(uint64_t *hash, dem_quaternion q) {
-    dem__hash_f64(hash, &q.w, 1), dem__hash_f64(hash, &q.x, 1), dem__hash_f64(hash, &q.y, 1),
-        dem__hash_f64(hash, &q.z, 1);
+    DEM__TELL(w, hash_particle, (hash, w, i));
 }
 
 static inline void dem__hash_rigid(uint64_t *hash, const dem_world *w, const dem__rigid *r) {
@@ -13723,18 +14174,11 @@ static inline void dem__hash_rigids(uint64_t *hash, const dem_world *w) {
     }
 }
 
-/* Adds the bodies of a contact or a link, numbered among those present, and its element. */
-static inline void dem__hash_bodies(uint64_t *hash, const dem_world *w, int32_t i, int32_t j, int32_t element) {
-    const int32_t *number = w->engine->bodies.number;
-    dem__hash_i64(hash, number[i]), dem__hash_i64(hash, j >= 0 ? number[j] : j), dem__hash_i64(hash, element);
-}
-
 DEM_API uint64_t dem_hash(const dem_world *world) {
     uint64_t hash = 0xcbf29ce484222325u;
     const dem_world *w = world;
     if (!w || !w->def.allocator.fn) return hash;
     const dem__contacts *contacts = &w->engine->contacts;
-    const dem__links *links = &w->engine->links;
     dem__hash_i64(&hash, w->step);
     for (int k = 0; k < w->walls; k++) {
         const dem_wall *a = &w->wall[k];
@@ -13744,10 +14188,7 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__hash_particle(&hash, w, i);
     }
-    for (ptrdiff_t k = 0; k < links->count; k++) {
-        dem__hash_bodies(&hash, w, links->i[k], links->j[k], links->element[k]);
-        for (int a = 0; a < links->states; a++) dem__hash_f64(&hash, &links->state[a][k], 1);
-    }
+    DEM__TELL(w, hash, (&hash, w));
     DEM__EACH_CONTACT(w, c) {
         dem__hash_bodies(&hash, w, contacts->i[c], contacts->j[c], contacts->element[c]);
         dem__hash_f64(&hash, &contacts->gap[c], 1), dem__hash_f64(&hash, &contacts->force[c], 1);
@@ -16283,56 +16724,6 @@ DEM_API int64_t dem_core_overlaps(const dem_world *world) {
 /* Loading: makes a world from the records that save/save.h writes, and trusts none of them: every index, count and
    number that the engine relies on is checked here. */
 
-/* A file that is read: its bytes, and where its records begin and end. */
-typedef struct dem__file {
-    const unsigned char *bytes;
-    size_t first, end;
-} dem__file;
-
-/* Returns whether the bytes are a whole and unchanged saved world of this format. */
-static inline int dem__open_file(dem__file *file, const void *buffer, size_t size) {
-    uint64_t magic, version, check;
-    dem__stream s = {NULL, (const unsigned char *)buffer, 0};
-    if (size < 24) return 0;
-    dem__stream_u64(&s, &magic), dem__stream_u64(&s, &version);
-    file->bytes = s.from, file->first = s.at, file->end = s.at = size - 8;
-    dem__stream_u64(&s, &check);
-    return magic == DEM__MAGIC && version == DEM__FORMAT && check == dem__checksum(file->bytes, file->end) &&
-           dem__are_records(file->bytes, file->first, file->end);
-}
-
-/* Returns the number of entries of a group in a file: of its first field, which is required. */
-static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first) {
-    char name[DEM__NAME_BYTES];
-    dem__record r;
-    memset(name, 0, sizeof name);
-    memcpy(name, first, strlen(first));
-    return dem__find_record(file->bytes, file->first, file->end, name, &r) && r.count < INT32_MAX / 4
-               ? (ptrdiff_t)r.count
-               : 0;
-}
-
-/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of
-   another kind. */
-static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
-    const dem__saved_field *f = &g->field[field];
-    dem__record r;
-    if (!dem__find_record(file->bytes, file->first, file->end, f->name, &r)) return field < g->needed ? -1 : 0;
-    s->to = NULL, s->from = file->bytes, s->at = r.at;
-    return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
-}
-
-/* Reads a group of n consecutive entries. Returns 0 if the file is not valid. */
-static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
-    for (int q = 0; q < g->fields && n > 0; q++) {
-        dem__stream s;
-        const int found = dem__find_field(file, g, q, n, &s);
-        if (found < 0) return 0;
-        for (ptrdiff_t k = 0; k < n && found; k++) dem__stream_entry(&s, &g->field[q], k);
-    }
-    return 1;
-}
-
 /* Reads contacts into their slots. Returns 0 if the file is not valid. */
 static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__group *g) {
     if (w->engine->contacts.count == 0) return 1;
@@ -16346,8 +16737,6 @@ static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__g
     }
     return 1;
 }
-
-static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
 
 /* Reads the definition and single numbers. Returns 0 if the file is not valid. */
 static inline int dem__read_world(const dem__file *file, dem_world *w, dem__group *g) {
@@ -16366,13 +16755,16 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
     }
-    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) ||
-        !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
+    if (!dem__is_flag(e->ledger.on) || !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
         return 0;
-    if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 ||
-        e->links.states > DEM_STATE_MAX)
+    if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX)
         return 0;
-    if (!dem__not_negative(e->links.near) || !dem__not_negative(e->links.interval)) return 0;
+    for (int k = e->features - 1; k >= 0; k--) {
+        const dem__feature *f = e->feature[k];
+        const int used = f->is_used(w);
+        if (used < 0) return 0;
+        if (!used) dem__drop_feature(w, f);
+    }
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
     if (!dem__is_thread_count(w->def.threads))
@@ -16483,7 +16875,7 @@ static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, d
 }
 
 /* Makes room for what a file contains, and sets the counts. Returns 0 when out of memory. */
-static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff_t links, ptrdiff_t passed) {
+static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff_t passed) {
     dem__engine *e = w->engine;
     dem__array list[DEM__ARRAYS_MAX];
     const ptrdiff_t live = e->contacts.count;
@@ -16492,9 +16884,6 @@ static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff
                          &e->bodies.capacity, present + 1))
         return 0;
     if (!dem__grow_contacts(w, dem__next_slot(w) + 1)) return 0;
-    if (links > 0 && !dem__grow_group(w, list, dem__link_arrays(w, list), &e->links.block, &e->links.bytes,
-                                      &e->links.capacity, links))
-        return 0;
     if (passed > 0) {
         w->passed =
             (dem_passed *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)passed * sizeof *w->passed);
@@ -16503,7 +16892,7 @@ static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff
         e->bodies.passed_capacity = passed;
     }
     w->count = present, w->passed_count = passed;
-    e->contacts.count = live, e->links.count = links;
+    e->contacts.count = live;
     return 1;
 }
 
@@ -16536,22 +16925,23 @@ static inline int dem__read_bodies(const dem__file *file, dem_world *w, dem__gro
 
 /* Reads particles, contacts, links and records of exits. */
 static inline dem_status dem__read_state(const dem__file *file, dem_world *w, dem__group *g) {
-    const ptrdiff_t present = dem__entries_of(file, "particle.x"), links = dem__entries_of(file, "link.i"),
-                    bodies = dem__entries_of(file, "body.first");
+    const ptrdiff_t present = dem__entries_of(file, "particle.x"), bodies = dem__entries_of(file, "body.first");
     if (!dem__read_chunks(file, w, g, present)) return DEM_BAD_DATA;
-    if (!dem__make_loaded_room(w, present, links, dem__entries_of(file, "passed.time"))) return DEM_OUT_OF_MEMORY;
+    if (!dem__make_loaded_room(w, present, dem__entries_of(file, "passed.time"))) return DEM_OUT_OF_MEMORY;
     if (bodies > 0 && !dem__reserve_bodies(w, bodies, 0)) return DEM_OUT_OF_MEMORY;
     dem__particle_fields(w, g);
     for (ptrdiff_t i = 0; i < present; i++) {
         w->alive[i] = 1;
         w->engine->bodies.number[i] = (int32_t)i;
-        w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
+        w->engine->walls.first_contact[i] = -1;
+        DEM__TELL(w, add_particle, (w, i));
     }
     if (!dem__read_group(file, g, present) || !dem__read_bodies(file, w, g, bodies) || !dem__read_contacts(file, w, g))
         return DEM_BAD_DATA;
-    if (links > 0) {
-        dem__link_fields(w, g);
-        if (!dem__read_group(file, g, links)) return DEM_BAD_DATA;
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        const dem_status status = f->load ? f->load(file, w, g) : DEM_OK;
+        if (status != DEM_OK) return status;
     }
     if (w->passed_count > 0) dem__passed_fields(w->passed, g);
     return w->passed_count == 0 || dem__read_group(file, g, w->passed_count) ? DEM_OK : DEM_BAD_DATA;
@@ -16567,15 +16957,9 @@ static inline int dem__are_sound_particles(const dem_world *w) {
     return 1;
 }
 
-/* Returns whether i is a particle, and j another one or a wall. */
-static inline int dem__are_bodies(const dem_world *w, int32_t i, int32_t j) {
-    return i >= 0 && i < w->count && j < w->count && j >= -w->walls && i != j;
-}
-
 /* Returns whether the bodies and elements of contacts and links exist, and no contact is there twice. */
 static inline int dem__are_sound_contacts(const dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
-    const dem__links *links = &w->engine->links;
     ptrdiff_t n = 0;
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
@@ -16590,9 +16974,6 @@ static inline int dem__are_sound_contacts(const dem_world *w) {
     for (ptrdiff_t c = 1; c < n; c++) {
         if (!dem__before(w, contacts->slots[c - 1], contacts->slots[c])) return 0;
     }
-    for (ptrdiff_t k = 0; k < links->count; k++) {
-        if (!dem__are_bodies(w, links->i[k], links->j[k])) return 0;
-    }
     return 1;
 }
 
@@ -16602,8 +16983,7 @@ static inline void dem__derive_loaded(dem_world *w) {
     int32_t *first = w->engine->walls.first_contact;
     w->engine->run.needs_lists = w->engine->run.keeps_wrenches = 1;
     w->engine->bodies.loads_on |= w->engine->bodies.has_fixed;
-    dem__set_link_steps(w);
-    dem__find_links(w);
+    DEM__TELL(w, loaded, (w));
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
         contacts->near[c] = -1; /* until the list is built */
@@ -16620,6 +17000,9 @@ static inline void dem__derive_loaded(dem_world *w) {
         dem__set_mass_share(w, i);
     }
 }
+
+/* Every feature that a file may contain: a loaded world keeps those that it uses. */
+static const dem__feature *const dem__features[] = {&dem__feature_links, &dem__feature_field};
 
 /* Fills an empty world from a file. */
 static inline dem_status dem__read_file(const dem__file *file, dem_world *w) {
@@ -16645,6 +17028,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
         memset(world, 0, sizeof *world);
         return DEM_OUT_OF_MEMORY;
     }
+    for (size_t k = 0; k < sizeof dem__features / sizeof *dem__features; k++) dem__add_feature(world, dem__features[k]);
     const dem_status status = dem__read_file(&file, world);
     if (status != DEM_OK) dem_free(world);
     return status;

@@ -77,6 +77,8 @@ extern "C" {
 /* Bodies: the parts that no other one includes. */
 #ifdef DEM__BODIES
 #include "step/step.h"
+#include "links/links.h"
+#include "gas/flights.h"
 #include "bodies/clump_shape.h"
 #include "gas/gas.h"
 #include "particles/remove_region.h"

@@ -201,16 +201,15 @@ DEM_API void dem_free(dem_world *world) {
     if (!world || !world->def.allocator.fn || dem__is_running(world)) return;
     const dem_allocator a = world->def.allocator;
     dem__engine *e = world->engine;
+    DEM__TELL(world, release, (world));
     dem__release(&a, e->bodies.block, e->bodies.bytes);
     dem__release(&a, e->bodies.rigid, (size_t)e->bodies.rigid_capacity * sizeof *e->bodies.rigid);
     dem__release(&a, e->convex.shape, (size_t)e->convex.shapes * sizeof *e->convex.shape);
     dem__release(&a, e->convex.pair, (size_t)e->convex.pair_capacity * sizeof *e->convex.pair);
     dem__release(&a, e->convex.point, (size_t)e->convex.point_capacity * sizeof *e->convex.point);
     dem__release(&a, e->contacts.block, e->contacts.bytes);
-    dem__release(&a, e->links.block, e->links.bytes);
     dem__release(&a, e->pairs.timers.block, e->pairs.timers.bytes);
     dem__release(&a, e->walls.timers.block, e->walls.timers.bytes);
-    dem__release(&a, e->field.timers.block, e->field.timers.bytes);
     dem__release(&a, e->pairs.adjacent, (size_t)e->pairs.adjacent_capacity * sizeof(int32_t));
     dem__release(&a, e->pairs.cells, (size_t)e->pairs.cells_capacity * sizeof(int32_t));
     dem__release(&a, world->passed, (size_t)e->bodies.passed_capacity * sizeof *world->passed);

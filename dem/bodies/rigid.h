@@ -9,7 +9,7 @@
    step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
 #pragma once
 #include "../search/due_tests.h"
-#include "../links/links.h"
+#include "../step/integrate.h"
 
 /* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter
    radian at most. */
@@ -169,7 +169,7 @@ DEM_INLINE void dem__prepare_sum(dem__sum *sum, dem_vec pull, dem_vec rate, cons
    moves to those at the end. */
 DEM_INLINE void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     dem__bodies *bodies = &w->engine->bodies;
-    const int loads = bodies->loads_on || w->engine->links.on;
+    const int loads = bodies->adds_loads;
     dem_vec force;
     if (dem__is_fixed(w, r->first)) return; /* dem__kick_all records the forces on its particles */
     r->strides = 0.0;
@@ -325,56 +325,11 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
 }
 
-/* Applies half of the change of its links' forces to a body; the old forces are in the sums. In flight, the old torque
-   is that of the place where it was computed; for a body that takes steps, both are taken at the present place. */
-static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
-    dem__sum_on_body(w, r, 0, 1, &force, &torque);
-    if (w->touching[r->first] == 0) {
-        more = dem__sub(dem__plus(dem__free_fall(w), 1.0 / r->mass, force), r->a),
-        turning = dem__sub(torque, r->torque);
-    } else {
-        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-            if (!dem__is_linked(w, i)) continue;
-            const dem_vec change = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->sum[i].load));
-            more = dem__plus(more, 1.0 / r->mass, change);
-            turning =
-                dem__add(turning, dem__add(dem__sub(dem__second(bodies->load[i]), dem__second(bodies->sum[i].load)),
-                                           dem__cross(bodies->arm[i], change)));
-        }
-    }
-    r->v = dem__flushed_vec(dem__plus(r->v, half, more)), r->a = dem__add(r->a, more);
-    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, turning)), r->torque = dem__add(r->torque, turning);
-    dem__place_pieces(w, r);
-}
-
-/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from
-   their present forces. */
-static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
-    const dem_vec m = r->moments;
-    const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
-    dem_vec force, torque;
-    dem__sum_on_body(w, r, 0, 1, &force, &torque);
-    return (double)w->engine->links.every * w->engine->run.dt *
-           (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
-}
-
-static const dem__body_calls dem__rigid_bodies = {dem__find_posture,
-                                                  dem__set_body_origin,
-                                                  dem__set_body_motion,
-                                                  dem__wrap_body,
-                                                  dem__place_pieces,
-                                                  dem__free_body,
-                                                  dem__test_due_with_bodies,
-                                                  dem__advance_with_bodies,
-                                                  dem__kick_bodies_range,
-                                                  dem__push_bodies,
-                                                  dem__shift_bodies,
-                                                  dem__kick_linked_body,
-                                                  dem__swing,
-                                                  dem__body_link_drift,
-                                                  dem__note_strides};
+static const dem__body_calls dem__rigid_bodies = {
+    dem__find_posture,      dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
+    dem__place_pieces,      dem__free_body,       dem__test_due_with_bodies, dem__advance_with_bodies,
+    dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__swing,
+    dem__note_strides};
 
 /* Definition of a rigid body: see bodies/rigid.h. */
 typedef struct dem__body_def {

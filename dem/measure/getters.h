@@ -66,7 +66,7 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
     dem__rigid *r = dem__rigid_of(w, i);
     if (!r) return DEM_BAD_ARGUMENT;
-    dem__stop_link_work(w, dem__pieces_of(w, i));
+    dem__begin_change(w, dem__pieces_of(w, i));
     dem__restart(w, i);
     dem__book_motion(w, -dem__rotational(w, r->first));
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
@@ -74,7 +74,7 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     w->engine->bodies.calls->set_motion(w, r, r->v, spin);
     dem__book_motion(w, dem__rotational(w, r->first));
     if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
-    dem__resume_link_work(w, dem__pieces_of(w, i));
+    dem__end_change(w, dem__pieces_of(w, i));
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
@@ -108,7 +108,7 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
         l.kinetic += dem__kinetic(world, i);
         l.rotational += dem__rotational(world, i);
         l.potential += dem__potential(world, i);
-        if (ledger->on) l.link_work += dem__link_work(world, i);
+        if (ledger->on) DEM__TELL(world, open_books, (world, i, &l));
     }
     l.elastic = dem__stored_energy(world);
     if (!ledger->started) return l;
@@ -161,30 +161,6 @@ DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *
         world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
     if (!dem__is_running(world))
         world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
-}
-
-DEM_API ptrdiff_t dem_link_count(const dem_world *world) {
-    return world && world->engine ? world->engine->links.count : 0;
-}
-
-DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
-    dem_contact_info info;
-    memset(&info, 0, sizeof info);
-    info.gap = (double)NAN;
-    if (!world || !world->engine || k < 0 || k >= world->engine->links.count) return info;
-    info.i = world->engine->links.i[k];
-    info.j = world->engine->links.j[k];
-    info.element = world->engine->links.element[k];
-    info.gap = world->engine->links.gap[k];
-    info.force = dem_vec3(world->engine->links.wrench[0][k], world->engine->links.wrench[1][k],
-                          world->engine->links.wrench[2][k]);
-    for (int a = 0; a < world->engine->links.states; a++) info.state[a] = world->engine->links.state[a][k];
-    dem__find_point(world, -1, &info);
-    return info;
-}
-
-DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element) {
-    return world && i >= 0 && i < world->count ? dem__link_of(world, i, j, element) : -1;
 }
 
 DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {

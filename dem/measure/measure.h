@@ -214,11 +214,27 @@ static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
              : dem_vec3(0.0, 0.0, 0.0);
 }
 
+/* Return how many forces act between particles, and one of them: contacts come first, then those of features. */
+static inline ptrdiff_t dem__forces(const dem_world *w) {
+    ptrdiff_t n = w->engine->contacts.count;
+    for (int k = 0; k < w->engine->features; k++)
+        n += w->engine->feature[k]->forces ? w->engine->feature[k]->forces(w) : 0;
+    return n;
+}
+static inline dem_contact_info dem__get_force(const dem_world *w, ptrdiff_t k) {
+    const dem__feature *const *f = w->engine->feature;
+    if (k < w->engine->contacts.count) return dem_get_contact(w, k);
+    for (k -= w->engine->contacts.count; !(*f)->forces || k >= (*f)->forces(w); f++) {
+        if ((*f)->forces) k -= (*f)->forces(w);
+    }
+    return (*f)->force(w, k);
+}
+
 /* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's
    point, to i's centre; of bodies, to their centres of mass. Returns 0 if it carries no force. */
 static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, dem_vec *to, dem_vec *force) {
     const dem__contacts *contacts = &w->engine->contacts;
-    const dem_contact_info c = k < contacts->count ? dem_get_contact(w, k) : dem_get_link(w, k - contacts->count);
+    const dem_contact_info c = dem__get_force(w, k);
     *to = dem_position(w, c.i);
     *force = c.force;
     if (c.j >= 0) *from = dem__sub(*to, dem__nearest_image(w, dem__sub(*to, dem_position(w, c.j))));
@@ -313,7 +329,7 @@ static inline void dem__measure_fluctuations(const dem_world *w, const dem__meas
 
 /* Measures the stress by forces of contacts and links. */
 static inline void dem__measure_contacts(const dem_world *w, const dem__measured *q, dem_measure *m) {
-    for (ptrdiff_t k = 0; k < w->engine->contacts.count + w->engine->links.count; k++) {
+    for (ptrdiff_t k = 0; k < dem__forces(w); k++) {
         dem_vec from, to, force;
         if (!dem__branch(w, k, &from, &to, &force)) continue;
         for (int image = 0; image < q->images; image++) {
@@ -436,7 +452,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         if (dem__counts(w, i, &at, &load.velocity)) dem__smear(w, c, field, at, &load);
     }
     memset(&load, 0, sizeof load);
-    for (ptrdiff_t k = 0; k < w->engine->contacts.count + w->engine->links.count; k++) {
+    for (ptrdiff_t k = 0; k < dem__forces(w); k++) {
         dem_vec from, to;
         if (!dem__branch(w, k, &from, &to, &load.force)) continue;
         load.along = dem__sub(to, from);

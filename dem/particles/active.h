@@ -68,7 +68,6 @@ static inline void dem__compact_bodies(dem_world *w) {
 /* Removes dropped particles from the arrays; the others keep their order. */
 static inline void dem__compact(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
-    dem__links *links = &w->engine->links;
     if (!w->engine->bodies.dropped) return;
     ptrdiff_t to = 0;
     dem__array list[DEM__ARRAYS_MAX];
@@ -92,10 +91,7 @@ static inline void dem__compact(dem_world *w) {
     }
     for (int q = 0; q < contacts->chunk_count; q++)
         contacts->chunk[q].first_particle = dem__remapped(w, contacts->chunk[q].first_particle);
-    for (ptrdiff_t k = 0; k < links->count; k++) {
-        links->i[k] = remap[links->i[k]];
-        if (links->j[k] >= 0) links->j[k] = remap[links->j[k]];
-    }
+    DEM__TELL(w, renumber, (w, remap));
     w->count = to;
     w->engine->bodies.dropped = 0;
     dem__compact_bodies(w);

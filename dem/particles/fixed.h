@@ -25,7 +25,7 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     if (dem__is_fixed(w, i) == fixed) return DEM_OK;
     if (!dem__reserve_fixed(w)) return DEM_OUT_OF_MEMORY;
     i = own.first;
-    dem__stop_link_work(w, own);
+    dem__begin_change(w, own);
     dem__restart(w, i);
     dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
     if (r && fixed) r->v = r->momentum = dem_vec3(0.0, 0.0, 0.0);
@@ -39,7 +39,7 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     dem__free_acceleration(w, i);
     dem__book_added(w, dem__potential(w, i));
     dem__book_motion(w, dem__motion_energy(w, i));
-    dem__resume_link_work(w, own);
+    dem__end_change(w, own);
     dem__wake(w, i); /* it takes steps, as a particle with a load does */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;

@@ -79,15 +79,8 @@ DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
    accurate velocity that is known. */
 static inline void dem__restart(dem_world *w, ptrdiff_t i) {
     const dem_vec error = dem__velocity_error(w, i, dem__now(w, i));
-    dem__rigid *r = dem__rigid_of(w, i);
     dem__set_origin(w, i);
-    if (!w->engine->field.on) return;
-    dem__book_field_work(w, -dem__motion_energy(w, i));
-    if (r) {
-        r->v = dem__add(r->v, error);
-        w->engine->bodies.calls->place(w, r);
-    } else w->particle[i].v = dem__add(w->particle[i].v, error);
-    dem__book_field_work(w, dem__motion_energy(w, i));
+    DEM__TELL(w, correct_velocity, (w, i, error));
 }
 
 DEM_INLINE double dem__nearest(double d, double length) {
@@ -103,54 +96,15 @@ DEM_INLINE dem_vec dem__nearest_image(const dem_world *w, dem_vec d) {
     return d;
 }
 
-/* Returns the number of steps between two evaluations of the links, also for a loaded world without their law. */
-DEM_INLINE int dem__steps_of_links(const dem_world *w) {
-    const double n = floor(w->engine->links.interval / w->engine->run.dt);
-    return n < 1.0 ? 1 : n > 1000.0 ? 1000 : (int)n;
-}
-
-/* Returns the time since links were evaluated [s]. */
-DEM_INLINE double dem__since_evaluated(const dem_world *w) {
-    return w->engine->run.dt * (double)(w->step - w->engine->links.evaluated_step);
-}
-
-/* Returns the work of the link forces on particle i, which is at x and has a spin, since they were evaluated [J]. */
-DEM_INLINE double dem__link_work_until(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const dem__links *links = &w->engine->links;
-    const double turned = 0.5 * dem__since_evaluated(w);
-    const dem_vec way = dem__nearest_image(w, dem__sub(x, dem__first(links->evaluated_at[i])));
-    const dem_vec force = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->external[i]));
-    const dem_vec torque = dem__sub(dem__second(bodies->load[i]), dem__second(bodies->external[i]));
-    return dem__dot(force, way) + turned * dem__dot(torque, dem__add(spin, dem__second(links->evaluated_at[i])));
-}
-static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
-    const double tau = dem__now(w, i);
-    if (!w->engine->links.is_loaded[i] || dem__is_fixed(w, i)) return 0.0;
-    return dem__link_work_until(w, i, dem__at(w, i, tau), dem__spin_at(w, i, tau));
-}
-
-/* Stop and resume counting the work of links on some particles, while a caller changes how they move. The spin from
-   which counting resumes is the one that a particle would have had at the last evaluation. */
-static inline void dem__stop_link_work(dem_world *w, dem__pieces of) {
-    for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) dem__book_link_work(w, dem__link_work(w, k));
-}
-static inline void dem__resume_link_work(dem_world *w, dem__pieces of) {
-    for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) {
-        double *from = w->engine->links.evaluated_at[k];
-        const double tau = dem__now(w, k);
-        if (!w->engine->links.is_loaded[k]) continue;
-        const dem_vec x = dem__at(w, k, tau),
-                      spin = dem__plus(dem__spin_at(w, k, tau), -dem__since_evaluated(w), w->spin_rate[k]);
-        for (int a = 0; a < 3; a++) from[a] = dem_axis(x, a), from[3 + a] = dem_axis(spin, a);
-        dem__book_link_work(w, -dem__link_work(w, k));
-    }
-}
 static inline dem__pieces dem__all_particles(const dem_world *w) {
     dem__pieces all;
     all.first = 0, all.end = w->count;
     return all;
 }
+
+/* Begin and end a change of how some particles move, by the caller. */
+static inline void dem__begin_change(dem_world *w, dem__pieces of) { DEM__TELL(w, begin_change, (w, of)); }
+static inline void dem__end_change(dem_world *w, dem__pieces of) { DEM__TELL(w, end_change, (w, of)); }
 
 /* Sets what turns forces on particle i into accelerations. */
 static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
@@ -221,15 +175,13 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     w->group[i] = group;
     w->alive[i] = 1;
     w->touching[i] = bodies->activity[i] = 0;
-    w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
-    w->engine->links.is_loaded[i] = 0;
+    w->engine->walls.first_contact[i] = -1;
     memset(&bodies->bound[i], 0, sizeof bodies->bound[i]);
     bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
     if (bodies->rigid) bodies->rigid_of[i] = 0;
     if (w->engine->convex.shapes > 0)
         w->engine->convex.shape_of[i] = 0; /* a polyhedron that has gone may have had this entry */
-    if (w->engine->field.on)
-        w->engine->field.until[i] = DEM__NO_FLIGHT, w->engine->field.force[i] = dem_vec3(0.0, 0.0, 0.0);
+    DEM__TELL(w, add_particle, (w, i));
     return i;
 }
 
@@ -258,28 +210,19 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     return DEM_OK;
 }
 
-/* Sets the number of steps between two evaluations of the links, and the step of the last one as it would have been
-   with it. */
-static inline void dem__set_link_steps(dem_world *w) {
-    dem__links *links = &w->engine->links;
-    if (!links->on) return;
-    if (links->law) links->every = dem__steps_of_links(w);
-    links->evaluated_step = w->step - w->step % dem__steps_of_links(w);
-}
-
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !dem__is_time_step(dt)) return DEM_BAD_ARGUMENT;
-    dem__stop_link_work(w, dem__all_particles(w));
+    dem__begin_change(w, dem__all_particles(w));
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__restart(w, i);
     }
     w->engine->run.start_time = w->time;
     w->engine->run.start_step = w->step;
     w->def.dt = w->engine->run.dt = dt;
-    dem__set_link_steps(w);
-    dem__resume_link_work(w, dem__all_particles(w));
+    DEM__TELL(w, set_time_step, (w));
+    dem__end_change(w, dem__all_particles(w));
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
@@ -363,14 +306,14 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) i = r->first;
     if (r && dem__is_fixed(w, i) && dem__dot(spin, spin) > 0.0) return DEM_BAD_ARGUMENT;
-    dem__stop_link_work(w, dem__pieces_of(w, i));
+    dem__begin_change(w, dem__pieces_of(w, i));
     dem__restart(w, i);
     dem__book_motion(w, -dem__motion_energy(w, i));
     w->particle[i].v = dem__flushed_vec(velocity);
     w->particle[i].spin = dem__flushed_vec(spin);
     if (r) w->engine->bodies.calls->set_motion(w, r, dem__flushed_vec(velocity), dem__flushed_vec(spin));
     dem__book_motion(w, dem__motion_energy(w, i));
-    dem__resume_link_work(w, dem__pieces_of(w, i));
+    dem__end_change(w, dem__pieces_of(w, i));
     w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
@@ -381,7 +324,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     if (!dem__is_present(w, i) || !dem__moderate_vec(dem__scale(1.0 / w->particle[i].mass, force)) ||
         !dem__moderate_vec(dem__scale(1.0 / dem__inertia(w, i), torque)))
         return DEM_BAD_ARGUMENT;
-    dem__stop_link_work(w, dem__pieces_of(w, i));
+    dem__begin_change(w, dem__pieces_of(w, i));
     dem__restart(w, i);
     double *load = w->engine->bodies.load[i], *external = w->engine->bodies.external[i];
     dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
@@ -397,12 +340,12 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     for (int a = 0; a < 6; a++) {
         const double change = wanted[a] - external[a];
         if (!fixed) *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
-        load[a] = !w->engine->links.is_loaded[i] ? wanted[a] : load[a] + change;
+        load[a] = load[a] == external[a] ? wanted[a] : load[a] + change; /* links add to it */
         external[a] = wanted[a];
     }
     if (r) w->engine->bodies.calls->place(w, r);
     if (!w->touching[i]) dem__free_acceleration(w, i);
-    dem__resume_link_work(w, dem__pieces_of(w, i));
+    dem__end_change(w, dem__pieces_of(w, i));
     dem__wake(w, i); /* a loaded particle is not in free flight */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = 1;
     return DEM_OK;

@@ -1,33 +1,6 @@
 /* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none. */
 #pragma once
-#include "../base/engine.h"
-#include "records.h"
-
-enum { DEM__FIELDS_MAX = 64 };
-
-/* Fields with the same number of entries. */
-typedef struct dem__group {
-    int fields, needed; /* the first `needed` of them are required */
-    dem__saved_field field[DEM__FIELDS_MAX];
-} dem__group;
-
-static inline void dem__set_fields(dem__group *g, const dem__saved_field *field, size_t bytes, int needed) {
-    memcpy(g->field, field, bytes);
-    g->fields = (int)(bytes / sizeof *field), g->needed = needed;
-}
-
-/* Adds arrays of doubles, numbered: contact.wrench0, contact.wrench1 .. */
-static inline void dem__add_fields(dem__group *g, const char *name, double *const *array, int n) {
-    for (int k = 0; k < n; k++) {
-        dem__saved_field *f = &g->field[g->fields++];
-        const size_t length = strlen(name);
-        memset(f, 0, sizeof *f);
-        memcpy(f->name, name, length);
-        if (k > 9) f->name[length] = (char)('0' + k / 10);
-        f->name[length + (k > 9)] = (char)('0' + k % 10);
-        f->data = array[k], f->stride = sizeof(double), f->numbers = 1, f->width = sizeof(double);
-    }
-}
+#include "groups.h"
 
 /* Lists single numbers of the world. */
 static inline void dem__world_fields(dem_world *w, dem__group *g) {
@@ -62,11 +35,6 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("has_fixed", e->bodies.has_fixed, 0),
         DEM__INTEGER("contact.states", e->contacts.states, 0),
         DEM__INTEGER("contact.has_history", e->contacts.has_history, 0),
-        DEM__INTEGER("link.on", e->links.on, 0),
-        DEM__INTEGER("link.states", e->links.states, 0),
-        DEM__DOUBLES("link.interval", e->links.interval, 0),
-        DEM__DOUBLES("link.near", e->links.near, 0),
-        DEM__INTEGER("field.on", e->field.on, 0),
         DEM__INTEGER("ledger.on", e->ledger.on, 0),
         DEM__INTEGER("ledger.started", e->ledger.started, 0),
         DEM__INTEGER("ledger.counts", e->ledger.counts, 0),
@@ -86,6 +54,7 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
         DEM__DOUBLES("ledger.removed_pot", l->removed_potential, 0),
     };
     dem__set_fields(g, fields, sizeof fields, 8);
+    DEM__TELL(w, world_fields, (w, g));
 }
 
 static inline void dem__material_fields(dem_material *m, dem__group *g) {
@@ -171,7 +140,6 @@ static inline void dem__wall_fields(dem_wall *a, dem__group *g) {
 /* Lists the fields of particles present. */
 static inline void dem__particle_fields(dem_world *w, dem__group *g) {
     dem__bodies *bodies = &w->engine->bodies;
-    dem__links *links = &w->engine->links;
     dem_particle *p = w->particle;
     const size_t s = sizeof *p;
     const dem__saved_field fields[] = {
@@ -188,22 +156,9 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("particle.group", w->group[0], sizeof *w->group),
         DEM__DOUBLES("particle.load", bodies->load[0], sizeof *bodies->load),
         DEM__DOUBLES("particle.external", bodies->external[0], sizeof *bodies->external),
-        DEM__INTEGER("particle.is_loaded", links->is_loaded[0], sizeof *links->is_loaded),
-        DEM__DOUBLES("particle.evaluated_at", links->evaluated_at[0], sizeof *links->evaluated_at),
     };
     dem__set_fields(g, fields, sizeof fields, 8);
-    if (!links->on) g->fields -= 2; /* without links: not their fields */
-    if (w->engine->field.on) {
-        dem__field *field = &w->engine->field;
-        const dem__saved_field flights[] = {
-            DEM__INTEGER("particle.until", field->until[0], sizeof *field->until),
-            DEM__DOUBLES("particle.end_velocity", field->end_velocity[0], sizeof *field->end_velocity),
-            DEM__DOUBLES("particle.field_force", field->force[0], sizeof *field->force),
-            DEM__DOUBLES("particle.field_work", field->work[0], sizeof *field->work),
-        };
-        memcpy(&g->field[g->fields], flights, sizeof flights);
-        g->fields += 4;
-    }
+    DEM__TELL(w, particle_fields, (w, g));
     if (bodies->has_fixed) {
         const size_t f = sizeof *bodies->fixed;
         const dem__saved_field fixed[] = {DEM__INTEGER("particle.fixed", bodies->fixed->on, f),
@@ -238,18 +193,6 @@ static inline void dem__body_fields(dem__rigid *r, dem__group *g) {
         DEM__DOUBLES("body.mass", r->mass, s),
     };
     dem__set_fields(g, fields, sizeof fields, 11);
-}
-
-static inline void dem__link_fields(dem_world *w, dem__group *g) {
-    dem__links *links = &w->engine->links;
-    const dem__saved_field fields[] = {
-        DEM__INTEGER("link.i", links->i[0], sizeof *links->i),
-        DEM__INTEGER("link.j", links->j[0], sizeof *links->j),
-        DEM__INTEGER("link.element", links->element[0], sizeof *links->element),
-    };
-    dem__set_fields(g, fields, sizeof fields, 3);
-    dem__add_fields(g, "link.state", links->state, links->states);
-    g->needed = g->fields;
 }
 
 static inline void dem__contact_fields(dem_world *w, dem__group *g) {

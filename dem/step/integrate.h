@@ -117,7 +117,7 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
 /* Does so without loads where there are none: whether there are any is a constant of the loop. */
 DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
                                         ptrdiff_t *strays) {
-    if (w->engine->bodies.loads_on || w->engine->links.on) dem__kick_all(w, h, first, end, check, strays, 1);
+    if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, strays, 1);
     else dem__kick_all(w, h, first, end, check, strays, 0);
 }
 DEM__AVX2_CLONE(dem__kick_part,

@@ -3,8 +3,9 @@
 #pragma once
 #include "../particles/remove.h"
 #include "../contacts/forces.h"
+#include "integrate.h"
 #include "../search/due_tests.h"
-#include "../gas/flights.h"
+#include "../particles/active.h"
 
 /* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip,
    and set none if it is 0. */
@@ -32,8 +33,9 @@ static inline int dem__prepare_lists(dem_world *w) {
     }
     dem__remove_ended(w, w->step, 1);
     if (!dem__rebuild(w)) return 0;
-    if (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0)) return 1;
-    return dem__fail_to_list(w, w->status);
+    int going = 1;
+    DEM__ASK(w, going, prepare_run, (w));
+    return going || dem__fail_to_list(w, w->status);
 }
 
 /* Computes the damping ratios of all pairs of materials, and whether all were set. */
@@ -61,7 +63,7 @@ static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     }
     const ptrdiff_t begun = contacts->begun;
     dem__commit_begun(w, 0.0);
-    if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_CONTACTS, begun);
+    DEM__TELL(w, contacts_begun, (w, begun));
     dem__list_active(w);
     for (ptrdiff_t k = 0; k < begun; k++) {
         const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
@@ -91,12 +93,14 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
     const double stored = dem__stored_energy(w);
     dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
     dem__book_callers_contacts(w, stored);
-    if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_FORCES, 0);
+    DEM__TELL(w, add_forces, (w, 0.0));
     if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
     dem__kick_walls(w, 0.0);
     dem__remove_ended(w, w->step, 0);
     dem__check_bounds(w);
-    return w->status == DEM_OK && (!w->engine->field.on || dem__ask_field(w, DEM__FIELD_FLIGHTS, 0));
+    int going = w->status == DEM_OK;
+    DEM__ASK(w, going, begin_flights, (w));
+    return going;
 }
 
 /* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error
@@ -118,6 +122,8 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
     dem__ledger *ledger = &w->engine->ledger;
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    w->engine->bodies.adds_loads = w->engine->bodies.loads_on;
+    for (int k = 0; k < w->engine->features; k++) w->engine->bodies.adds_loads |= w->engine->feature[k]->adds_loads;
     dem__prepare_pairs(w);
     const ptrdiff_t begun = run->needs_forces ? dem__begin_contacts_present(w) : 0;
     if (begun < 0) return 0;
@@ -128,8 +134,7 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
     if ((features & DEM_ENERGY) && !ledger->started) {
         ledger->started = 1;
         memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked */
-        dem__resume_link_work(w, dem__all_particles(w));
-        if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_BOOKS, 0);
+        DEM__TELL(w, begin_ledger, (w));
         dem_energy_ledger now = dem_energy(w);
         ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
         ledger->sums.start_potential = now.potential;
@@ -188,70 +193,41 @@ static inline int dem__remove_leaving(dem_world *w) {
     return 1;
 }
 
-/* Advances the world by one step. keep: keeps the forces of contacts for readers; in_field: a constant at compile time.
-   Returns 0 after a failure. */
-DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, int in_field) {
+/* Advances the world by one step. keep: keeps the forces of contacts for readers. Returns 0 after a failure. */
+static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
     const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
     const double h = w->engine->run.dt;
+    int going = 1;
     if (w->step % DEM__REORDER_STEPS == 0 && !dem__reorder_contacts(w)) return 0;
     if (w->step >= w->engine->pairs.next_check && !dem__check_list(w)) return 0;
-    if (in_field && !dem__continue_flights(w)) return 0;
+    DEM__ASK(w, going, begin_step, (w));
+    if (!going) return 0;
     if (!dem__find_contacts_that_begin(w)) return dem__undo_detection(w);
     const ptrdiff_t begun = w->engine->contacts.begun;
     dem__commit_begun(w, 1.0);
     if (begun > 0 && w->engine->ledger.on)
         dem__list_active(w); /* books are sums in the order of memory, whenever lists were built */
-    if (in_field) dem__end_flights(w, begun);
+    DEM__TELL(w, contacts_begun, (w, begun));
     dem__advance(w, h);
     dem__prepare_begun(w, kernel->law, begun, features);
     dem__evaluate(w, kernel->loop, h, has_friction, keep);
-    if (in_field) dem__add_field_forces(w, h);
+    DEM__TELL(w, add_forces, (w, h));
     if (features & DEM_ENERGY) dem__book_losses(w);
     const int finite = dem__kick(w, h);
     dem__kick_walls(w, h);
     dem__apply_corrections(w, has_friction);
     dem__count_step(w);
     if (!finite || (w->engine->run.leaving && !dem__leave_with_numbers(w))) return dem__fail(w, DEM_NOT_FINITE);
-    if (in_field && w->engine->run.leaving) dem__book_flights(w, 1);
+    if (w->engine->run.leaving) DEM__TELL(w, leave, (w));
     const int leaving = dem__remove_leaving(w);
     dem__remove_ended(w, w->step, leaving);
     if (leaving) dem__free_untouched(w);
     dem__check_bounds(w);
-    if (in_field && w->status == DEM_OK && !dem__begin_flights(w)) return 0;
-    if (w->engine->links.every > 0 && w->step % w->engine->links.every == 0) w->engine->links.step(w);
-    return w->status == DEM_OK;
-}
-
-static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
-    return dem__step_of(w, kernel, keep, 0);
-}
-
-/* Runs the steps of a task in a force field. At the end it continues flights that are over, so that a caller who
-   changes particles finds none. */
-static inline int dem__run_in_field(dem_world *w, const dem__field_task *q) {
-    int going = 1;
-    for (ptrdiff_t n = q->n; n > 0 && going; n--) going = dem__step_of(w, q->kernel, n == 1, 1);
-    if (going) going = dem__continue_flights(w);
-    dem__book_flights(w, 0);
+    going = w->status == DEM_OK;
+    DEM__ASK(w, going, begin_flights, (w));
+    DEM__ASK(w, going, end_step, (w));
     return going;
 }
-static inline int dem__field_hook(dem_world *w, const dem__field_task *q) {
-    switch (q->task) {
-    case DEM__PREPARE_FIELD: return dem__prepare_flights(w);
-    case DEM__FIELD_CONTACTS: dem__end_flights(w, q->n); return 1;
-    case DEM__FIELD_FORCES: dem__add_field_forces(w, 0.0); return 1;
-    case DEM__FIELD_FLIGHTS: return dem__begin_flights(w);
-    case DEM__FIELD_BOOKS: dem__begin_books(w); return 1;
-    default: return dem__run_in_field(w, q);
-    }
-}
-
-#define DEM_FORCE_FIELD(name, law)                                                                                     \
-    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                    \
-        if (task->task > DEM__ADD_FIELD_FORCE) return dem__field_hook(world, task);                                    \
-        dem__field_kernel(world, task, law);                                                                           \
-        return 1;                                                                                                      \
-    }
 
 /* Returns whether a kernel computes friction that the run leaves out. Then its history stays zero. */
 static inline int dem__has_void_history(const dem_kernel *kernel, int features) {
@@ -270,10 +246,14 @@ static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, 
 static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *kernel, int features) {
     if (!dem__is_thread_count(w->def.threads)) return DEM_BAD_DEFINITION;
     if (w->status == DEM_NOT_FINITE || w->status == DEM_TOO_FAST) return w->status;
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        const dem_status status = f->check_run ? f->check_run(w, kernel) : DEM_OK;
+        if (status != DEM_OK) return status;
+    }
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
     }
-    if (w->engine->field.on && !w->engine->field.def.kernel) return DEM_NO_FIELD;
     const double narrowest = dem__narrowest(w);
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
@@ -281,8 +261,7 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     if (w->engine->convex.shapes > 0 && !(kernel->features & DEM_FRICTION))
         return DEM_POLYHEDRON; /* others compute no torques */
     if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
-    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH
-                                                               : DEM_OK; /* after loading dem_set_links comes first */
+    return DEM_OK;
 }
 
 /* Makes the arrays of contacts fit law, ledger and threads. Returns 0 when out of memory; nothing has changed then. */
@@ -335,9 +314,10 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);
     w->engine->run.running = 1;
     int going = dem__prepare_run(w, kernel, features);
-    if (going && w->engine->field.on) going = dem__ask_field_to_run(w, (ptrdiff_t)steps, kernel);
-    else
-        for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
+    for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
+    for (int k = 0; k < w->engine->features; k++) {
+        if (w->engine->feature[k]->end_run) going = w->engine->feature[k]->end_run(w, going);
+    }
     w->engine->run.running = 0;
     const double met = 0.5 * sqrt(w->engine->run.stiffest); /* of the contacts that have begun */
     if (met > w->step_ratio) w->step_ratio = met;
