@@ -2136,6 +2136,11 @@ DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) {
     return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u);
 }
 
+/* Returns whether a wall is enabled and acts on particle i. */
+DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
+    return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
+}
+
 DEM_INLINE void dem__touch_plane(const dem_wall *w, dem_vec centre, double radius, dem__touch *out) {
     out->element = 0;
     out->gap = dem__dot(dem__sub(centre, w->position), w->axis[2]) - radius;
@@ -2474,9 +2479,11 @@ typedef struct dem__feature {
     /* The list of near pairs. */
     void (*keep_up)(dem_world *w);      /* before the list is checked or built */
     dem_status (*listed)(dem_world *w); /* the list is new */
-    double (*drift)(const dem_world *w, ptrdiff_t i); /* change of particle i's velocity that is not seen in each step [m/s] */
+    double (*drift)(const dem_world *w,
+                    ptrdiff_t i); /* change of particle i's velocity that is not seen in each step [m/s] */
 
-    int (*begins_early)(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element); /* i touches j below touch_gap */
+    int (*begins_early)(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
+                        int32_t element); /* i touches j below touch_gap */
 
     /* A step, in this order. */
     int (*begin_step)(dem_world *w);                       /* 0 after a failure */
@@ -2487,10 +2494,11 @@ typedef struct dem__feature {
     int (*end_step)(dem_world *w);                         /* 0 after a failure */
 
     /* Reading. */
-    ptrdiff_t (*forces)(const dem_world *w);                     /* how many forces of its own act between particles */
+    ptrdiff_t (*forces)(const dem_world *w);                    /* how many forces of its own act between particles */
     dem_contact_info (*force)(const dem_world *w, ptrdiff_t k); /* one of them */
-    dem_vec (*velocity_error)(const dem_world *w, ptrdiff_t i, double tau); /* what the velocity on the parabola lacks */
-    void (*correct_velocity)(dem_world *w, ptrdiff_t i, dem_vec error);     /* adds it at a new origin */
+    dem_vec (*velocity_error)(const dem_world *w, ptrdiff_t i,
+                              double tau);                              /* what the velocity on the parabola lacks */
+    void (*correct_velocity)(dem_world *w, ptrdiff_t i, dem_vec error); /* adds it at a new origin */
     void (*open_books)(const dem_world *w, ptrdiff_t i, dem_energy_ledger *sums); /* adds what is not booked yet */
 
     /* Saving. */
@@ -2699,11 +2707,11 @@ typedef struct dem__body_calls {
                                                                                          bodies to the end of a step */
     void (*kick)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h); /* moves velocities of active bodies
                                                                                       to the end of a step */
-    void (*push)(dem_world *w, int32_t c, int has_friction);      /* applies impulses of the edge step in slot c */
-    void (*shift)(dem_world *w, int32_t c);                       /* applies its shift, after all impulses */
-    double (*swing)(const dem__rigid *r, double arm);             /* greatest speed in flight of what is an arm [m]
+    void (*push)(dem_world *w, int32_t c, int has_friction); /* applies impulses of the edge step in slot c */
+    void (*shift)(dem_world *w, int32_t c);                  /* applies its shift, after all impulses */
+    double (*swing)(const dem__rigid *r, double arm);        /* greatest speed in flight of what is an arm [m]
                                                                      from the centre, about it [m/s] */
-    void (*note_strides)(dem_world *w); /* stores how far flights are integrated */
+    void (*note_strides)(dem_world *w);                      /* stores how far flights are integrated */
 } dem__body_calls;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */
@@ -2838,8 +2846,7 @@ typedef struct dem__contacts {
                                                     contact of a polyhedron (dem__is_convex_contact) */
     int32_t *type;                               /* index in types; -1: constants of its own */
     int32_t *slots;                              /* a list of slots, or one in each chunk */
-    uint8_t
-        *edge;      /* its edge step is to be corrected: written by the kernel for the contacts that it lists;
+    uint8_t *edge;  /* its edge step is to be corrected: written by the kernel for the contacts that it lists;
                       free before it, when dem__follow_meshes notes meshes with places left */
     uint8_t *ended; /* has ended */
     double *gap, *force;
@@ -2970,119 +2977,6 @@ static inline void dem__drop_feature(dem_world *w, const dem__feature *feature) 
     e->features = left;
 }
 
-/* ----------------------------------------------------------------------------------------------- >>base/parallel.h */
-/* The loops of a step on several threads. Promises: no result depends on the number of threads. */
-
-/* Runs the tasks of a loop one after the other. */
-static inline void dem__run_alone(int tasks, void (*task)(void *context, int index), void *context) {
-    for (int q = 0; q < tasks; q++) task(context, q);
-}
-
-#ifdef _OPENMP
-/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer
-   than the work takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task
-   that was interrupted counts as at most three times the first, which the waiting thread ran itself. After a loss of 2
-   ms, loops run on one thread for 20 ms, and for twice as long each time that threads lose again soon after. */
-static inline void dem__judge_threads(dem__pace *pace, double start, double end, const double *spent, int tasks) {
-    double alone = 0.0;
-    for (int q = 0; q < tasks; q++) alone += spent[q] < 3.0 * spent[0] ? spent[q] : 3.0 * spent[0];
-    pace->loss += end - start - alone;
-    if (!(pace->loss > 0.0)) pace->loss = 0.0;
-    if (!(pace->loss > 2e-3)) return;
-    pace->rest = end > pace->alone_until + 5.0 * pace->rest ? 0.02 : 2.0 * pace->rest;
-    if (pace->rest > 2.0) pace->rest = 2.0;
-    pace->alone_until = end + pace->rest;
-    pace->loss = 0.0;
-}
-
-/* Runs the tasks of a loop on OpenMP's threads, or on one while these lose time. */
-static inline void dem__run_openmp(dem__pace *pace, int tasks, void (*task)(void *context, int index), void *context) {
-    const double start = omp_get_wtime();
-    double spent[DEM__PARTS_MAX];
-    int q;
-    if (start < pace->alone_until) {
-        dem__run_alone(tasks, task, context);
-        return;
-    }
-#pragma omp parallel for schedule(static, 1) num_threads(tasks)
-    for (q = 0; q < tasks; q++) {
-        const double began = omp_get_wtime();
-        task(context, q);
-        spent[q] = omp_get_wtime() - began;
-    }
-    dem__judge_threads(pace, start, omp_get_wtime(), spent, tasks);
-}
-#endif
-
-/* Runs task(context, index) for every index below `tasks`: on the host's threads, on OpenMP's, or one after the other.
- */
-static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *context, int index), void *context) {
-    if (tasks == 1) task(context, 0); /* a parallel region would cost more than the work of a dilute step */
-    else if (w->def.parallel) w->def.parallel(w->def.parallel_user, tasks, task, context);
-    else {
-#ifdef _OPENMP
-        dem__run_openmp(&w->engine->pace, tasks, task, context);
-#else
-        dem__run_alone(tasks, task, context);
-#endif
-    }
-}
-
-/* Returns the number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for
-   waking a thread. */
-DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
-    const int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
-#ifndef _OPENMP
-    if (!w->def.parallel) return 1;
-#endif
-    return threads == 1 || n < 256 * (ptrdiff_t)threads ? 1 : threads;
-}
-
-/* Returns the same, but at most `most`. */
-DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
-    const int parts = dem__parts(w, n);
-    return parts < most ? parts : most;
-}
-
-/* Returns the first of n items that belongs to a part. */
-DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) {
-    return n / parts * part + (n % parts < part ? n % parts : part);
-}
-
-/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no
-   long lead. */
-DEM_INLINE ptrdiff_t dem__prefetch_from(ptrdiff_t n, ptrdiff_t ahead) { return n < ahead ? -n : -ahead; }
-
-/* Runs a loop over the items first .. end - 1 of part `part`. context: what the loop needs. */
-typedef void dem__range_fn(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context);
-typedef struct dem__split {
-    dem_world *w;
-    dem__range_fn *loop;
-    void *context;
-    ptrdiff_t n;
-    int parts;
-} dem__split;
-
-static inline void dem__run_part(void *context, int q) {
-    const dem__split *s = (const dem__split *)context;
-    s->loop(s->w, dem__part(s->n, q, s->parts), dem__part(s->n, q + 1, s->parts), q, s->context);
-}
-
-/* Runs a loop over n items in `parts` parts. */
-static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__range_fn *loop, void *context) {
-    dem__split split;
-    if (parts == 1) { /* saves the divisions of dem__part */
-        loop(w, 0, n, 0, context);
-        return;
-    }
-    split.w = w;
-    split.loop = loop;
-    split.context = context;
-    split.n = n;
-    split.parts = parts;
-    dem__parallel(w, parts, dem__run_part, &split);
-}
-
 /* ------------------------------------------------------------------------------------------------- >>base/arrays.h */
 /* Memory: blocks of arrays that grow together, and the tables of those arrays. */
 
@@ -3092,11 +2986,6 @@ static inline void *dem__default_allocator(void *user, void *old, size_t old_siz
     if (new_size > 0) return realloc(old, new_size);
     free(old);
     return NULL;
-}
-
-/* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
-DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) {
-    return w->engine->bodies.has_fixed && w->engine->bodies.fixed[i].on != 0;
 }
 
 /* Returns the shape of particle i, or NULL if it is a sphere. */
@@ -3501,6 +3390,18 @@ static inline void dem__release(const dem_allocator *a, void *block, size_t byte
     if (block) a->fn(a->user, block, bytes, 0);
 }
 
+DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!w || !w->def.allocator.fn || !pair || a < 0 || b < 0 || a >= w->def.materials || b >= w->def.materials ||
+        dem__bad_pair(pair))
+        return DEM_BAD_ARGUMENT;
+    dem_pair_def *own = dem_pair(&w->def, a, b);
+    *own = *pair, own->given = 1;
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
 DEM_API void dem_free(dem_world *world) {
     if (!world || !world->def.allocator.fn || dem__is_running(world)) return;
     const dem_allocator a = world->def.allocator;
@@ -3532,16 +3433,6 @@ DEM_API void dem_free(dem_world *world) {
 /* ----------------------------------------------------------------------------------------------- >>energy/ledger.h */
 /* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its
    sums, but step/step.h sets where they start. */
-
-/* Returns whether a wall is enabled and acts on particle i. */
-DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
-    return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
-}
-
-/* Returns the first of two vectors: the force of a wrench. */
-DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
-/* Returns the second one: the torque of a wrench. */
-DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
 
 /* Books the potential energy that a particle gains where it is put back into the periodic box [J]. */
 DEM_INLINE void dem__book_wrap(dem_world *w, double raised) {
@@ -3575,75 +3466,10 @@ DEM_INLINE void dem__book_field_work(dem_world *w, double work) {
     if (w->engine->ledger.on) w->engine->ledger.sums.field_work += work;
 }
 
-/* Returns whether the caller ended the contact of i and j: by changing the wall, or by fixing particles. */
-static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
-    if (j < 0) return !dem__is_at_wall(w, i, -1 - (int)j) || dem__is_fixed(w, i);
-    return dem__is_fixed(w, i) && dem__is_fixed(w, j);
-}
-
 /* Books the work of moving fixed particles on others [J]. */
 DEM_INLINE void dem__book_work_of_fixed(dem_world *w, double work) { w->engine->ledger.sums.external_work += work; }
 
-/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it;
-   otherwise as sliding loss, because its tangential spring is released. */
-static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
-    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    dem_energy_ledger *sums = &w->engine->ledger.sums;
-    if (!w->engine->ledger.counts) return;
-    if (w->alive[i] <= 0 || (j >= 0 && w->alive[j] <= 0) || dem__is_taken_away(w, i, j))
-        sums->removed += w->engine->contacts.elastic[c];
-    else sums->sliding_loss += w->engine->contacts.elastic[c];
-}
-
-/* Returns the energy stored in all contacts [J]; 0 while no ledger is kept. */
-static inline double dem__stored_energy(const dem_world *w) {
-    double sum = 0.0;
-    if (!w->engine->ledger.counts) return sum;
-    DEM__EACH_CONTACT(w, c) { sum += w->engine->contacts.elastic[c]; }
-    return sum;
-}
-
-/* Books the change of stored energy by the caller between runs: new contacts, changed constants. before: that energy at
-   the end of the last run [J]. */
-static inline void dem__book_callers_contacts(dem_world *w, double before) {
-    if (w->engine->ledger.started) w->engine->ledger.sums.added += dem__stored_energy(w) - before;
-}
-
-/* Books the work of fixed particle i by its motion in a step, by the trapezoidal rule. */
-static inline void dem__book_fixed(dem_world *w, ptrdiff_t i) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;
-    for (int a = 0; a < 3; a++) {
-        const double of_links = bodies->load[i][a] - bodies->external[i][a],
-                     turning = bodies->load[i][3 + a] - bodies->external[i][3 + a];
-        dem__book_work_of_fixed(w, -half * (before[a] + now[a] + of_links) * dem_axis(w->particle[i].v, a));
-        dem__book_work_of_fixed(w, -half * (before[3 + a] + now[3 + a] + turning) * dem_axis(w->particle[i].spin, a));
-    }
-}
-
-/* Books what contacts dissipated in a step, and the work of walls and loads. */
-static inline void dem__book_losses(dem_world *w) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const dem__contacts *contacts = &w->engine->contacts;
-    dem_energy_ledger *l = &w->engine->ledger.sums;
-    DEM__EACH_CONTACT(w, k) {
-        l->normal_loss += contacts->loss[0][k];
-        l->sliding_loss += contacts->loss[1][k];
-        l->rolling_loss += contacts->loss[2][k];
-        l->wall_work += contacts->loss[3][k];
-    }
-    for (ptrdiff_t k = 0; bodies->loads_on && k < bodies->active_count; k++) {
-        const ptrdiff_t i = bodies->active[k];
-        if (dem__is_fixed(w, i)) {
-            dem__book_fixed(w, i);
-            continue;
-        }
-        l->external_work += w->engine->run.dt * dem__dot(dem__first(bodies->external[i]), w->particle[i].v);
-        l->external_work += w->engine->run.dt * dem__dot(dem__second(bodies->external[i]), w->particle[i].spin);
-    }
-}
-
-/* ----------------------------------------------------------------------------------------------- >>base/rotation.h */
+/* --------------------------------------------------------------------------------------------- >>motion/rotation.h */
 /* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns the body's frame into the
    lab's; its scalar part comes first. */
 
@@ -3809,7 +3635,7 @@ DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem
     return single ? dem__turn_split(q, momentum, moments, t) : dem__turn_far(q, momentum, moments, t);
 }
 
-/* --------------------------------------------------------------------------------------- >>particles/free_flight.h */
+/* ----------------------------------------------------------------------------------------------- >>motion/motion.h */
 /* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned
    about one. Reads bodies. Promises: the same bits whenever a state is evaluated.
 
@@ -3817,6 +3643,16 @@ DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem
    consecutive in the world's arrays. Their mass is the body's, and their contacts count for all of them; x, v, a and
    spin are those of their centres as parts of the body, valid at the origin step and while forces are computed. In
    flight use dem__at and its like, never the parabola. */
+
+/* Returns the first of two vectors: the force of a wrench. */
+DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
+/* Returns the second one: the torque of a wrench. */
+DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
+
+/* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
+DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) {
+    return w->engine->bodies.has_fixed && w->engine->bodies.fixed[i].on != 0;
+}
 
 /* Returns the acceleration of a particle in flight without loads [m/s2]. Bounds and the list rely on its being the same
    for all. */
@@ -3927,8 +3763,9 @@ DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
     return r ? dem__posture_at(w, r, tau).spin : dem__sphere_spin_at(w, i, tau);
 }
 
-/* ----------------------------------------------------------------------------------------- >>particles/particles.h */
-/* Particles between steps: adding them, their energy, loads and motion, and what acts on all of them. */
+/* ------------------------------------------------------------------------------------------------ >>motion/state.h */
+/* The state of what moves: its origin, energies and accelerations. A particle moves by itself, with its rigid body, or
+   not at all where it is fixed; every question which of these it does is asked in this folder. */
 
 /* Makes the present step the origin of particle i: the state of its parabola becomes the stored one. */
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
@@ -4061,6 +3898,348 @@ static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     w->spin_rate[i] = dem__scale(sum->per_inertia, dem__second(bodies->load[i]));
 }
 
+DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
+    const double *e = w->engine->bodies.external[i];
+    return e[0] != 0.0 || e[1] != 0.0 || e[2] != 0.0 || e[3] != 0.0 || e[4] != 0.0 || e[5] != 0.0;
+}
+
+/* Returns whether particle i, or any particle of its rigid body, has a load or is fixed. */
+DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
+    const dem__pieces own = dem__pieces_of(w, i);
+    int loaded = dem__is_fixed(w, i); /* does not fall */
+    for (ptrdiff_t k = own.first; k < own.end; k++) loaded |= dem__has_load(w, k);
+    return loaded;
+}
+
+/* Makes particle i take steps from now on. */
+DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
+    dem__bodies *bodies = &w->engine->bodies;
+    if (bodies->activity[i]) return;
+    bodies->activity[i] = 1;
+    bodies->active[bodies->active_count++] = (int32_t)i;
+}
+/* Makes particle i, or all particles of its rigid body, take steps from now on. */
+DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) dem__wake_one(w, k);
+}
+
+/* Returns the position of a rigid body now, within the periodic box. */
+static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
+    const double tau = dem__now(w, r->first);
+    return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
+}
+
+static inline int dem__is_present(const dem_world *w, ptrdiff_t i) {
+    return w && i >= 0 && i < w->count && w->alive[i];
+}
+
+/* ----------------------------------------------------------------------------------------------- >>motion/change.h */
+/* What a caller changes between runs: motion, orientation, load, gravity, the time step. */
+
+DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !dem__is_time_step(dt)) return DEM_BAD_ARGUMENT;
+    dem__begin_change(w, dem__all_particles(w));
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i]) dem__restart(w, i);
+    }
+    w->engine->run.start_time = w->time;
+    w->engine->run.start_step = w->step;
+    w->def.dt = w->engine->run.dt = dt;
+    DEM__TELL(w, set_time_step, (w));
+    dem__end_change(w, dem__all_particles(w));
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!w || !w->def.allocator.fn || !dem__moderate_vec(gravity)) return DEM_BAD_ARGUMENT;
+    const dem_vec change = dem__sub(gravity, w->def.gravity);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i] || dem__is_fixed(w, i)) continue;
+        dem__rigid *r = dem__rigid_of(w, i);
+        dem__restart(w, i);
+        w->particle[i].a = dem__add(w->particle[i].a, change);
+        if (r && r->first == i) r->a = dem__add(r->a, change);
+    }
+    if (w->engine->ledger.on) {
+        for (ptrdiff_t i = 0; i < w->count; i++) {
+            const dem__rigid *r = dem__rigid_of(w, i);
+            const dem_vec x = r ? r->x : w->particle[i].x;
+            const double raised = w->alive[i] && (!r || r->first == i) && !dem__is_fixed(w, i)
+                                      ? -w->particle[i].mass * dem__dot(change, x)
+                                      : 0.0;
+            dem__book_gravity(w, raised);
+        }
+    }
+    w->def.gravity = gravity;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i] && !w->touching[i]) dem__free_acceleration(w, i);
+    }
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    if (!dem__is_present(w, i) || !dem__moderate_vec(velocity) || !dem__moderate_vec(spin)) return DEM_BAD_ARGUMENT;
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (r) i = r->first;
+    if (r && dem__is_fixed(w, i) && dem__dot(spin, spin) > 0.0) return DEM_BAD_ARGUMENT;
+    dem__begin_change(w, dem__pieces_of(w, i));
+    dem__restart(w, i);
+    dem__book_motion(w, -dem__motion_energy(w, i));
+    w->particle[i].v = dem__flushed_vec(velocity);
+    w->particle[i].spin = dem__flushed_vec(spin);
+    if (r) w->engine->bodies.calls->set_motion(w, r, dem__flushed_vec(velocity), dem__flushed_vec(spin));
+    dem__book_motion(w, dem__motion_energy(w, i));
+    dem__end_change(w, dem__pieces_of(w, i));
+    w->engine->run.needs_lists = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    if (!dem__is_present(w, i) || !dem__moderate_vec(dem__scale(1.0 / w->particle[i].mass, force)) ||
+        !dem__moderate_vec(dem__scale(1.0 / dem__inertia(w, i), torque)))
+        return DEM_BAD_ARGUMENT;
+    dem__begin_change(w, dem__pieces_of(w, i));
+    dem__restart(w, i);
+    double *load = w->engine->bodies.load[i], *external = w->engine->bodies.external[i];
+    dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
+    const double wanted[] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (r && !dem__is_fixed(w, i)) {
+        const dem_vec more = dem__sub(force, dem__first(external));
+        r->a = dem__plus(r->a, 1.0 / r->mass, more);
+        r->torque = dem__add(dem__add(r->torque, dem__sub(torque, dem__second(external))),
+                             dem__cross(w->engine->bodies.arm[i], more));
+    }
+    const int fixed = dem__is_fixed(w, i);
+    for (int a = 0; a < 6; a++) {
+        const double change = wanted[a] - external[a];
+        if (!fixed) *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
+        load[a] = load[a] == external[a] ? wanted[a] : load[a] + change; /* links add to it */
+        external[a] = wanted[a];
+    }
+    if (r) w->engine->bodies.calls->place(w, r);
+    if (!w->touching[i]) dem__free_acceleration(w, i);
+    dem__end_change(w, dem__pieces_of(w, i));
+    dem__wake(w, i); /* a loaded particle is not in free flight */
+    w->engine->bodies.loads_on = w->engine->run.needs_lists = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    dem_quaternion q;
+    if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) return DEM_BAD_ARGUMENT;
+    dem__begin_change(w, dem__pieces_of(w, i));
+    dem__restart(w, i);
+    dem__book_motion(w, -dem__rotational(w, r->first));
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    r->turn = dem__turns(q, r->frame);
+    w->engine->bodies.calls->set_motion(w, r, r->v, spin);
+    dem__book_motion(w, dem__rotational(w, r->first));
+    if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
+    dem__end_change(w, dem__pieces_of(w, i));
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+/* ----------------------------------------------------------------------------------------------- >>energy/losses.h */
+/* What the ledger books of contacts: energy that they store and dissipate, work of walls, loads and fixed particles. */
+
+/* Returns whether the caller ended the contact of i and j: by changing the wall, or by fixing particles. */
+static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
+    if (j < 0) return !dem__is_at_wall(w, i, -1 - (int)j) || dem__is_fixed(w, i);
+    return dem__is_fixed(w, i) && dem__is_fixed(w, j);
+}
+
+/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it;
+   otherwise as sliding loss, because its tangential spring is released. */
+static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
+    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    dem_energy_ledger *sums = &w->engine->ledger.sums;
+    if (!w->engine->ledger.counts) return;
+    if (w->alive[i] <= 0 || (j >= 0 && w->alive[j] <= 0) || dem__is_taken_away(w, i, j))
+        sums->removed += w->engine->contacts.elastic[c];
+    else sums->sliding_loss += w->engine->contacts.elastic[c];
+}
+
+/* Returns the energy stored in all contacts [J]; 0 while no ledger is kept. */
+static inline double dem__stored_energy(const dem_world *w) {
+    double sum = 0.0;
+    if (!w->engine->ledger.counts) return sum;
+    DEM__EACH_CONTACT(w, c) { sum += w->engine->contacts.elastic[c]; }
+    return sum;
+}
+
+/* Books the change of stored energy by the caller between runs: new contacts, changed constants. before: that energy at
+   the end of the last run [J]. */
+static inline void dem__book_callers_contacts(dem_world *w, double before) {
+    if (w->engine->ledger.started) w->engine->ledger.sums.added += dem__stored_energy(w) - before;
+}
+
+/* Books the work of fixed particle i by its motion in a step, by the trapezoidal rule. */
+static inline void dem__book_fixed(dem_world *w, ptrdiff_t i) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;
+    for (int a = 0; a < 3; a++) {
+        const double of_links = bodies->load[i][a] - bodies->external[i][a],
+                     turning = bodies->load[i][3 + a] - bodies->external[i][3 + a];
+        dem__book_work_of_fixed(w, -half * (before[a] + now[a] + of_links) * dem_axis(w->particle[i].v, a));
+        dem__book_work_of_fixed(w, -half * (before[3 + a] + now[3 + a] + turning) * dem_axis(w->particle[i].spin, a));
+    }
+}
+
+/* Books what contacts dissipated in a step, and the work of walls and loads. */
+static inline void dem__book_losses(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const dem__contacts *contacts = &w->engine->contacts;
+    dem_energy_ledger *l = &w->engine->ledger.sums;
+    DEM__EACH_CONTACT(w, k) {
+        l->normal_loss += contacts->loss[0][k];
+        l->sliding_loss += contacts->loss[1][k];
+        l->rolling_loss += contacts->loss[2][k];
+        l->wall_work += contacts->loss[3][k];
+    }
+    for (ptrdiff_t k = 0; bodies->loads_on && k < bodies->active_count; k++) {
+        const ptrdiff_t i = bodies->active[k];
+        if (dem__is_fixed(w, i)) {
+            dem__book_fixed(w, i);
+            continue;
+        }
+        l->external_work += w->engine->run.dt * dem__dot(dem__first(bodies->external[i]), w->particle[i].v);
+        l->external_work += w->engine->run.dt * dem__dot(dem__second(bodies->external[i]), w->particle[i].spin);
+    }
+}
+
+/* ----------------------------------------------------------------------------------------------- >>base/parallel.h */
+/* The loops of a step on several threads. Promises: no result depends on the number of threads. */
+
+/* Runs the tasks of a loop one after the other. */
+static inline void dem__run_alone(int tasks, void (*task)(void *context, int index), void *context) {
+    for (int q = 0; q < tasks; q++) task(context, q);
+}
+
+#ifdef _OPENMP
+/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer
+   than the work takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task
+   that was interrupted counts as at most three times the first, which the waiting thread ran itself. After a loss of 2
+   ms, loops run on one thread for 20 ms, and for twice as long each time that threads lose again soon after. */
+static inline void dem__judge_threads(dem__pace *pace, double start, double end, const double *spent, int tasks) {
+    double alone = 0.0;
+    for (int q = 0; q < tasks; q++) alone += spent[q] < 3.0 * spent[0] ? spent[q] : 3.0 * spent[0];
+    pace->loss += end - start - alone;
+    if (!(pace->loss > 0.0)) pace->loss = 0.0;
+    if (!(pace->loss > 2e-3)) return;
+    pace->rest = end > pace->alone_until + 5.0 * pace->rest ? 0.02 : 2.0 * pace->rest;
+    if (pace->rest > 2.0) pace->rest = 2.0;
+    pace->alone_until = end + pace->rest;
+    pace->loss = 0.0;
+}
+
+/* Runs the tasks of a loop on OpenMP's threads, or on one while these lose time. */
+static inline void dem__run_openmp(dem__pace *pace, int tasks, void (*task)(void *context, int index), void *context) {
+    const double start = omp_get_wtime();
+    double spent[DEM__PARTS_MAX];
+    int q;
+    if (start < pace->alone_until) {
+        dem__run_alone(tasks, task, context);
+        return;
+    }
+#pragma omp parallel for schedule(static, 1) num_threads(tasks)
+    for (q = 0; q < tasks; q++) {
+        const double began = omp_get_wtime();
+        task(context, q);
+        spent[q] = omp_get_wtime() - began;
+    }
+    dem__judge_threads(pace, start, omp_get_wtime(), spent, tasks);
+}
+#endif
+
+/* Runs task(context, index) for every index below `tasks`: on the host's threads, on OpenMP's, or one after the other.
+ */
+static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *context, int index), void *context) {
+    if (tasks == 1) task(context, 0); /* a parallel region would cost more than the work of a dilute step */
+    else if (w->def.parallel) w->def.parallel(w->def.parallel_user, tasks, task, context);
+    else {
+#ifdef _OPENMP
+        dem__run_openmp(&w->engine->pace, tasks, task, context);
+#else
+        dem__run_alone(tasks, task, context);
+#endif
+    }
+}
+
+/* Returns the number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for
+   waking a thread. */
+DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
+    const int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
+#ifndef _OPENMP
+    if (!w->def.parallel) return 1;
+#endif
+    return threads == 1 || n < 256 * (ptrdiff_t)threads ? 1 : threads;
+}
+
+/* Returns the same, but at most `most`. */
+DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
+    const int parts = dem__parts(w, n);
+    return parts < most ? parts : most;
+}
+
+/* Returns the first of n items that belongs to a part. */
+DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) {
+    return n / parts * part + (n % parts < part ? n % parts : part);
+}
+
+/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no
+   long lead. */
+DEM_INLINE ptrdiff_t dem__prefetch_from(ptrdiff_t n, ptrdiff_t ahead) { return n < ahead ? -n : -ahead; }
+
+/* Runs a loop over the items first .. end - 1 of part `part`. context: what the loop needs. */
+typedef void dem__range_fn(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context);
+typedef struct dem__split {
+    dem_world *w;
+    dem__range_fn *loop;
+    void *context;
+    ptrdiff_t n;
+    int parts;
+} dem__split;
+
+static inline void dem__run_part(void *context, int q) {
+    const dem__split *s = (const dem__split *)context;
+    s->loop(s->w, dem__part(s->n, q, s->parts), dem__part(s->n, q + 1, s->parts), q, s->context);
+}
+
+/* Runs a loop over n items in `parts` parts. */
+static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__range_fn *loop, void *context) {
+    dem__split split;
+    if (parts == 1) { /* saves the divisions of dem__part */
+        loop(w, 0, n, 0, context);
+        return;
+    }
+    split.w = w;
+    split.loop = loop;
+    split.context = context;
+    split.n = n;
+    split.parts = parts;
+    dem__parallel(w, parts, dem__run_part, &split);
+}
+
+/* ----------------------------------------------------------------------------------------- >>particles/particles.h */
+/* Adding particles. */
+
 DEM_INLINE double dem__sphere_mass(const dem_world *w, int material, double radius) {
     const double d = 2.0 * radius;
     return RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
@@ -4136,146 +4315,6 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     return DEM_OK;
 }
 
-DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !dem__is_time_step(dt)) return DEM_BAD_ARGUMENT;
-    dem__begin_change(w, dem__all_particles(w));
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i]) dem__restart(w, i);
-    }
-    w->engine->run.start_time = w->time;
-    w->engine->run.start_step = w->step;
-    w->def.dt = w->engine->run.dt = dt;
-    DEM__TELL(w, set_time_step, (w));
-    dem__end_change(w, dem__all_particles(w));
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return DEM_OK;
-}
-
-DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
-    dem_world *w = world;
-    if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn || !dem__moderate_vec(gravity)) return DEM_BAD_ARGUMENT;
-    const dem_vec change = dem__sub(gravity, w->def.gravity);
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (!w->alive[i] || dem__is_fixed(w, i)) continue;
-        dem__rigid *r = dem__rigid_of(w, i);
-        dem__restart(w, i);
-        w->particle[i].a = dem__add(w->particle[i].a, change);
-        if (r && r->first == i) r->a = dem__add(r->a, change);
-    }
-    if (w->engine->ledger.on) {
-        for (ptrdiff_t i = 0; i < w->count; i++) {
-            const dem__rigid *r = dem__rigid_of(w, i);
-            const dem_vec x = r ? r->x : w->particle[i].x;
-            const double raised = w->alive[i] && (!r || r->first == i) && !dem__is_fixed(w, i)
-                                      ? -w->particle[i].mass * dem__dot(change, x)
-                                      : 0.0;
-            dem__book_gravity(w, raised);
-        }
-    }
-    w->def.gravity = gravity;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i] && !w->touching[i]) dem__free_acceleration(w, i);
-    }
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return DEM_OK;
-}
-
-DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair) {
-    dem_world *w = world;
-    if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn || !pair || a < 0 || b < 0 || a >= w->def.materials || b >= w->def.materials ||
-        dem__bad_pair(pair))
-        return DEM_BAD_ARGUMENT;
-    dem_pair_def *own = dem_pair(&w->def, a, b);
-    *own = *pair, own->given = 1;
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return DEM_OK;
-}
-
-DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
-    const double *e = w->engine->bodies.external[i];
-    return e[0] != 0.0 || e[1] != 0.0 || e[2] != 0.0 || e[3] != 0.0 || e[4] != 0.0 || e[5] != 0.0;
-}
-
-/* Returns whether particle i, or any particle of its rigid body, has a load or is fixed. */
-DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
-    const dem__pieces own = dem__pieces_of(w, i);
-    int loaded = dem__is_fixed(w, i); /* does not fall */
-    for (ptrdiff_t k = own.first; k < own.end; k++) loaded |= dem__has_load(w, k);
-    return loaded;
-}
-
-/* Makes particle i take steps from now on. */
-DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
-    dem__bodies *bodies = &w->engine->bodies;
-    if (bodies->activity[i]) return;
-    bodies->activity[i] = 1;
-    bodies->active[bodies->active_count++] = (int32_t)i;
-}
-/* Makes particle i, or all particles of its rigid body, take steps from now on. */
-DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
-    const dem__pieces own = dem__pieces_of(w, i);
-    for (ptrdiff_t k = own.first; k < own.end; k++) dem__wake_one(w, k);
-}
-
-static inline int dem__is_present(const dem_world *w, ptrdiff_t i) {
-    return w && i >= 0 && i < w->count && w->alive[i];
-}
-
-DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    if (!dem__is_present(w, i) || !dem__moderate_vec(velocity) || !dem__moderate_vec(spin)) return DEM_BAD_ARGUMENT;
-    dem__rigid *r = dem__rigid_of(w, i);
-    if (r) i = r->first;
-    if (r && dem__is_fixed(w, i) && dem__dot(spin, spin) > 0.0) return DEM_BAD_ARGUMENT;
-    dem__begin_change(w, dem__pieces_of(w, i));
-    dem__restart(w, i);
-    dem__book_motion(w, -dem__motion_energy(w, i));
-    w->particle[i].v = dem__flushed_vec(velocity);
-    w->particle[i].spin = dem__flushed_vec(spin);
-    if (r) w->engine->bodies.calls->set_motion(w, r, dem__flushed_vec(velocity), dem__flushed_vec(spin));
-    dem__book_motion(w, dem__motion_energy(w, i));
-    dem__end_change(w, dem__pieces_of(w, i));
-    w->engine->run.needs_lists = 1;
-    return DEM_OK;
-}
-
-DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    if (!dem__is_present(w, i) || !dem__moderate_vec(dem__scale(1.0 / w->particle[i].mass, force)) ||
-        !dem__moderate_vec(dem__scale(1.0 / dem__inertia(w, i), torque)))
-        return DEM_BAD_ARGUMENT;
-    dem__begin_change(w, dem__pieces_of(w, i));
-    dem__restart(w, i);
-    double *load = w->engine->bodies.load[i], *external = w->engine->bodies.external[i];
-    dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
-    const double wanted[] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
-    dem__rigid *r = dem__rigid_of(w, i);
-    if (r && !dem__is_fixed(w, i)) {
-        const dem_vec more = dem__sub(force, dem__first(external));
-        r->a = dem__plus(r->a, 1.0 / r->mass, more);
-        r->torque = dem__add(dem__add(r->torque, dem__sub(torque, dem__second(external))),
-                             dem__cross(w->engine->bodies.arm[i], more));
-    }
-    const int fixed = dem__is_fixed(w, i);
-    for (int a = 0; a < 6; a++) {
-        const double change = wanted[a] - external[a];
-        if (!fixed) *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
-        load[a] = load[a] == external[a] ? wanted[a] : load[a] + change; /* links add to it */
-        external[a] = wanted[a];
-    }
-    if (r) w->engine->bodies.calls->place(w, r);
-    if (!w->touching[i]) dem__free_acceleration(w, i);
-    dem__end_change(w, dem__pieces_of(w, i));
-    dem__wake(w, i); /* a loaded particle is not in free flight */
-    w->engine->bodies.loads_on = w->engine->run.needs_lists = 1;
-    return DEM_OK;
-}
 
 /* ----------------------------------------------------------------------------------------------- >>search/timers.h */
 /* Timers of near pairs and of particles with walls, and batches of them.
@@ -4869,7 +4908,8 @@ typedef struct dem__wall_test {
 static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test *t) {
     const dem_wall *wall = t->wall;
     const double stray = 2.0 * w->engine->bodies.bound[t->i].tolerance,
-                 near = w->engine->pairs.touch_gap + w->engine->pairs.position_tolerance, radius = w->particle[t->i].radius;
+                 near = w->engine->pairs.touch_gap + w->engine->pairs.position_tolerance,
+                 radius = w->particle[t->i].radius;
     const dem_vec u = dem__sub(t->v, wall->velocity), g = dem__free_fall(w);
     double a = w->engine->pairs.gravity_size + wall->acceleration_bound, least = HUGE_VAL;
     if (t->found == 0 || wall->asked.drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 ||
@@ -7869,7 +7909,7 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
     }
 }
 
-/* --------------------------------------------------------------------------------------------- >>particles/fixed.h */
+/* ------------------------------------------------------------------------------------------------ >>motion/fixed.h */
 /* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h;
    every part that turns forces into motion calls dem__is_fixed(). */
 
@@ -8626,7 +8666,8 @@ static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
     if (!dem__find_contacts_that_begin(w)) return dem__undo_detection(w);
     const ptrdiff_t begun = w->engine->contacts.begun;
     dem__commit_begun(w, 1.0);
-    if (begun > 0 && w->engine->ledger.on) dem__list_active(w); /* books are sums in the order of memory, whenever lists were built */
+    if (begun > 0 && w->engine->ledger.on)
+        dem__list_active(w); /* books are sums in the order of memory, whenever lists were built */
     DEM__TELL(w, contacts_begun, (w, begun));
     dem__advance(w, h);
     dem__prepare_begun(w, kernel->law, begun, features);
@@ -9123,19 +9164,11 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
 }
 
-static const dem__body_calls dem__rigid_bodies = {dem__find_posture,
-                                                  dem__set_body_origin,
-                                                  dem__set_body_motion,
-                                                  dem__wrap_body,
-                                                  dem__place_pieces,
-                                                  dem__free_body,
-                                                  dem__test_due_with_bodies,
-                                                  dem__advance_with_bodies,
-                                                  dem__kick_bodies_range,
-                                                  dem__push_bodies,
-                                                  dem__shift_bodies,
-                                                  dem__swing,
-                                                  dem__note_strides};
+static const dem__body_calls dem__rigid_bodies = {
+    dem__find_posture,      dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
+    dem__place_pieces,      dem__free_body,       dem__test_due_with_bodies, dem__advance_with_bodies,
+    dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__swing,
+    dem__note_strides};
 
 /* Definition of a rigid body: see bodies/rigid.h. */
 typedef struct dem__body_def {
@@ -9248,12 +9281,6 @@ DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
     return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
 }
 
-/* Returns the position of a rigid body now, within the periodic box. */
-static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
-    const double tau = dem__now(w, r->first);
-    return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
-}
-
 DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
     dem_body body;
     memset(&body, 0, sizeof body);
@@ -9273,26 +9300,6 @@ DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
     body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
     body.axes = r ? dem__posture_at(world, r, tau).turn : body.orientation;
     return body;
-}
-
-DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    dem_quaternion q;
-    if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
-    dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) return DEM_BAD_ARGUMENT;
-    dem__begin_change(w, dem__pieces_of(w, i));
-    dem__restart(w, i);
-    dem__book_motion(w, -dem__rotational(w, r->first));
-    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    r->turn = dem__turns(q, r->frame);
-    w->engine->bodies.calls->set_motion(w, r, r->v, spin);
-    dem__book_motion(w, dem__rotational(w, r->first));
-    if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
-    dem__end_change(w, dem__pieces_of(w, i));
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return DEM_OK;
 }
 
 DEM_API dem_vec dem_momentum(const dem_world *world) {
@@ -10231,44 +10238,44 @@ static inline void dem__open_books_of_links(const dem_world *w, ptrdiff_t i, dem
 }
 
 static const dem__feature dem__feature_links = {
-    2, /* place */
-    1, /* adds_loads */
-    1, /* exclusive */
-    dem__list_arrays_of_links, /* list_arrays */
-    dem__release_links, /* release */
-    dem__add_unlinked, /* add_particle */
-    dem__stop_link_work, /* begin_change */
-    dem__resume_link_work, /* end_change */
-    dem__set_link_steps, /* set_time_step */
-    dem__cut_links_of, /* remove_particle */
-    dem__renumber_links, /* renumber */
-    dem__check_links, /* check_run */
-    NULL, /* prepare_run */
-    dem__begin_books_of_links, /* begin_ledger */
-    NULL, /* end_run */
-    NULL, /* keep_up */
-    dem__relist_links, /* listed */
-    dem__drift_by_links, /* drift */
-    dem__is_linked_with, /* begins_early */
-    NULL, /* begin_step */
-    NULL, /* contacts_begun */
-    NULL, /* add_forces */
-    NULL, /* leave */
-    NULL, /* begin_flights */
-    dem__end_step_with_links, /* end_step */
-    dem_link_count, /* forces */
-    dem_get_link, /* force */
-    NULL, /* velocity_error */
-    NULL, /* correct_velocity */
-    dem__open_books_of_links, /* open_books */
-    dem__world_fields_of_links, /* world_fields */
+    2,                             /* place */
+    1,                             /* adds_loads */
+    1,                             /* exclusive */
+    dem__list_arrays_of_links,     /* list_arrays */
+    dem__release_links,            /* release */
+    dem__add_unlinked,             /* add_particle */
+    dem__stop_link_work,           /* begin_change */
+    dem__resume_link_work,         /* end_change */
+    dem__set_link_steps,           /* set_time_step */
+    dem__cut_links_of,             /* remove_particle */
+    dem__renumber_links,           /* renumber */
+    dem__check_links,              /* check_run */
+    NULL,                          /* prepare_run */
+    dem__begin_books_of_links,     /* begin_ledger */
+    NULL,                          /* end_run */
+    NULL,                          /* keep_up */
+    dem__relist_links,             /* listed */
+    dem__drift_by_links,           /* drift */
+    dem__is_linked_with,           /* begins_early */
+    NULL,                          /* begin_step */
+    NULL,                          /* contacts_begun */
+    NULL,                          /* add_forces */
+    NULL,                          /* leave */
+    NULL,                          /* begin_flights */
+    dem__end_step_with_links,      /* end_step */
+    dem_link_count,                /* forces */
+    dem_get_link,                  /* force */
+    NULL,                          /* velocity_error */
+    NULL,                          /* correct_velocity */
+    dem__open_books_of_links,      /* open_books */
+    dem__world_fields_of_links,    /* world_fields */
     dem__particle_fields_of_links, /* particle_fields */
-    dem__save_links, /* save */
-    dem__has_links, /* is_used */
-    dem__load_links, /* load */
-    dem__derive_links, /* loaded */
-    dem__hash_linked, /* hash_particle */
-    dem__hash_links, /* hash */
+    dem__save_links,               /* save */
+    dem__has_links,                /* is_used */
+    dem__load_links,               /* load */
+    dem__derive_links,             /* loaded */
+    dem__hash_linked,              /* hash_particle */
+    dem__hash_links,               /* hash */
 };
 
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
@@ -10920,44 +10927,44 @@ static inline int dem__has_field(const dem_world *w) {
 }
 
 static const dem__feature dem__feature_field = {
-    3, /* place */
-    0, /* adds_loads */
-    1, /* exclusive */
-    dem__list_arrays_of_field, /* list_arrays */
-    dem__release_field, /* release */
-    dem__add_unflown, /* add_particle */
-    NULL, /* begin_change */
-    NULL, /* end_change */
-    NULL, /* set_time_step */
-    NULL, /* remove_particle */
-    NULL, /* renumber */
-    dem__check_field, /* check_run */
-    dem__prepare_flights, /* prepare_run */
-    dem__begin_books, /* begin_ledger */
-    dem__end_run_in_field, /* end_run */
-    NULL, /* keep_up */
-    NULL, /* listed */
-    NULL, /* drift */
-    NULL, /* begins_early */
-    dem__continue_flights, /* begin_step */
-    dem__end_flights, /* contacts_begun */
-    dem__add_field_forces, /* add_forces */
-    dem__leave_field, /* leave */
-    dem__begin_flights, /* begin_flights */
-    NULL, /* end_step */
-    NULL, /* forces */
-    NULL, /* force */
-    dem__velocity_error_in_field, /* velocity_error */
+    3,                              /* place */
+    0,                              /* adds_loads */
+    1,                              /* exclusive */
+    dem__list_arrays_of_field,      /* list_arrays */
+    dem__release_field,             /* release */
+    dem__add_unflown,               /* add_particle */
+    NULL,                           /* begin_change */
+    NULL,                           /* end_change */
+    NULL,                           /* set_time_step */
+    NULL,                           /* remove_particle */
+    NULL,                           /* renumber */
+    dem__check_field,               /* check_run */
+    dem__prepare_flights,           /* prepare_run */
+    dem__begin_books,               /* begin_ledger */
+    dem__end_run_in_field,          /* end_run */
+    NULL,                           /* keep_up */
+    NULL,                           /* listed */
+    NULL,                           /* drift */
+    NULL,                           /* begins_early */
+    dem__continue_flights,          /* begin_step */
+    dem__end_flights,               /* contacts_begun */
+    dem__add_field_forces,          /* add_forces */
+    dem__leave_field,               /* leave */
+    dem__begin_flights,             /* begin_flights */
+    NULL,                           /* end_step */
+    NULL,                           /* forces */
+    NULL,                           /* force */
+    dem__velocity_error_in_field,   /* velocity_error */
     dem__correct_velocity_in_field, /* correct_velocity */
-    NULL, /* open_books */
-    dem__world_fields_of_field, /* world_fields */
-    dem__particle_fields_of_field, /* particle_fields */
-    NULL, /* save */
-    dem__has_field, /* is_used */
-    NULL, /* load */
-    NULL, /* loaded */
-    NULL, /* hash_particle */
-    NULL, /* hash */
+    NULL,                           /* open_books */
+    dem__world_fields_of_field,     /* world_fields */
+    dem__particle_fields_of_field,  /* particle_fields */
+    NULL,                           /* save */
+    dem__has_field,                 /* is_used */
+    NULL,                           /* load */
+    NULL,                           /* loaded */
+    NULL,                           /* hash_particle */
+    NULL,                           /* hash */
 };
 
 DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user) {
@@ -13391,7 +13398,8 @@ static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
 /* Return how many forces act between particles, and one of them: contacts come first, then those of features. */
 static inline ptrdiff_t dem__forces(const dem_world *w) {
     ptrdiff_t n = w->engine->contacts.count;
-    for (int k = 0; k < w->engine->features; k++) n += w->engine->feature[k]->forces ? w->engine->feature[k]->forces(w) : 0;
+    for (int k = 0; k < w->engine->features; k++)
+        n += w->engine->feature[k]->forces ? w->engine->feature[k]->forces(w) : 0;
     return n;
 }
 static inline dem_contact_info dem__get_force(const dem_world *w, ptrdiff_t k) {
@@ -16755,10 +16763,10 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
     }
-    if (!dem__is_flag(e->ledger.on) || !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
+    if (!dem__is_flag(e->ledger.on) || !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) ||
+        !dem__is_flag(e->ledger.counts))
         return 0;
-    if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX)
-        return 0;
+    if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX) return 0;
     for (int k = e->features - 1; k >= 0; k--) {
         const dem__feature *f = e->feature[k];
         const int used = f->is_used(w);

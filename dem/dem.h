@@ -76,6 +76,7 @@ extern "C" {
 
 /* Bodies: the parts that no other one includes. */
 #ifdef DEM__BODIES
+#include "motion/change.h"
 #include "step/step.h"
 #include "links/links.h"
 #include "gas/flights.h"

@@ -10,11 +10,6 @@ static inline void *dem__default_allocator(void *user, void *old, size_t old_siz
     return NULL;
 }
 
-/* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
-DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) {
-    return w->engine->bodies.has_fixed && w->engine->bodies.fixed[i].on != 0;
-}
-
 /* Returns the shape of particle i, or NULL if it is a sphere. */
 DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
     const dem__convex_state *convex = &w->engine->convex;

@@ -197,6 +197,18 @@ static inline void dem__release(const dem_allocator *a, void *block, size_t byte
     if (block) a->fn(a->user, block, bytes, 0);
 }
 
+DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!w || !w->def.allocator.fn || !pair || a < 0 || b < 0 || a >= w->def.materials || b >= w->def.materials ||
+        dem__bad_pair(pair))
+        return DEM_BAD_ARGUMENT;
+    dem_pair_def *own = dem_pair(&w->def, a, b);
+    *own = *pair, own->given = 1;
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
 DEM_API void dem_free(dem_world *world) {
     if (!world || !world->def.allocator.fn || dem__is_running(world)) return;
     const dem_allocator a = world->def.allocator;

@@ -1,6 +1,7 @@
 /* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and
    timers. Promises: the order depends only on the history of the scene, never on threads. */
 #pragma once
+#include "../energy/losses.h"
 #include "laws.h"
 #include "kernel.h"
 #include "../particles/detach.h"

@@ -1,5 +1,6 @@
 /* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. */
 #pragma once
+#include "../energy/losses.h"
 #include "../contacts/block.h"
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
@@ -32,12 +33,6 @@ DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
     return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
 }
 
-/* Returns the position of a rigid body now, within the periodic box. */
-static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
-    const double tau = dem__now(w, r->first);
-    return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
-}
-
 DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
     dem_body body;
     memset(&body, 0, sizeof body);
@@ -57,26 +52,6 @@ DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
     body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
     body.axes = r ? dem__posture_at(world, r, tau).turn : body.orientation;
     return body;
-}
-
-DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    dem_quaternion q;
-    if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
-    dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) return DEM_BAD_ARGUMENT;
-    dem__begin_change(w, dem__pieces_of(w, i));
-    dem__restart(w, i);
-    dem__book_motion(w, -dem__rotational(w, r->first));
-    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    r->turn = dem__turns(q, r->frame);
-    w->engine->bodies.calls->set_motion(w, r, r->v, spin);
-    dem__book_motion(w, dem__rotational(w, r->first));
-    if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
-    dem__end_change(w, dem__pieces_of(w, i));
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return DEM_OK;
 }
 
 DEM_API dem_vec dem_momentum(const dem_world *world) {

@@ -1,6 +1,6 @@
 /* Shapes in a saved world: their fields, and whether loaded ones are sound. */
 #pragma once
-#include "../particles/free_flight.h"
+#include "../motion/motion.h"
 #include "../save/records.h"
 
 static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {

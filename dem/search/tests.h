@@ -1,6 +1,7 @@
 /* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the
    last chunk. Relies on search/timers.h and walls/kinds.h. */
 #pragma once
+#include "../walls/kinds.h"
 #include "../base/parallel.h"
 #include "timers.h"
 #include "../walls/exits.h"

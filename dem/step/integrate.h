@@ -1,7 +1,7 @@
 /* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies
    and timers. Promises: a particle whose velocity left its bound has a new one before the next step. */
 #pragma once
-#include "../particles/fixed.h"
+#include "../motion/fixed.h"
 #include "../contacts/contacts.h"
 
 /* Returns where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far

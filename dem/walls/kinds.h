@@ -8,6 +8,11 @@ DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) {
     return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u);
 }
 
+/* Returns whether a wall is enabled and acts on particle i. */
+DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
+    return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
+}
+
 DEM_INLINE void dem__touch_plane(const dem_wall *w, dem_vec centre, double radius, dem__touch *out) {
     out->element = 0;
     out->gap = dem__dot(dem__sub(centre, w->position), w->axis[2]) - radius;

@@ -1,5 +1,6 @@
 /* Motion of walls that the caller prescribes, and walls driven by forces. */
 #pragma once
+#include "kinds.h"
 #include "../energy/ledger.h"
 #include "add.h"
 

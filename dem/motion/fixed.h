@@ -1,7 +1,7 @@
 /* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h;
    every part that turns forces into motion calls dem__is_fixed(). */
 #pragma once
-#include "particles.h"
+#include "state.h"
 
 /* Makes room for the state of fixed particles. Returns 0 when out of memory; then nothing has changed. */
 static inline int dem__reserve_fixed(dem_world *w) {

@@ -7,7 +7,17 @@
    flight use dem__at and its like, never the parabola. */
 #pragma once
 #include "../base/arrays.h"
-#include "../base/rotation.h"
+#include "rotation.h"
+
+/* Returns the first of two vectors: the force of a wrench. */
+DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
+/* Returns the second one: the torque of a wrench. */
+DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
+
+/* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
+DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) {
+    return w->engine->bodies.has_fixed && w->engine->bodies.fixed[i].on != 0;
+}
 
 /* Returns the acceleration of a particle in flight without loads [m/s2]. Bounds and the list rely on its being the same
    for all. */
