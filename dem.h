@@ -2460,7 +2460,8 @@ typedef struct dem__feature {
 
     /* Memory. */
     int (*list_arrays)(dem_world *w, dem__array *list); /* lists its arrays of particles; returns their number */
-    void (*release)(dem_world *w);                      /* frees its own memory */
+    int (*list_contact_arrays)(dem_world *w, dem__array *list); /* the same of contacts */
+    void (*release)(dem_world *w);                              /* frees its own memory */
 
     /* Particles come, are changed by the caller, and go. */
     void (*add_particle)(dem_world *w, ptrdiff_t i);       /* sets its numbers of a new particle */
@@ -2473,8 +2474,12 @@ typedef struct dem__feature {
     /* A run. */
     dem_status (*check_run)(const dem_world *w, const dem_kernel *kernel); /* what prevents it, or DEM_OK */
     int (*prepare_run)(dem_world *w);                                      /* lists are new; 0 after a failure */
-    void (*begin_ledger)(dem_world *w);                                    /* the energy ledger begins */
-    int (*end_run)(dem_world *w, int going);                               /* going: no failure so far; 0 after one */
+    void (*set_law)(dem_world *w, const dem_kernel *kernel);               /* law and features of the run are set */
+    void (*find_forces)(dem_world *w); /* before forces are found while no time passes, and after it */
+    void (*forces_found)(dem_world *w);
+    void (*begin_run)(dem_world *w);         /* before its first step */
+    void (*begin_ledger)(dem_world *w);      /* the energy ledger begins */
+    int (*end_run)(dem_world *w, int going); /* going: no failure so far; 0 after one */
 
     /* The list of near pairs. */
     void (*keep_up)(dem_world *w);      /* before the list is checked or built */
@@ -2487,8 +2492,10 @@ typedef struct dem__feature {
 
     /* A step, in this order. */
     int (*begin_step)(dem_world *w);                       /* 0 after a failure */
+    void (*detect)(dem_world *w, int64_t step);            /* finds its own contacts at a step */
     void (*contacts_begun)(dem_world *w, ptrdiff_t begun); /* that many contacts begin, listed in contacts.slots */
     void (*add_forces)(dem_world *w, double h);            /* after those of contacts; h: length of the step [s] */
+    void (*end_contact)(dem_world *w, ptrdiff_t c);        /* the contact in slot c ends */
     void (*leave)(dem_world *w);                           /* before particles that passed an exit are removed */
     int (*begin_flights)(dem_world *w);                    /* after bounds have been checked; 0 after a failure */
     int (*end_step)(dem_world *w);                         /* 0 after a failure */
@@ -2504,11 +2511,15 @@ typedef struct dem__feature {
     /* Saving. */
     void (*world_fields)(dem_world *w, struct dem__group *g);    /* adds its single numbers */
     void (*particle_fields)(dem_world *w, struct dem__group *g); /* adds its numbers of particles */
+    void (*contact_fields)(dem_world *w, struct dem__group *g);
     void (*save)(struct dem__stream *s, dem_world *w, struct dem__group *g);
-    int (*is_used)(const dem_world *w); /* whether a loaded world has it; -1: its single numbers are not valid */
+    int (*is_used)(const struct dem__file *file, const dem_world *w); /* whether a loaded world has it, after its single
+                                                                         numbers; -1: these are not valid */
+    dem_status (*load_first)(const struct dem__file *file, dem_world *w, struct dem__group *g); /* before particles */
     dem_status (*load)(const struct dem__file *file, dem_world *w, struct dem__group *g);
     void (*loaded)(dem_world *w); /* derives what is not saved, after all has been loaded */
     void (*hash_particle)(uint64_t *hash, const dem_world *w, ptrdiff_t i);
+    void (*hash_before_contacts)(uint64_t *hash, const dem_world *w);
     void (*hash)(uint64_t *hash, const dem_world *w);
 } dem__feature;
 
@@ -2557,8 +2568,6 @@ struct dem__wall_row;
 struct dem__columns;
 struct dem__chunk;
 typedef struct dem__convex_calls {
-    int (*list_pairs)(dem_world *w);            /* lists pairs for a new list of near pairs; 0: out of memory */
-    void (*follow)(dem_world *w, int64_t step); /* finds points of contact at a step; moves and begins contacts */
     void (*prepare)(const dem_world *w, ptrdiff_t c, dem_birth *b); /* sets sizes and mass of the contact in slot c */
     void (*fill_rows)(const dem_world *w, struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n,
                       double half, struct dem__wall_row *wall); /* fills rows of a block before the law */
@@ -2711,7 +2720,6 @@ typedef struct dem__body_calls {
     void (*shift)(dem_world *w, int32_t c);                  /* applies its shift, after all impulses */
     double (*swing)(const dem__rigid *r, double arm);        /* greatest speed in flight of what is an arm [m]
                                                                      from the centre, about it [m/s] */
-    void (*note_strides)(dem_world *w);                      /* stores how far flights are integrated */
 } dem__body_calls;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */
@@ -2899,9 +2907,10 @@ typedef struct dem__field {
 
 /* The energy ledger. step/step.h begins, pauses and resumes it; energy/ledger.h books. */
 typedef struct dem__ledger {
-    int on, started;     /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
-    int counts;          /* whether the last run had DEM_ENERGY */
-    double paused_error; /* error of the balance when a run without DEM_ENERGY began [J] */
+    int on, started;      /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
+    int counts;           /* whether the last run had DEM_ENERGY */
+    double stored_before; /* in contacts, before forces are found anew [J] */
+    double paused_error;  /* error of the balance when a run without DEM_ENERGY began [J] */
     dem_energy_ledger sums;
 } dem__ledger;
 
@@ -3027,16 +3036,6 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);
     }
-    if (bodies->rigid_capacity > 0) {
-        list[n].address = &bodies->rigid_of, list[n++].size = sizeof(int32_t);
-        list[n].address = &bodies->offset, list[n++].size = sizeof(dem_vec);
-        list[n].address = &bodies->arm, list[n++].size = sizeof(dem_vec);
-    }
-    if (bodies->has_fixed) list[n].address = &bodies->fixed, list[n++].size = sizeof(dem__fixed);
-    if (w->engine->convex.shapes > 0) {
-        list[n].address = &w->engine->convex.shape_of, list[n++].size = sizeof(int32_t);
-        list[n].address = &w->engine->convex.place, list[n++].size = sizeof(dem__placed);
-    }
     list[n].address = &w->particle, list[n++].size = sizeof(dem_particle);
     list[n].address = &w->spin_rate, list[n++].size = sizeof(dem_vec);
     list[n].address = &w->engine->pairs.listed_at, list[n++].size = sizeof(dem_vec);
@@ -3069,10 +3068,9 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) {
         list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
     }
-    if (w->engine->ledger.on) {
-        list[n].address = &contacts->elastic, list[n++].size = sizeof(double);
-        for (int k = 0; k < 3; k++, n++) list[n].address = &contacts->power[k], list[n].size = sizeof(double);
-        for (int k = 0; k < 4; k++, n++) list[n].address = &contacts->loss[k], list[n].size = sizeof(double);
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->list_contact_arrays) n += f->list_contact_arrays(w, list + n);
     }
     list[n].address = &contacts->ended, list[n++].size = 1;
     /* ... with constants of their own, ... */
@@ -3408,10 +3406,6 @@ DEM_API void dem_free(dem_world *world) {
     dem__engine *e = world->engine;
     DEM__TELL(world, release, (world));
     dem__release(&a, e->bodies.block, e->bodies.bytes);
-    dem__release(&a, e->bodies.rigid, (size_t)e->bodies.rigid_capacity * sizeof *e->bodies.rigid);
-    dem__release(&a, e->convex.shape, (size_t)e->convex.shapes * sizeof *e->convex.shape);
-    dem__release(&a, e->convex.pair, (size_t)e->convex.pair_capacity * sizeof *e->convex.pair);
-    dem__release(&a, e->convex.point, (size_t)e->convex.point_capacity * sizeof *e->convex.point);
     dem__release(&a, e->contacts.block, e->contacts.bytes);
     dem__release(&a, e->pairs.timers.block, e->pairs.timers.bytes);
     dem__release(&a, e->walls.timers.block, e->walls.timers.bytes);
@@ -4056,74 +4050,6 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     return DEM_OK;
 }
 
-/* ----------------------------------------------------------------------------------------------- >>energy/losses.h */
-/* What the ledger books of contacts: energy that they store and dissipate, work of walls, loads and fixed particles. */
-
-/* Returns whether the caller ended the contact of i and j: by changing the wall, or by fixing particles. */
-static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
-    if (j < 0) return !dem__is_at_wall(w, i, -1 - (int)j) || dem__is_fixed(w, i);
-    return dem__is_fixed(w, i) && dem__is_fixed(w, j);
-}
-
-/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it;
-   otherwise as sliding loss, because its tangential spring is released. */
-static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
-    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    dem_energy_ledger *sums = &w->engine->ledger.sums;
-    if (!w->engine->ledger.counts) return;
-    if (w->alive[i] <= 0 || (j >= 0 && w->alive[j] <= 0) || dem__is_taken_away(w, i, j))
-        sums->removed += w->engine->contacts.elastic[c];
-    else sums->sliding_loss += w->engine->contacts.elastic[c];
-}
-
-/* Returns the energy stored in all contacts [J]; 0 while no ledger is kept. */
-static inline double dem__stored_energy(const dem_world *w) {
-    double sum = 0.0;
-    if (!w->engine->ledger.counts) return sum;
-    DEM__EACH_CONTACT(w, c) { sum += w->engine->contacts.elastic[c]; }
-    return sum;
-}
-
-/* Books the change of stored energy by the caller between runs: new contacts, changed constants. before: that energy at
-   the end of the last run [J]. */
-static inline void dem__book_callers_contacts(dem_world *w, double before) {
-    if (w->engine->ledger.started) w->engine->ledger.sums.added += dem__stored_energy(w) - before;
-}
-
-/* Books the work of fixed particle i by its motion in a step, by the trapezoidal rule. */
-static inline void dem__book_fixed(dem_world *w, ptrdiff_t i) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;
-    for (int a = 0; a < 3; a++) {
-        const double of_links = bodies->load[i][a] - bodies->external[i][a],
-                     turning = bodies->load[i][3 + a] - bodies->external[i][3 + a];
-        dem__book_work_of_fixed(w, -half * (before[a] + now[a] + of_links) * dem_axis(w->particle[i].v, a));
-        dem__book_work_of_fixed(w, -half * (before[3 + a] + now[3 + a] + turning) * dem_axis(w->particle[i].spin, a));
-    }
-}
-
-/* Books what contacts dissipated in a step, and the work of walls and loads. */
-static inline void dem__book_losses(dem_world *w) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const dem__contacts *contacts = &w->engine->contacts;
-    dem_energy_ledger *l = &w->engine->ledger.sums;
-    DEM__EACH_CONTACT(w, k) {
-        l->normal_loss += contacts->loss[0][k];
-        l->sliding_loss += contacts->loss[1][k];
-        l->rolling_loss += contacts->loss[2][k];
-        l->wall_work += contacts->loss[3][k];
-    }
-    for (ptrdiff_t k = 0; bodies->loads_on && k < bodies->active_count; k++) {
-        const ptrdiff_t i = bodies->active[k];
-        if (dem__is_fixed(w, i)) {
-            dem__book_fixed(w, i);
-            continue;
-        }
-        l->external_work += w->engine->run.dt * dem__dot(dem__first(bodies->external[i]), w->particle[i].v);
-        l->external_work += w->engine->run.dt * dem__dot(dem__second(bodies->external[i]), w->particle[i].spin);
-    }
-}
-
 /* ----------------------------------------------------------------------------------------------- >>base/parallel.h */
 /* The loops of a step on several threads. Promises: no result depends on the number of threads. */
 
@@ -4271,7 +4197,7 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     for (int a = 0; a < 6; a++) bodies->load[i][a] = bodies->external[i][a] = 0.0;
     p->radius = radius;
     p->mass = mass;
-    if (bodies->has_fixed) memset(&bodies->fixed[i], 0, sizeof *bodies->fixed);
+    DEM__TELL(w, add_particle, (w, i));
     dem__set_inverse_mass(w, i);
     w->particle[i].origin = w->step;
     w->id[i] = bodies->next_id++;
@@ -4283,10 +4209,6 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     w->engine->walls.first_contact[i] = -1;
     memset(&bodies->bound[i], 0, sizeof bodies->bound[i]);
     bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
-    if (bodies->rigid) bodies->rigid_of[i] = 0;
-    if (w->engine->convex.shapes > 0)
-        w->engine->convex.shape_of[i] = 0; /* a polyhedron that has gone may have had this entry */
-    DEM__TELL(w, add_particle, (w, i));
     return i;
 }
 
@@ -4314,7 +4236,6 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     if (n > 0) w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
-
 
 /* ----------------------------------------------------------------------------------------------- >>search/timers.h */
 /* Timers of near pairs and of particles with walls, and batches of them.
@@ -5070,22 +4991,6 @@ static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
     return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);
 }
 
-/* Renumbers rigid bodies and their first particles after dropped particles have been removed. Bodies are in the order
-   of their particles. */
-static inline void dem__compact_bodies(dem_world *w) {
-    dem__bodies *bodies = &w->engine->bodies;
-    ptrdiff_t n = 0;
-    for (ptrdiff_t i = 0; i < w->count && bodies->rigid; i++) {
-        if (bodies->rigid_of[i] == 0) continue;
-        dem__rigid *r = &bodies->rigid[n++];
-        *r = bodies->rigid[bodies->rigid_of[i] - 1];
-        r->first = (int32_t)i;
-        for (ptrdiff_t end = i + r->pieces; i < end; i++) bodies->rigid_of[i] = (int32_t)n;
-        i--;
-    }
-    if (bodies->rigid) bodies->rigid_count = n;
-}
-
 /* Removes dropped particles from the arrays; the others keep their order. */
 static inline void dem__compact(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -5115,7 +5020,6 @@ static inline void dem__compact(dem_world *w) {
     DEM__TELL(w, renumber, (w, remap));
     w->count = to;
     w->engine->bodies.dropped = 0;
-    dem__compact_bodies(w);
 }
 
 /* ------------------------------------------------------------------------------------------------ >>search/cells.h */
@@ -6334,7 +6238,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__pairs *pairs = &w->engine->pairs;
     const int keeps = !run->needs_lists;
-    if (bodies->rigid) bodies->calls->note_strides(w);
+    DEM__TELL(w, keep_up, (w));
     if (w->status != DEM_OK) return 0;
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     if (!keeps) dem__release_unloaded(w);
@@ -6349,8 +6253,6 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
-    if (w->engine->convex.calls && !w->engine->convex.calls->list_pairs(w))
-        return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     for (int k = 0; k < w->engine->features; k++) {
         const dem__feature *f = w->engine->feature[k];
         const dem_status status = f->listed ? f->listed(w) : DEM_OK;
@@ -6376,7 +6278,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
     const int64_t least = 1 + (w->step - w->engine->pairs.listed_step) / 40;
-    if (w->engine->bodies.rigid) w->engine->bodies.calls->note_strides(w);
+    DEM__TELL(w, keep_up, (w));
     int64_t due = w->engine->pairs.listed_step + DEM__STEPS_MAX;
     if (w->step >= due) return dem__rebuild(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -7373,6 +7275,12 @@ static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
 /* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and
    timers. Promises: the order depends only on the history of the scene, never on threads. */
 
+/* Returns whether the caller ended the contact of i and j: by changing the wall, or by fixing particles. */
+static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
+    if (j < 0) return !dem__is_at_wall(w, i, -1 - (int)j) || dem__is_fixed(w, i);
+    return dem__is_fixed(w, i) && dem__is_fixed(w, j);
+}
+
 /* Returns whether contact a comes before b: by i, the last first, then by j (walls last), then by element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -7618,10 +7526,6 @@ static inline void dem__commit_begun(dem_world *w, double gap) {
         contacts->gap[c] = gap;
         contacts->force[c] = 0.0;
         contacts->edge[c] = contacts->ended[c] = 0;
-        if (w->engine->ledger.on) {
-            contacts->elastic[c] = 0.0;
-            for (int a = 0; a < 3; a++) contacts->power[a][c] = 0.0;
-        }
     }
     contacts->begun = 0;
 }
@@ -7664,7 +7568,7 @@ static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32
     dem__report_end(w, w->engine->run.law, dem__number_of(w, c));
     dem__count_contact(w, i, -1);
     dem__mark_to_check(w, i);
-    dem__book_contact_end(w, c);
+    DEM__TELL(w, end_contact, (w, c));
     if (j >= 0) {
         dem__count_contact(w, j, -1);
         dem__mark_to_check(w, j);
@@ -7909,22 +7813,568 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
     }
 }
 
+/* ------------------------------------------------------------------------------------------------ >>save/records.h */
+/* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows
+   bytes and memory, no physics. Relies on nothing; save/fields.h names what is saved, save/save.h and save/load.h use
+   both. */
+
+/* A field that becomes a record: its entries, of some numbers each, are `stride` bytes apart in memory. */
+enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
+typedef struct dem__saved_field {
+    char name[DEM__NAME_BYTES]; /* at most 23 characters */
+    void *data;                 /* of the first entry */
+    size_t stride;
+    int numbers, width; /* numbers of an entry; bytes of a number: 1, 4 or 8 */
+} dem__saved_field;
+#define DEM__DOUBLES(name, first, stride)                                                                              \
+    { name, &(first), stride, (int)(sizeof(first) / (sizeof(double))), sizeof(double) }
+#define DEM__INTEGER(name, first, stride)                                                                              \
+    { name, &(first), stride, 1, (int)sizeof(first) }
+
+/* Bytes that are written, only counted, or read. */
+typedef struct dem__stream {
+    unsigned char *to;         /* NULL: count only */
+    const unsigned char *from; /* NULL: write */
+    size_t at;
+} dem__stream;
+
+/* Returns the FNV-1a hash of n bytes. */
+static inline uint64_t dem__checksum(const unsigned char *bytes, size_t n) {
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (size_t k = 0; k < n; k++) hash = (hash ^ bytes[k]) * 0x100000001b3u;
+    return hash;
+}
+
+/* Writes or reads a number of 1, 4 or 8 bytes in memory. */
+static inline void dem__stream_number(dem__stream *s, void *number, int width) {
+    uint64_t bits = 0;
+    uint32_t half;
+    unsigned char byte;
+    if (s->from) {
+        for (int k = 0; k < width; k++) bits |= (uint64_t)s->from[s->at + (size_t)k] << (8 * k);
+        half = (uint32_t)bits, byte = (unsigned char)bits;
+        memcpy(number, width == 8 ? (void *)&bits : width == 4 ? (void *)&half : (void *)&byte, (size_t)width);
+    } else if (s->to) {
+        memcpy(width == 8 ? (void *)&bits : width == 4 ? (void *)&half : (void *)&byte, number, (size_t)width);
+        bits = width == 8 ? bits : width == 4 ? half : byte;
+        for (int k = 0; k < width; k++) s->to[s->at + (size_t)k] = (unsigned char)(bits >> (8 * k) & 255u);
+    }
+    s->at += (size_t)width;
+}
+static inline void dem__stream_u64(dem__stream *s, uint64_t *v) { dem__stream_number(s, v, 8); }
+
+/* Writes or reads entry k of a field. */
+static inline void dem__stream_entry(dem__stream *s, const dem__saved_field *f, ptrdiff_t k) {
+    unsigned char *number = (unsigned char *)f->data + (size_t)k * f->stride;
+    for (int q = 0; q < f->numbers; q++) dem__stream_number(s, number + q * f->width, f->width);
+}
+
+/* Begins a record of n entries. */
+static inline void dem__begin_record(dem__stream *s, const dem__saved_field *f, uint64_t n) {
+    uint64_t bytes = (uint64_t)f->numbers * (uint64_t)f->width;
+    if (s->to) memcpy(s->to + s->at, f->name, DEM__NAME_BYTES);
+    s->at += DEM__NAME_BYTES;
+    dem__stream_u64(s, &bytes), dem__stream_u64(s, &n);
+}
+
+/* A record that was found: where its entries begin, the bytes of an entry, the number of entries. */
+typedef struct dem__record {
+    size_t at;
+    uint64_t bytes, count;
+} dem__record;
+
+/* Reads the head of the record at `at` of a file whose records end at `end`. Returns 0 if the record does not fit
+   there. */
+static inline int dem__read_head(const unsigned char *file, size_t end, size_t at, dem__record *r) {
+    dem__stream s;
+    if (end - at < DEM__HEAD_BYTES) return 0;
+    s.to = NULL, s.from = file, s.at = at + DEM__NAME_BYTES;
+    dem__stream_u64(&s, &r->bytes), dem__stream_u64(&s, &r->count);
+    r->at = s.at;
+    return r->bytes > 0 && r->count <= (end - r->at) / r->bytes;
+}
+
+/* Returns whether the bytes from `at` to `end` are whole records. */
+static inline int dem__are_records(const unsigned char *file, size_t at, size_t end) {
+    dem__record r;
+    while (at < end) {
+        if (!dem__read_head(file, end, at, &r)) return 0;
+        at = r.at + (size_t)(r.bytes * r.count);
+    }
+    return at == end;
+}
+
+/* Finds the first record with a name among whole ones. Returns 0 if there is none. */
+static inline int dem__find_record(const unsigned char *file, size_t at, size_t end, const char *name, dem__record *r) {
+    memset(r, 0, sizeof *r);
+    for (; at < end; at = r->at + (size_t)(r->bytes * r->count)) {
+        dem__read_head(file, end, at, r);
+        if (memcmp(file + at, name, DEM__NAME_BYTES) == 0) return 1;
+    }
+    return 0;
+}
+
+/* ------------------------------------------------------------------------------------------------- >>save/groups.h */
+/* Groups of fields that have the same number of entries: writing and reading them, and hashes of numbers. */
+
+enum { DEM__FIELDS_MAX = 64 };
+
+/* Fields with the same number of entries. */
+typedef struct dem__group {
+    int fields, needed; /* the first `needed` of them are required */
+    dem__saved_field field[DEM__FIELDS_MAX];
+} dem__group;
+
+static inline void dem__set_fields(dem__group *g, const dem__saved_field *field, size_t bytes, int needed) {
+    memcpy(g->field, field, bytes);
+    g->fields = (int)(bytes / sizeof *field), g->needed = needed;
+}
+/* Adds fields that are not required. */
+static inline void dem__add_optional(dem__group *g, const dem__saved_field *field, size_t bytes) {
+    memcpy(&g->field[g->fields], field, bytes);
+    g->fields += (int)(bytes / sizeof *field);
+}
+
+/* Adds arrays of doubles, numbered: contact.wrench0, contact.wrench1 .. */
+static inline void dem__add_fields(dem__group *g, const char *name, double *const *array, int n) {
+    for (int k = 0; k < n; k++) {
+        dem__saved_field *f = &g->field[g->fields++];
+        const size_t length = strlen(name);
+        memset(f, 0, sizeof *f);
+        memcpy(f->name, name, length);
+        if (k > 9) f->name[length] = (char)('0' + k / 10);
+        f->name[length + (k > 9)] = (char)('0' + k % 10);
+        f->data = array[k], f->stride = sizeof(double), f->numbers = 1, f->width = sizeof(double);
+    }
+}
+
+/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among
+   those present. */
+static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at,
+                                    int is_body) {
+    if (!is_body) {
+        dem__stream_entry(s, f, at);
+        return;
+    }
+    int32_t body = *(const int32_t *)(const void *)((const unsigned char *)f->data + (size_t)at * f->stride);
+    if (body >= 0) body = w->engine->bodies.number[body];
+    dem__stream_number(s, &body, sizeof body);
+}
+
+/* Writes a group of n consecutive entries. The first `bodies` fields are indices of particles. */
+static inline void dem__write_group(dem__stream *s, const dem_world *w, const dem__group *g, ptrdiff_t n, int bodies) {
+    for (int q = 0; q < g->fields && n > 0; q++) {
+        dem__begin_record(s, &g->field[q], (uint64_t)n);
+        for (ptrdiff_t k = 0; k < n; k++) dem__write_entry(s, w, &g->field[q], k, q < bodies);
+    }
+}
+
+/* A file that is read: its bytes, and where its records begin and end. */
+typedef struct dem__file {
+    const unsigned char *bytes;
+    size_t first, end;
+} dem__file;
+
+/* Returns whether the bytes are a whole and unchanged saved world of this format. */
+static inline int dem__open_file(dem__file *file, const void *buffer, size_t size) {
+    uint64_t magic, version, check;
+    dem__stream s = {NULL, (const unsigned char *)buffer, 0};
+    if (size < 24) return 0;
+    dem__stream_u64(&s, &magic), dem__stream_u64(&s, &version);
+    file->bytes = s.from, file->first = s.at, file->end = s.at = size - 8;
+    dem__stream_u64(&s, &check);
+    return magic == DEM__MAGIC && version == DEM__FORMAT && check == dem__checksum(file->bytes, file->end) &&
+           dem__are_records(file->bytes, file->first, file->end);
+}
+
+/* Returns the number of entries of a group in a file: of its first field, which is required. */
+static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first) {
+    char name[DEM__NAME_BYTES];
+    dem__record r;
+    memset(name, 0, sizeof name);
+    memcpy(name, first, strlen(first));
+    return dem__find_record(file->bytes, file->first, file->end, name, &r) && r.count < INT32_MAX / 4
+               ? (ptrdiff_t)r.count
+               : 0;
+}
+
+/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of
+   another kind. */
+static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
+    const dem__saved_field *f = &g->field[field];
+    dem__record r;
+    if (!dem__find_record(file->bytes, file->first, file->end, f->name, &r)) return field < g->needed ? -1 : 0;
+    s->to = NULL, s->from = file->bytes, s->at = r.at;
+    return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
+}
+
+/* Reads a group of n consecutive entries. Returns 0 if the file is not valid. */
+static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
+    for (int q = 0; q < g->fields && n > 0; q++) {
+        dem__stream s;
+        const int found = dem__find_field(file, g, q, n, &s);
+        if (found < 0) return 0;
+        for (ptrdiff_t k = 0; k < n && found; k++) dem__stream_entry(&s, &g->field[q], k);
+    }
+    return 1;
+}
+
+static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
+
+/* Returns whether i is a particle, and j another one or a wall. */
+static inline int dem__are_bodies(const dem_world *w, int32_t i, int32_t j) {
+    return i >= 0 && i < w->count && j < w->count && j >= -w->walls && i != j;
+}
+
+/* Adds a number of 8 bytes to an FNV-1a hash. */
+DEM_INLINE void dem__hash_u64(uint64_t *hash, uint64_t v) {
+    for (int k = 0; k < 8; k++) *hash = (*hash ^ (v >> (8 * k) & 255u)) * 0x100000001b3u;
+}
+static inline void dem__hash_i64(uint64_t *hash, int64_t v) { dem__hash_u64(hash, (uint64_t)v); }
+static inline void dem__hash_f64(uint64_t *hash, const double *v, int n) {
+    for (int k = 0; k < n; k++) {
+        uint64_t bits;
+        memcpy(&bits, &v[k], sizeof bits);
+        dem__hash_u64(hash, bits);
+    }
+}
+static inline void dem__hash_vec(uint64_t *hash, dem_vec v) {
+    dem__hash_f64(hash, &v.x, 1), dem__hash_f64(hash, &v.y, 1), dem__hash_f64(hash, &v.z, 1);
+}
+
+static inline void dem__hash_quaternion(uint64_t *hash, dem_quaternion q) {
+    dem__hash_f64(hash, &q.w, 1), dem__hash_f64(hash, &q.x, 1), dem__hash_f64(hash, &q.y, 1),
+        dem__hash_f64(hash, &q.z, 1);
+}
+
+/* Adds the bodies of a contact or a link, numbered among those present, and its element. */
+static inline void dem__hash_bodies(uint64_t *hash, const dem_world *w, int32_t i, int32_t j, int32_t element) {
+    const int32_t *number = w->engine->bodies.number;
+    dem__hash_i64(hash, number[i]), dem__hash_i64(hash, j >= 0 ? number[j] : j), dem__hash_i64(hash, element);
+}
+
+/* ----------------------------------------------------------------------------------------------- >>ledger/losses.h */
+/* What the ledger books of contacts: energy that they store and dissipate, work of walls, loads and fixed particles. */
+
+/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it;
+   otherwise as sliding loss, because its tangential spring is released. */
+static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
+    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    dem_energy_ledger *sums = &w->engine->ledger.sums;
+    if (!w->engine->ledger.counts) return;
+    if (w->alive[i] <= 0 || (j >= 0 && w->alive[j] <= 0) || dem__is_taken_away(w, i, j))
+        sums->removed += w->engine->contacts.elastic[c];
+    else sums->sliding_loss += w->engine->contacts.elastic[c];
+}
+
+/* Returns the energy stored in all contacts [J]; 0 while no ledger is kept. */
+static inline double dem__stored_energy(const dem_world *w) {
+    double sum = 0.0;
+    if (!w->engine->ledger.counts) return sum;
+    DEM__EACH_CONTACT(w, c) { sum += w->engine->contacts.elastic[c]; }
+    return sum;
+}
+
+/* Books the work of fixed particle i by its motion in a step, by the trapezoidal rule. */
+static inline void dem__book_fixed(dem_world *w, ptrdiff_t i) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;
+    for (int a = 0; a < 3; a++) {
+        const double of_links = bodies->load[i][a] - bodies->external[i][a],
+                     turning = bodies->load[i][3 + a] - bodies->external[i][3 + a];
+        dem__book_work_of_fixed(w, -half * (before[a] + now[a] + of_links) * dem_axis(w->particle[i].v, a));
+        dem__book_work_of_fixed(w, -half * (before[3 + a] + now[3 + a] + turning) * dem_axis(w->particle[i].spin, a));
+    }
+}
+
+/* Books what contacts dissipated in a step, and the work of walls and loads. */
+static inline void dem__book_losses(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const dem__contacts *contacts = &w->engine->contacts;
+    dem_energy_ledger *l = &w->engine->ledger.sums;
+    DEM__EACH_CONTACT(w, k) {
+        l->normal_loss += contacts->loss[0][k];
+        l->sliding_loss += contacts->loss[1][k];
+        l->rolling_loss += contacts->loss[2][k];
+        l->wall_work += contacts->loss[3][k];
+    }
+    for (ptrdiff_t k = 0; bodies->loads_on && k < bodies->active_count; k++) {
+        const ptrdiff_t i = bodies->active[k];
+        if (dem__is_fixed(w, i)) {
+            dem__book_fixed(w, i);
+            continue;
+        }
+        l->external_work += w->engine->run.dt * dem__dot(dem__first(bodies->external[i]), w->particle[i].v);
+        l->external_work += w->engine->run.dt * dem__dot(dem__second(bodies->external[i]), w->particle[i].spin);
+    }
+}
+
+/* ----------------------------------------------------------------------------------------------- >>ledger/ledger.h */
+/* The energy ledger as a feature of a world: when it begins, pauses and goes on, its balance, and what a save keeps. */
+
+/* Returns the remainder of the energy balance [J]. */
+static inline double dem__ledger_error(const dem_energy_ledger *l) {
+    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss +
+           l->removed - l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
+}
+
+DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
+    dem_energy_ledger l;
+    memset(&l, 0, sizeof l);
+    if (!world || !world->engine) return l;
+    const dem__ledger *ledger = &world->engine->ledger;
+    l = ledger->sums;
+    l.kinetic = l.rotational = l.potential = 0.0;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        if (!world->alive[i]) continue;
+        l.kinetic += dem__kinetic(world, i);
+        l.rotational += dem__rotational(world, i);
+        l.potential += dem__potential(world, i);
+        if (ledger->on) DEM__TELL(world, open_books, (world, i, &l));
+    }
+    l.elastic = dem__stored_energy(world);
+    if (!ledger->started) return l;
+    l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
+    l.released = l.released > 0.0 ? l.released : 0.0;
+    l.error = ledger->counts ? dem__ledger_error(&l) : ledger->paused_error;
+    return l;
+}
+
+/* ---- the feature ---- */
+
+static inline int dem__list_contact_arrays_of_ledger(dem_world *w, dem__array *list) {
+    dem__contacts *contacts = &w->engine->contacts;
+    int n = 0;
+    list[n].address = &contacts->elastic, list[n++].size = sizeof(double);
+    for (int k = 0; k < 3; k++, n++) list[n].address = &contacts->power[k], list[n].size = sizeof(double);
+    for (int k = 0; k < 4; k++, n++) list[n].address = &contacts->loss[k], list[n].size = sizeof(double);
+    return n;
+}
+
+/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error
+   either. */
+static inline void dem__switch_ledger(dem_world *w, const dem_kernel *kernel) {
+    dem__ledger *ledger = &w->engine->ledger;
+    const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
+    if (ledger->counts == counts) return;
+    if (!counts) ledger->paused_error = dem_energy(w).error;
+    else dem__find_stored(w, kernel->loop);
+    ledger->counts = counts;
+    if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
+}
+
+/* Opens the books at the first run with a ledger. */
+static inline void dem__open_ledger(dem_world *w) {
+    dem__ledger *ledger = &w->engine->ledger;
+    if (!ledger->counts || ledger->started) return;
+    ledger->started = 1;
+    memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked */
+    DEM__TELL(w, begin_ledger, (w));
+    const dem_energy_ledger now = dem_energy(w);
+    ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
+    ledger->sums.start_potential = now.potential;
+}
+
+/* Book the energy that contacts store by changes of the caller between runs: new contacts, changed constants. */
+static inline void dem__note_stored(dem_world *w) { w->engine->ledger.stored_before = dem__stored_energy(w); }
+static inline void dem__book_stored(dem_world *w) {
+    dem__ledger *ledger = &w->engine->ledger;
+    if (ledger->started) ledger->sums.added += dem__stored_energy(w) - ledger->stored_before;
+}
+
+/* Contacts that begin have stored nothing. Books are sums in the order of memory, whenever lists were built. */
+static inline void dem__begin_books_of_contacts(dem_world *w, ptrdiff_t begun) {
+    dem__contacts *contacts = &w->engine->contacts;
+    for (ptrdiff_t k = 0; k < begun; k++) {
+        const int32_t c = contacts->slots[k];
+        contacts->elastic[c] = 0.0;
+        for (int a = 0; a < 3; a++) contacts->power[a][c] = 0.0;
+    }
+    if (begun > 0) dem__list_active(w);
+}
+
+static inline void dem__book_step(dem_world *w, double h) {
+    if (w->engine->ledger.counts && h > 0.0) dem__book_losses(w);
+}
+
+static inline void dem__world_fields_of_ledger(dem_world *w, dem__group *g) {
+    dem__engine *e = w->engine;
+    dem_energy_ledger *l = &e->ledger.sums;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("ledger.on", e->ledger.on, 0),
+        DEM__INTEGER("ledger.started", e->ledger.started, 0),
+        DEM__INTEGER("ledger.counts", e->ledger.counts, 0),
+        DEM__DOUBLES("ledger.paused_error", e->ledger.paused_error, 0),
+        DEM__DOUBLES("ledger.normal_loss", l->normal_loss, 0),
+        DEM__DOUBLES("ledger.sliding_loss", l->sliding_loss, 0),
+        DEM__DOUBLES("ledger.rolling_loss", l->rolling_loss, 0),
+        DEM__DOUBLES("ledger.wall_work", l->wall_work, 0),
+        DEM__DOUBLES("ledger.link_work", l->link_work, 0),
+        DEM__DOUBLES("ledger.field_work", l->field_work, 0),
+        DEM__DOUBLES("ledger.external_work", l->external_work, 0),
+        DEM__DOUBLES("ledger.added", l->added, 0),
+        DEM__DOUBLES("ledger.removed", l->removed, 0),
+        DEM__DOUBLES("ledger.start", l->start, 0),
+        DEM__DOUBLES("ledger.start_pot", l->start_potential, 0),
+        DEM__DOUBLES("ledger.added_pot", l->added_potential, 0),
+        DEM__DOUBLES("ledger.removed_pot", l->removed_potential, 0),
+    };
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline void dem__contact_fields_of_ledger(dem_world *w, dem__group *g) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__add_fields(g, "contact.elastic", &contacts->elastic, 1);
+    dem__add_fields(g, "contact.power", contacts->power, 3);
+}
+
+static inline int dem__has_ledger(const dem__file *file, const dem_world *w) {
+    const dem__ledger *ledger = &w->engine->ledger;
+    (void)file;
+    if (!dem__is_flag(ledger->on) || !dem__is_flag(ledger->started) || !dem__is_flag(ledger->counts)) return -1;
+    if (!ledger->on && (ledger->started || ledger->counts)) return -1; /* without arrays nothing is counted */
+    return ledger->on;
+}
+
+static const dem__feature dem__feature_ledger = {
+    0, /* place */
+    0, /* adds_loads */
+    0, /* exclusive */
+    NULL, /* list_arrays */
+    dem__list_contact_arrays_of_ledger, /* list_contact_arrays */
+    NULL, /* release */
+    NULL, /* add_particle */
+    NULL, /* begin_change */
+    NULL, /* end_change */
+    NULL, /* set_time_step */
+    NULL, /* remove_particle */
+    NULL, /* renumber */
+    NULL, /* check_run */
+    NULL, /* prepare_run */
+    dem__switch_ledger, /* set_law */
+    dem__note_stored, /* find_forces */
+    dem__book_stored, /* forces_found */
+    dem__open_ledger, /* begin_run */
+    NULL, /* begin_ledger */
+    NULL, /* end_run */
+    NULL, /* keep_up */
+    NULL, /* listed */
+    NULL, /* drift */
+    NULL, /* begins_early */
+    NULL, /* begin_step */
+    NULL, /* detect */
+    dem__begin_books_of_contacts, /* contacts_begun */
+    dem__book_step, /* add_forces */
+    dem__book_contact_end, /* end_contact */
+    NULL, /* leave */
+    NULL, /* begin_flights */
+    NULL, /* end_step */
+    NULL, /* forces */
+    NULL, /* force */
+    NULL, /* velocity_error */
+    NULL, /* correct_velocity */
+    NULL, /* open_books */
+    dem__world_fields_of_ledger, /* world_fields */
+    NULL, /* particle_fields */
+    dem__contact_fields_of_ledger, /* contact_fields */
+    NULL, /* save */
+    dem__has_ledger, /* is_used */
+    NULL, /* load_first */
+    NULL, /* load */
+    NULL, /* loaded */
+    NULL, /* hash_particle */
+    NULL, /* hash_before_contacts */
+    NULL, /* hash */
+};
+
 /* ------------------------------------------------------------------------------------------------ >>motion/fixed.h */
 /* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h;
    every part that turns forces into motion calls dem__is_fixed(). */
 
-/* Makes room for the state of fixed particles. Returns 0 when out of memory; then nothing has changed. */
-static inline int dem__reserve_fixed(dem_world *w) {
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__array list[DEM__ARRAYS_MAX];
-    if (bodies->has_fixed) return 1;
-    bodies->has_fixed = 1;
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
-                        w->count + 1))
-        return 1;
-    bodies->has_fixed = 0, bodies->fixed = NULL;
-    return 0;
+static inline int dem__list_arrays_of_fixed(dem_world *w, dem__array *list) {
+    list->address = &w->engine->bodies.fixed, list->size = sizeof *w->engine->bodies.fixed;
+    return 1;
 }
+
+static inline void dem__add_unfixed(dem_world *w, ptrdiff_t i) {
+    memset(&w->engine->bodies.fixed[i], 0, sizeof *w->engine->bodies.fixed);
+}
+
+static inline void dem__world_fields_of_fixed(dem_world *w, dem__group *g) {
+    const dem__saved_field fields[] = {DEM__INTEGER("has_fixed", w->engine->bodies.has_fixed, 0)};
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline void dem__particle_fields_of_fixed(dem_world *w, dem__group *g) {
+    dem__fixed *fixed = w->engine->bodies.fixed;
+    const dem__saved_field fields[] = {DEM__INTEGER("particle.fixed", fixed->on, sizeof *fixed),
+                                       DEM__DOUBLES("particle.fixed_load", fixed->load, sizeof *fixed),
+                                       DEM__DOUBLES("particle.fixed_impulse", fixed->impulse, sizeof *fixed)};
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline int dem__has_fixed(const dem__file *file, const dem_world *w) {
+    (void)file;
+    return dem__is_flag(w->engine->bodies.has_fixed) ? w->engine->bodies.has_fixed : -1;
+}
+
+static inline void dem__derive_fixed(dem_world *w) { w->engine->bodies.loads_on = 1; }
+
+static inline void dem__hash_fixed(uint64_t *hash, const dem_world *w, ptrdiff_t i) {
+    const dem__fixed *f = &w->engine->bodies.fixed[i];
+    if (f->on) dem__hash_f64(hash, f->load, 6), dem__hash_vec(hash, f->impulse);
+}
+
+static const dem__feature dem__feature_fixed = {
+    1, /* place */
+    0, /* adds_loads */
+    0, /* exclusive */
+    dem__list_arrays_of_fixed, /* list_arrays */
+    NULL, /* list_contact_arrays */
+    NULL, /* release */
+    dem__add_unfixed, /* add_particle */
+    NULL, /* begin_change */
+    NULL, /* end_change */
+    NULL, /* set_time_step */
+    NULL, /* remove_particle */
+    NULL, /* renumber */
+    NULL, /* check_run */
+    NULL, /* prepare_run */
+    NULL, /* set_law */
+    NULL, /* find_forces */
+    NULL, /* forces_found */
+    NULL, /* begin_run */
+    NULL, /* begin_ledger */
+    NULL, /* end_run */
+    NULL, /* keep_up */
+    NULL, /* listed */
+    NULL, /* drift */
+    NULL, /* begins_early */
+    NULL, /* begin_step */
+    NULL, /* detect */
+    NULL, /* contacts_begun */
+    NULL, /* add_forces */
+    NULL, /* end_contact */
+    NULL, /* leave */
+    NULL, /* begin_flights */
+    NULL, /* end_step */
+    NULL, /* forces */
+    NULL, /* force */
+    NULL, /* velocity_error */
+    NULL, /* correct_velocity */
+    NULL, /* open_books */
+    dem__world_fields_of_fixed, /* world_fields */
+    dem__particle_fields_of_fixed, /* particle_fields */
+    NULL, /* contact_fields */
+    NULL, /* save */
+    dem__has_fixed, /* is_used */
+    NULL, /* load_first */
+    NULL, /* load */
+    dem__derive_fixed, /* loaded */
+    dem__hash_fixed, /* hash_particle */
+    NULL, /* hash_before_contacts */
+    NULL, /* hash */
+};
 
 DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     dem_world *w = world;
@@ -7933,7 +8383,8 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     dem__rigid *r = dem__rigid_of(w, i);
     const dem__pieces own = dem__pieces_of(w, i);
     if (dem__is_fixed(w, i) == fixed) return DEM_OK;
-    if (!dem__reserve_fixed(w)) return DEM_OUT_OF_MEMORY;
+    if (dem__take_feature(w, &dem__feature_fixed) != DEM_OK) return DEM_OUT_OF_MEMORY;
+    w->engine->bodies.has_fixed = 1;
     i = own.first;
     dem__begin_change(w, own);
     dem__restart(w, i);
@@ -8414,7 +8865,7 @@ static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
 static inline void dem__detect(dem_world *w, int64_t step) {
     dem__wall_state *walls = &w->engine->walls;
     if (walls->meshes) walls->follow_meshes(w, step);
-    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, step);
+    DEM__TELL(w, detect, (w, step));
     if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__test_all_pairs(w, step);
     if (!(w->def.skip & DEM_SKIP_SPACE)) {
         for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
@@ -8474,7 +8925,7 @@ static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
     w->def.skip = 0;
     dem__test_all_pairs(w, w->step);
-    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, w->step);
+    DEM__TELL(w, detect, (w, w->step));
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls; k++) {
             if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k))
@@ -8551,9 +9002,9 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
     dem__report_begun(w, kernel->law, begun);
     dem__advance(w, 0.0); /* before anything that may run out of memory: a world that fails there can be saved */
     if (!dem__reorder_contacts(w)) return 0;
-    const double stored = dem__stored_energy(w);
+    DEM__TELL(w, find_forces, (w));
     dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
-    dem__book_callers_contacts(w, stored);
+    DEM__TELL(w, forces_found, (w));
     DEM__TELL(w, add_forces, (w, 0.0));
     if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
     dem__kick_walls(w, 0.0);
@@ -8564,23 +9015,10 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
     return going;
 }
 
-/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error
-   either. */
-static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
-    dem__ledger *ledger = &w->engine->ledger;
-    const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
-    if (ledger->counts == counts) return;
-    if (!counts) ledger->paused_error = dem_energy(w).error;
-    else dem__find_stored(w, loop);
-    ledger->counts = counts;
-    if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
-}
-
 /* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a
    failure. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
     dem__run *run = &w->engine->run;
-    dem__ledger *ledger = &w->engine->ledger;
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
     w->engine->bodies.adds_loads = w->engine->bodies.loads_on;
@@ -8589,17 +9027,10 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
     const ptrdiff_t begun = run->needs_forces ? dem__begin_contacts_present(w) : 0;
     if (begun < 0) return 0;
     dem__set_law(w, kernel->law, features);
-    dem__switch_ledger(w, kernel->loop);
+    DEM__TELL(w, set_law, (w, kernel));
     if (run->needs_forces && !dem__find_forces(w, kernel, begun)) return 0;
     run->needs_forces = 0;
-    if ((features & DEM_ENERGY) && !ledger->started) {
-        ledger->started = 1;
-        memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked */
-        DEM__TELL(w, begin_ledger, (w));
-        dem_energy_ledger now = dem_energy(w);
-        ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
-        ledger->sums.start_potential = now.potential;
-    }
+    DEM__TELL(w, begin_run, (w));
     return 1;
 }
 
@@ -8666,14 +9097,11 @@ static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
     if (!dem__find_contacts_that_begin(w)) return dem__undo_detection(w);
     const ptrdiff_t begun = w->engine->contacts.begun;
     dem__commit_begun(w, 1.0);
-    if (begun > 0 && w->engine->ledger.on)
-        dem__list_active(w); /* books are sums in the order of memory, whenever lists were built */
     DEM__TELL(w, contacts_begun, (w, begun));
     dem__advance(w, h);
     dem__prepare_begun(w, kernel->law, begun, features);
     dem__evaluate(w, kernel->loop, h, has_friction, keep);
     DEM__TELL(w, add_forces, (w, h));
-    if (features & DEM_ENERGY) dem__book_losses(w);
     const int finite = dem__kick(w, h);
     dem__kick_walls(w, h);
     dem__apply_corrections(w, has_friction);
@@ -8719,26 +9147,28 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
     }
-    if (w->engine->convex.shapes > 0 && !(kernel->features & DEM_FRICTION))
-        return DEM_POLYHEDRON; /* others compute no torques */
     if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
     return DEM_OK;
 }
 
 /* Makes the arrays of contacts fit law, ledger and threads. Returns 0 when out of memory; nothing has changed then. */
-static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int ledger) {
+static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int features) {
     dem__contacts *contacts = &w->engine->contacts;
-    const int states = contacts->states, constants = contacts->constants, had_ledger = w->engine->ledger.on;
+    const int states = contacts->states, constants = contacts->constants;
     const int postpones = dem__may_postpone(w) && !contacts->postponed;
+    const int books = (features & DEM_ENERGY) && !w->engine->ledger.on;
     dem__array list[DEM__ARRAYS_MAX];
-    if (law->states == states && law->constants <= constants && ledger == had_ledger && !postpones) return 1;
-    contacts->states = law->states, w->engine->ledger.on = ledger;
+    if (law->states == states && law->constants <= constants && !books && !postpones) return 1;
+    if (books) dem__add_feature(w, &dem__feature_ledger);
+    contacts->states = law->states;
     contacts->constants = law->constants > constants ? law->constants : constants;
     if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
                          dem__next_slot(w) + 1)) {
-        contacts->states = states, contacts->constants = constants, w->engine->ledger.on = had_ledger;
+        contacts->states = states, contacts->constants = constants;
+        if (books) dem__drop_feature(w, &dem__feature_ledger);
         return 0;
     }
+    w->engine->ledger.on |= books;
     for (int a = contacts->states; a < DEM_STATE_MAX; a++) contacts->state[a] = NULL; /* not in the block */
     return 1;
 }
@@ -8766,8 +9196,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     const dem_status status = dem__check_run(w, kernel, features);
     if (status != DEM_OK) return status;
     w->status = DEM_OK; /* the caller may have mended any other failure */
-    if (!dem__make_work(w, w->def.threads) ||
-        !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
+    if (!dem__make_work(w, w->def.threads) || !dem__fit_contact_arrays(w, kernel->law, features))
         return DEM_OUT_OF_MEMORY;
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
@@ -9167,43 +9596,19 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
 static const dem__body_calls dem__rigid_bodies = {
     dem__find_posture,      dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
     dem__place_pieces,      dem__free_body,       dem__test_due_with_bodies, dem__advance_with_bodies,
-    dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__swing,
-    dem__note_strides};
+    dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__swing};
 
-/* Definition of a rigid body: see bodies/rigid.h. */
-typedef struct dem__body_def {
-    dem_vec x;             /* centre of mass [m] */
-    double mass;           /* [kg] */
-    dem_vec moments;       /* about the principal axes [kg m2] */
-    dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
-    dem_quaternion turn;   /* from that frame to the lab's axes */
-    ptrdiff_t pieces;      /* number of its particles */
-    const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
-    const double *radius;  /* [m] */
-    int material, group;
-} dem__body_def;
-
-/* Makes room for n more bodies with `pieces` particles in all; for the first body, also the arrays that particles of
-   bodies need. Returns 0 when out of memory. */
-static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
+/* Makes room for n more bodies, not for their particles. Returns 0 when out of memory. */
+static inline int dem__grow_bodies(dem_world *w, ptrdiff_t n) {
     dem__bodies *bodies = &w->engine->bodies;
-    dem__array list[DEM__ARRAYS_MAX];
     const dem_allocator *a = &w->def.allocator;
-    const ptrdiff_t old = bodies->rigid_capacity, wanted = bodies->rigid_count + n;
-    if (wanted <= old) return dem__reserve_particles(w, pieces);
-    const ptrdiff_t larger = wanted + wanted / 2 + 16;
+    const ptrdiff_t old = bodies->rigid_capacity, wanted = bodies->rigid_count + n, larger = wanted + wanted / 2 + 16;
+    if (wanted <= old) return 1;
     dem__rigid *fresh =
         (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
     if (!fresh) return 0;
     bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = &dem__rigid_bodies;
-    if (old > 0) return dem__reserve_particles(w, pieces);
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
-                        w->count + pieces + 1))
-        return 1;
-    a->fn(a->user, fresh, (size_t)larger * sizeof *fresh, 0);
-    bodies->rigid = NULL, bodies->rigid_capacity = 0;
-    bodies->rigid_of = NULL, bodies->offset = bodies->arm = NULL;
-    return 0;
+    return 1;
 }
 
 /* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by
@@ -9224,28 +9629,6 @@ static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, i
     moments->x = m[order[0]], moments->y = m[order[1]], moments->z = m[order[2]];
     if (fabs(moments->x - moments->y) <= 1e-12 * moments->x) moments->y = moments->x;
     if (fabs(moments->x - moments->z) <= 1e-12 * moments->x && moments->x == moments->y) moments->z = moments->x;
-}
-
-/* Adds a body at rest, for which dem__reserve_bodies has made room. Returns the number of its first particle. */
-static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
-    int order[3];
-    memset(r, 0, sizeof *r);
-    r->first = (int32_t)w->count, r->pieces = (int32_t)def->pieces;
-    r->x = dem__in_box(w, def->x), r->mass = def->mass, r->moments = def->moments, r->frame = def->frame;
-    dem__order_moments(&r->moments, &r->frame, order);
-    r->turn = dem__kept_unit(dem__turns(def->turn, r->frame));
-    for (ptrdiff_t k = 0; k < def->pieces; k++) {
-        const ptrdiff_t i = dem__put_particle(w, r->x, def->radius[k], def->mass, def->material, def->group);
-        const dem_vec from = def->offset[k];
-        bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
-        bodies->offset[i] = dem_vec3(dem_axis(from, order[0]), dem_axis(from, order[1]), dem_axis(from, order[2]));
-    }
-    dem__free_body(w, r);
-    dem__book_added(w, dem__potential(w, r->first));
-    w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
-    return r->first;
 }
 
 /* --------------------------------------------------------------------------------------------- >>measure/getters.h */
@@ -9311,34 +9694,6 @@ DEM_API dem_vec dem_momentum(const dem_world *world) {
             sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
     }
     return sum;
-}
-
-/* Returns the remainder of the energy balance [J]. */
-static inline double dem__ledger_error(const dem_energy_ledger *l) {
-    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss +
-           l->removed - l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
-}
-
-DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
-    dem_energy_ledger l;
-    memset(&l, 0, sizeof l);
-    if (!world || !world->engine) return l;
-    const dem__ledger *ledger = &world->engine->ledger;
-    l = ledger->sums;
-    l.kinetic = l.rotational = l.potential = 0.0;
-    for (ptrdiff_t i = 0; i < world->count; i++) {
-        if (!world->alive[i]) continue;
-        l.kinetic += dem__kinetic(world, i);
-        l.rotational += dem__rotational(world, i);
-        l.potential += dem__potential(world, i);
-        if (ledger->on) DEM__TELL(world, open_books, (world, i, &l));
-    }
-    l.elastic = dem__stored_energy(world);
-    if (!ledger->started) return l;
-    l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
-    l.released = l.released > 0.0 ? l.released : 0.0;
-    l.error = ledger->counts ? dem__ledger_error(&l) : ledger->paused_error;
-    return l;
 }
 
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world) {
@@ -9629,246 +9984,6 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
     DEM__LOOP(name##_loop, dem__link_kernel(world, first, end, part, &(law)))                                          \
     static const dem_link_kernel name = {&(law), name##_loop};
 
-/* ------------------------------------------------------------------------------------------------ >>save/records.h */
-/* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows
-   bytes and memory, no physics. Relies on nothing; save/fields.h names what is saved, save/save.h and save/load.h use
-   both. */
-
-/* A field that becomes a record: its entries, of some numbers each, are `stride` bytes apart in memory. */
-enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
-typedef struct dem__saved_field {
-    char name[DEM__NAME_BYTES]; /* at most 23 characters */
-    void *data;                 /* of the first entry */
-    size_t stride;
-    int numbers, width; /* numbers of an entry; bytes of a number: 1, 4 or 8 */
-} dem__saved_field;
-#define DEM__DOUBLES(name, first, stride)                                                                              \
-    { name, &(first), stride, (int)(sizeof(first) / (sizeof(double))), sizeof(double) }
-#define DEM__INTEGER(name, first, stride)                                                                              \
-    { name, &(first), stride, 1, (int)sizeof(first) }
-
-/* Bytes that are written, only counted, or read. */
-typedef struct dem__stream {
-    unsigned char *to;         /* NULL: count only */
-    const unsigned char *from; /* NULL: write */
-    size_t at;
-} dem__stream;
-
-/* Returns the FNV-1a hash of n bytes. */
-static inline uint64_t dem__checksum(const unsigned char *bytes, size_t n) {
-    uint64_t hash = 0xcbf29ce484222325u;
-    for (size_t k = 0; k < n; k++) hash = (hash ^ bytes[k]) * 0x100000001b3u;
-    return hash;
-}
-
-/* Writes or reads a number of 1, 4 or 8 bytes in memory. */
-static inline void dem__stream_number(dem__stream *s, void *number, int width) {
-    uint64_t bits = 0;
-    uint32_t half;
-    unsigned char byte;
-    if (s->from) {
-        for (int k = 0; k < width; k++) bits |= (uint64_t)s->from[s->at + (size_t)k] << (8 * k);
-        half = (uint32_t)bits, byte = (unsigned char)bits;
-        memcpy(number, width == 8 ? (void *)&bits : width == 4 ? (void *)&half : (void *)&byte, (size_t)width);
-    } else if (s->to) {
-        memcpy(width == 8 ? (void *)&bits : width == 4 ? (void *)&half : (void *)&byte, number, (size_t)width);
-        bits = width == 8 ? bits : width == 4 ? half : byte;
-        for (int k = 0; k < width; k++) s->to[s->at + (size_t)k] = (unsigned char)(bits >> (8 * k) & 255u);
-    }
-    s->at += (size_t)width;
-}
-static inline void dem__stream_u64(dem__stream *s, uint64_t *v) { dem__stream_number(s, v, 8); }
-
-/* Writes or reads entry k of a field. */
-static inline void dem__stream_entry(dem__stream *s, const dem__saved_field *f, ptrdiff_t k) {
-    unsigned char *number = (unsigned char *)f->data + (size_t)k * f->stride;
-    for (int q = 0; q < f->numbers; q++) dem__stream_number(s, number + q * f->width, f->width);
-}
-
-/* Begins a record of n entries. */
-static inline void dem__begin_record(dem__stream *s, const dem__saved_field *f, uint64_t n) {
-    uint64_t bytes = (uint64_t)f->numbers * (uint64_t)f->width;
-    if (s->to) memcpy(s->to + s->at, f->name, DEM__NAME_BYTES);
-    s->at += DEM__NAME_BYTES;
-    dem__stream_u64(s, &bytes), dem__stream_u64(s, &n);
-}
-
-/* A record that was found: where its entries begin, the bytes of an entry, the number of entries. */
-typedef struct dem__record {
-    size_t at;
-    uint64_t bytes, count;
-} dem__record;
-
-/* Reads the head of the record at `at` of a file whose records end at `end`. Returns 0 if the record does not fit
-   there. */
-static inline int dem__read_head(const unsigned char *file, size_t end, size_t at, dem__record *r) {
-    dem__stream s;
-    if (end - at < DEM__HEAD_BYTES) return 0;
-    s.to = NULL, s.from = file, s.at = at + DEM__NAME_BYTES;
-    dem__stream_u64(&s, &r->bytes), dem__stream_u64(&s, &r->count);
-    r->at = s.at;
-    return r->bytes > 0 && r->count <= (end - r->at) / r->bytes;
-}
-
-/* Returns whether the bytes from `at` to `end` are whole records. */
-static inline int dem__are_records(const unsigned char *file, size_t at, size_t end) {
-    dem__record r;
-    while (at < end) {
-        if (!dem__read_head(file, end, at, &r)) return 0;
-        at = r.at + (size_t)(r.bytes * r.count);
-    }
-    return at == end;
-}
-
-/* Finds the first record with a name among whole ones. Returns 0 if there is none. */
-static inline int dem__find_record(const unsigned char *file, size_t at, size_t end, const char *name, dem__record *r) {
-    memset(r, 0, sizeof *r);
-    for (; at < end; at = r->at + (size_t)(r->bytes * r->count)) {
-        dem__read_head(file, end, at, r);
-        if (memcmp(file + at, name, DEM__NAME_BYTES) == 0) return 1;
-    }
-    return 0;
-}
-
-/* ------------------------------------------------------------------------------------------------- >>save/groups.h */
-/* Groups of fields that have the same number of entries: writing and reading them, and hashes of numbers. */
-
-enum { DEM__FIELDS_MAX = 64 };
-
-/* Fields with the same number of entries. */
-typedef struct dem__group {
-    int fields, needed; /* the first `needed` of them are required */
-    dem__saved_field field[DEM__FIELDS_MAX];
-} dem__group;
-
-static inline void dem__set_fields(dem__group *g, const dem__saved_field *field, size_t bytes, int needed) {
-    memcpy(g->field, field, bytes);
-    g->fields = (int)(bytes / sizeof *field), g->needed = needed;
-}
-/* Adds fields that are not required. */
-static inline void dem__add_optional(dem__group *g, const dem__saved_field *field, size_t bytes) {
-    memcpy(&g->field[g->fields], field, bytes);
-    g->fields += (int)(bytes / sizeof *field);
-}
-
-/* Adds arrays of doubles, numbered: contact.wrench0, contact.wrench1 .. */
-static inline void dem__add_fields(dem__group *g, const char *name, double *const *array, int n) {
-    for (int k = 0; k < n; k++) {
-        dem__saved_field *f = &g->field[g->fields++];
-        const size_t length = strlen(name);
-        memset(f, 0, sizeof *f);
-        memcpy(f->name, name, length);
-        if (k > 9) f->name[length] = (char)('0' + k / 10);
-        f->name[length + (k > 9)] = (char)('0' + k % 10);
-        f->data = array[k], f->stride = sizeof(double), f->numbers = 1, f->width = sizeof(double);
-    }
-}
-
-/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among
-   those present. */
-static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at,
-                                    int is_body) {
-    if (!is_body) {
-        dem__stream_entry(s, f, at);
-        return;
-    }
-    int32_t body = *(const int32_t *)(const void *)((const unsigned char *)f->data + (size_t)at * f->stride);
-    if (body >= 0) body = w->engine->bodies.number[body];
-    dem__stream_number(s, &body, sizeof body);
-}
-
-/* Writes a group of n consecutive entries. The first `bodies` fields are indices of particles. */
-static inline void dem__write_group(dem__stream *s, const dem_world *w, const dem__group *g, ptrdiff_t n, int bodies) {
-    for (int q = 0; q < g->fields && n > 0; q++) {
-        dem__begin_record(s, &g->field[q], (uint64_t)n);
-        for (ptrdiff_t k = 0; k < n; k++) dem__write_entry(s, w, &g->field[q], k, q < bodies);
-    }
-}
-
-/* A file that is read: its bytes, and where its records begin and end. */
-typedef struct dem__file {
-    const unsigned char *bytes;
-    size_t first, end;
-} dem__file;
-
-/* Returns whether the bytes are a whole and unchanged saved world of this format. */
-static inline int dem__open_file(dem__file *file, const void *buffer, size_t size) {
-    uint64_t magic, version, check;
-    dem__stream s = {NULL, (const unsigned char *)buffer, 0};
-    if (size < 24) return 0;
-    dem__stream_u64(&s, &magic), dem__stream_u64(&s, &version);
-    file->bytes = s.from, file->first = s.at, file->end = s.at = size - 8;
-    dem__stream_u64(&s, &check);
-    return magic == DEM__MAGIC && version == DEM__FORMAT && check == dem__checksum(file->bytes, file->end) &&
-           dem__are_records(file->bytes, file->first, file->end);
-}
-
-/* Returns the number of entries of a group in a file: of its first field, which is required. */
-static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first) {
-    char name[DEM__NAME_BYTES];
-    dem__record r;
-    memset(name, 0, sizeof name);
-    memcpy(name, first, strlen(first));
-    return dem__find_record(file->bytes, file->first, file->end, name, &r) && r.count < INT32_MAX / 4
-               ? (ptrdiff_t)r.count
-               : 0;
-}
-
-/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of
-   another kind. */
-static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
-    const dem__saved_field *f = &g->field[field];
-    dem__record r;
-    if (!dem__find_record(file->bytes, file->first, file->end, f->name, &r)) return field < g->needed ? -1 : 0;
-    s->to = NULL, s->from = file->bytes, s->at = r.at;
-    return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
-}
-
-/* Reads a group of n consecutive entries. Returns 0 if the file is not valid. */
-static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
-    for (int q = 0; q < g->fields && n > 0; q++) {
-        dem__stream s;
-        const int found = dem__find_field(file, g, q, n, &s);
-        if (found < 0) return 0;
-        for (ptrdiff_t k = 0; k < n && found; k++) dem__stream_entry(&s, &g->field[q], k);
-    }
-    return 1;
-}
-
-static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
-
-/* Returns whether i is a particle, and j another one or a wall. */
-static inline int dem__are_bodies(const dem_world *w, int32_t i, int32_t j) {
-    return i >= 0 && i < w->count && j < w->count && j >= -w->walls && i != j;
-}
-
-/* Adds a number of 8 bytes to an FNV-1a hash. */
-DEM_INLINE void dem__hash_u64(uint64_t *hash, uint64_t v) {
-    for (int k = 0; k < 8; k++) *hash = (*hash ^ (v >> (8 * k) & 255u)) * 0x100000001b3u;
-}
-static inline void dem__hash_i64(uint64_t *hash, int64_t v) { dem__hash_u64(hash, (uint64_t)v); }
-static inline void dem__hash_f64(uint64_t *hash, const double *v, int n) {
-    for (int k = 0; k < n; k++) {
-        uint64_t bits;
-        memcpy(&bits, &v[k], sizeof bits);
-        dem__hash_u64(hash, bits);
-    }
-}
-static inline void dem__hash_vec(uint64_t *hash, dem_vec v) {
-    dem__hash_f64(hash, &v.x, 1), dem__hash_f64(hash, &v.y, 1), dem__hash_f64(hash, &v.z, 1);
-}
-
-static inline void dem__hash_quaternion(uint64_t *hash, dem_quaternion q) {
-    dem__hash_f64(hash, &q.w, 1), dem__hash_f64(hash, &q.x, 1), dem__hash_f64(hash, &q.y, 1),
-        dem__hash_f64(hash, &q.z, 1);
-}
-
-/* Adds the bodies of a contact or a link, numbered among those present, and its element. */
-static inline void dem__hash_bodies(uint64_t *hash, const dem_world *w, int32_t i, int32_t j, int32_t element) {
-    const int32_t *number = w->engine->bodies.number;
-    dem__hash_i64(hash, number[i]), dem__hash_i64(hash, j >= 0 ? number[j] : j), dem__hash_i64(hash, element);
-}
-
 /* -------------------------------------------------------------------------------------------------- >>links/work.h */
 /* The work of links on particles, which the energy ledger books: their forces are constant between two evaluations. */
 
@@ -9966,7 +10081,8 @@ static inline void dem__save_links(dem__stream *s, dem_world *w, dem__group *g) 
     dem__write_group(s, w, g, w->engine->links.count, 2);
 }
 
-static inline int dem__has_links(const dem_world *w) {
+static inline int dem__has_links(const dem__file *file, const dem_world *w) {
+    (void)file;
     const dem__links *links = &w->engine->links;
     if (!dem__is_flag(links->on) || links->states < 0 || links->states > DEM_STATE_MAX) return -1;
     if (!dem__not_negative(links->near) || !dem__not_negative(links->interval)) return -1;
@@ -10238,44 +10354,54 @@ static inline void dem__open_books_of_links(const dem_world *w, ptrdiff_t i, dem
 }
 
 static const dem__feature dem__feature_links = {
-    2,                             /* place */
-    1,                             /* adds_loads */
-    1,                             /* exclusive */
-    dem__list_arrays_of_links,     /* list_arrays */
-    dem__release_links,            /* release */
-    dem__add_unlinked,             /* add_particle */
-    dem__stop_link_work,           /* begin_change */
-    dem__resume_link_work,         /* end_change */
-    dem__set_link_steps,           /* set_time_step */
-    dem__cut_links_of,             /* remove_particle */
-    dem__renumber_links,           /* renumber */
-    dem__check_links,              /* check_run */
-    NULL,                          /* prepare_run */
-    dem__begin_books_of_links,     /* begin_ledger */
-    NULL,                          /* end_run */
-    NULL,                          /* keep_up */
-    dem__relist_links,             /* listed */
-    dem__drift_by_links,           /* drift */
-    dem__is_linked_with,           /* begins_early */
-    NULL,                          /* begin_step */
-    NULL,                          /* contacts_begun */
-    NULL,                          /* add_forces */
-    NULL,                          /* leave */
-    NULL,                          /* begin_flights */
-    dem__end_step_with_links,      /* end_step */
-    dem_link_count,                /* forces */
-    dem_get_link,                  /* force */
-    NULL,                          /* velocity_error */
-    NULL,                          /* correct_velocity */
-    dem__open_books_of_links,      /* open_books */
-    dem__world_fields_of_links,    /* world_fields */
+    2, /* place */
+    1, /* adds_loads */
+    1, /* exclusive */
+    dem__list_arrays_of_links, /* list_arrays */
+    NULL, /* list_contact_arrays */
+    dem__release_links, /* release */
+    dem__add_unlinked, /* add_particle */
+    dem__stop_link_work, /* begin_change */
+    dem__resume_link_work, /* end_change */
+    dem__set_link_steps, /* set_time_step */
+    dem__cut_links_of, /* remove_particle */
+    dem__renumber_links, /* renumber */
+    dem__check_links, /* check_run */
+    NULL, /* prepare_run */
+    NULL, /* set_law */
+    NULL, /* find_forces */
+    NULL, /* forces_found */
+    NULL, /* begin_run */
+    dem__begin_books_of_links, /* begin_ledger */
+    NULL, /* end_run */
+    NULL, /* keep_up */
+    dem__relist_links, /* listed */
+    dem__drift_by_links, /* drift */
+    dem__is_linked_with, /* begins_early */
+    NULL, /* begin_step */
+    NULL, /* detect */
+    NULL, /* contacts_begun */
+    NULL, /* add_forces */
+    NULL, /* end_contact */
+    NULL, /* leave */
+    NULL, /* begin_flights */
+    dem__end_step_with_links, /* end_step */
+    dem_link_count, /* forces */
+    dem_get_link, /* force */
+    NULL, /* velocity_error */
+    NULL, /* correct_velocity */
+    dem__open_books_of_links, /* open_books */
+    dem__world_fields_of_links, /* world_fields */
     dem__particle_fields_of_links, /* particle_fields */
-    dem__save_links,               /* save */
-    dem__has_links,                /* is_used */
-    dem__load_links,               /* load */
-    dem__derive_links,             /* loaded */
-    dem__hash_linked,              /* hash_particle */
-    dem__hash_links,               /* hash */
+    NULL, /* contact_fields */
+    dem__save_links, /* save */
+    dem__has_links, /* is_used */
+    NULL, /* load_first */
+    dem__load_links, /* load */
+    dem__derive_links, /* loaded */
+    dem__hash_linked, /* hash_particle */
+    dem__hash_links, /* hash_before_contacts */
+    NULL, /* hash */
 };
 
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
@@ -10922,49 +11048,60 @@ static inline void dem__particle_fields_of_field(dem_world *w, dem__group *g) {
     dem__add_optional(g, fields, sizeof fields);
 }
 
-static inline int dem__has_field(const dem_world *w) {
+static inline int dem__has_field(const dem__file *file, const dem_world *w) {
+    (void)file;
     return dem__is_flag(w->engine->field.on) ? w->engine->field.on : -1;
 }
 
 static const dem__feature dem__feature_field = {
-    3,                              /* place */
-    0,                              /* adds_loads */
-    1,                              /* exclusive */
-    dem__list_arrays_of_field,      /* list_arrays */
-    dem__release_field,             /* release */
-    dem__add_unflown,               /* add_particle */
-    NULL,                           /* begin_change */
-    NULL,                           /* end_change */
-    NULL,                           /* set_time_step */
-    NULL,                           /* remove_particle */
-    NULL,                           /* renumber */
-    dem__check_field,               /* check_run */
-    dem__prepare_flights,           /* prepare_run */
-    dem__begin_books,               /* begin_ledger */
-    dem__end_run_in_field,          /* end_run */
-    NULL,                           /* keep_up */
-    NULL,                           /* listed */
-    NULL,                           /* drift */
-    NULL,                           /* begins_early */
-    dem__continue_flights,          /* begin_step */
-    dem__end_flights,               /* contacts_begun */
-    dem__add_field_forces,          /* add_forces */
-    dem__leave_field,               /* leave */
-    dem__begin_flights,             /* begin_flights */
-    NULL,                           /* end_step */
-    NULL,                           /* forces */
-    NULL,                           /* force */
-    dem__velocity_error_in_field,   /* velocity_error */
+    3, /* place */
+    0, /* adds_loads */
+    1, /* exclusive */
+    dem__list_arrays_of_field, /* list_arrays */
+    NULL, /* list_contact_arrays */
+    dem__release_field, /* release */
+    dem__add_unflown, /* add_particle */
+    NULL, /* begin_change */
+    NULL, /* end_change */
+    NULL, /* set_time_step */
+    NULL, /* remove_particle */
+    NULL, /* renumber */
+    dem__check_field, /* check_run */
+    dem__prepare_flights, /* prepare_run */
+    NULL, /* set_law */
+    NULL, /* find_forces */
+    NULL, /* forces_found */
+    NULL, /* begin_run */
+    dem__begin_books, /* begin_ledger */
+    dem__end_run_in_field, /* end_run */
+    NULL, /* keep_up */
+    NULL, /* listed */
+    NULL, /* drift */
+    NULL, /* begins_early */
+    dem__continue_flights, /* begin_step */
+    NULL, /* detect */
+    dem__end_flights, /* contacts_begun */
+    dem__add_field_forces, /* add_forces */
+    NULL, /* end_contact */
+    dem__leave_field, /* leave */
+    dem__begin_flights, /* begin_flights */
+    NULL, /* end_step */
+    NULL, /* forces */
+    NULL, /* force */
+    dem__velocity_error_in_field, /* velocity_error */
     dem__correct_velocity_in_field, /* correct_velocity */
-    NULL,                           /* open_books */
-    dem__world_fields_of_field,     /* world_fields */
-    dem__particle_fields_of_field,  /* particle_fields */
-    NULL,                           /* save */
-    dem__has_field,                 /* is_used */
-    NULL,                           /* load */
-    NULL,                           /* loaded */
-    NULL,                           /* hash_particle */
-    NULL,                           /* hash */
+    NULL, /* open_books */
+    dem__world_fields_of_field, /* world_fields */
+    dem__particle_fields_of_field, /* particle_fields */
+    NULL, /* contact_fields */
+    NULL, /* save */
+    dem__has_field, /* is_used */
+    NULL, /* load_first */
+    NULL, /* load */
+    NULL, /* loaded */
+    NULL, /* hash_particle */
+    NULL, /* hash_before_contacts */
+    NULL, /* hash */
 };
 
 DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user) {
@@ -12554,6 +12691,224 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
     return removed;
 }
 
+/* ------------------------------------------------------------------------------------------------- >>bodies/save.h */
+/* Rigid bodies in a saved world. */
+
+/* Lists the fields of rigid bodies present. bodies.rigid_of follows from `first` and `pieces`. */
+static inline void dem__body_fields(dem__rigid *r, dem__group *g) {
+    const size_t s = sizeof *r;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("body.first", r->first, s),   DEM__INTEGER("body.pieces", r->pieces, s),
+        DEM__DOUBLES("body.x", r->x, s),           DEM__DOUBLES("body.v", r->v, s),
+        DEM__DOUBLES("body.a", r->a, s),           DEM__DOUBLES("body.momentum", r->momentum, s),
+        DEM__DOUBLES("body.torque", r->torque, s), DEM__DOUBLES("body.turn", r->turn, s),
+        DEM__DOUBLES("body.frame", r->frame, s),   DEM__DOUBLES("body.moments", r->moments, s),
+        DEM__DOUBLES("body.mass", r->mass, s),
+    };
+    dem__set_fields(g, fields, sizeof fields, 11);
+}
+
+static inline void dem__particle_fields_of_bodies(dem_world *w, dem__group *g) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__saved_field pieces[] = {
+        DEM__DOUBLES("particle.offset", bodies->offset[0], sizeof *bodies->offset),
+        DEM__DOUBLES("particle.arm", bodies->arm[0], sizeof *bodies->arm),
+    };
+    dem__add_optional(g, pieces, sizeof pieces);
+}
+
+static inline void dem__save_bodies(dem__stream *s, dem_world *w, dem__group *g) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const uint64_t present = (uint64_t)dem__bodies_present(w);
+    if (present == 0) return;
+    dem__body_fields(bodies->rigid, g);
+    for (int q = 0; q < g->fields; q++) {
+        dem__begin_record(s, &g->field[q], present);
+        for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
+            if (w->alive[bodies->rigid[k].first]) dem__write_entry(s, w, &g->field[q], k, q == 0);
+        }
+    }
+}
+
+static inline int dem__has_bodies(const dem__file *file, const dem_world *w) {
+    (void)w;
+    return dem__entries_of(file, "body.first") > 0;
+}
+
+/* Reads rigid bodies, and assigns their particles to them. */
+static inline dem_status dem__load_bodies(const dem__file *file, dem_world *w, dem__group *g) {
+    const ptrdiff_t n = dem__entries_of(file, "body.first");
+    dem__bodies *bodies = &w->engine->bodies;
+    if (!dem__grow_bodies(w, n)) return DEM_OUT_OF_MEMORY;
+    dem__body_fields(bodies->rigid, g);
+    memset(bodies->rigid, 0, (size_t)n * sizeof *bodies->rigid);
+    if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
+    for (bodies->rigid_count = 0; bodies->rigid_count < n;) {
+        const dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
+        const dem_quaternion t = r->turn;
+        if (r->first < 0 || r->pieces < 1 || r->first > w->count - r->pieces) return DEM_BAD_DATA;
+        if (!dem__positive(r->moments.x) || !dem__positive(r->moments.y) || !dem__positive(r->moments.z) ||
+            !dem__positive(r->mass))
+            return DEM_BAD_DATA;
+        if (!(fabs(t.w * t.w + t.x * t.x + t.y * t.y + t.z * t.z - 1.0) < 1e-6)) return DEM_BAD_DATA;
+        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+            if (dem__is_fixed(w, i) != dem__is_fixed(w, r->first)) return DEM_BAD_DATA;
+            if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin ||
+                w->particle[i].mass != r->mass)
+                return DEM_BAD_DATA;
+            bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
+        }
+    }
+    return DEM_OK;
+}
+
+static inline void dem__hash_rigid(uint64_t *hash, const dem_world *w, const dem__rigid *r) {
+    dem__hash_i64(hash, w->engine->bodies.number[r->first]), dem__hash_i64(hash, r->pieces);
+    dem__hash_vec(hash, r->x), dem__hash_vec(hash, r->v), dem__hash_vec(hash, r->a);
+    dem__hash_vec(hash, r->momentum), dem__hash_vec(hash, r->torque);
+    dem__hash_quaternion(hash, r->turn), dem__hash_quaternion(hash, r->frame);
+    dem__hash_vec(hash, r->moments), dem__hash_f64(hash, &r->mass, 1);
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++)
+        dem__hash_vec(hash, w->engine->bodies.offset[i]), dem__hash_vec(hash, w->engine->bodies.arm[i]);
+}
+
+static inline void dem__hash_rigids(uint64_t *hash, const dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const int64_t present = dem__bodies_present(w);
+    if (present > 0) dem__hash_i64(hash, present);
+    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
+        if (w->alive[bodies->rigid[k].first]) dem__hash_rigid(hash, w, &bodies->rigid[k]);
+    }
+}
+
+/* -------------------------------------------------------------------------------------------------- >>bodies/add.h */
+/* Rigid bodies as a feature of a world, and adding one. */
+
+static inline int dem__list_arrays_of_bodies(dem_world *w, dem__array *list) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__array arrays[] = {{&bodies->rigid_of, sizeof *bodies->rigid_of},
+                                 {&bodies->offset, sizeof *bodies->offset},
+                                 {&bodies->arm, sizeof *bodies->arm}};
+    memcpy(list, arrays, sizeof arrays);
+    return (int)(sizeof arrays / sizeof *arrays);
+}
+
+static inline void dem__release_bodies(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__release(&w->def.allocator, bodies->rigid, (size_t)bodies->rigid_capacity * sizeof *bodies->rigid);
+}
+
+static inline void dem__add_unattached(dem_world *w, ptrdiff_t i) { w->engine->bodies.rigid_of[i] = 0; }
+
+/* Renumbers rigid bodies and their first particles after dropped particles have been removed. Bodies are in the order
+   of their particles. */
+static inline void dem__renumber_bodies(dem_world *w, const int32_t *number) {
+    dem__bodies *bodies = &w->engine->bodies;
+    ptrdiff_t n = 0;
+    (void)number;
+    for (ptrdiff_t i = 0; i < w->count && bodies->rigid; i++) {
+        if (bodies->rigid_of[i] == 0) continue;
+        dem__rigid *r = &bodies->rigid[n++];
+        *r = bodies->rigid[bodies->rigid_of[i] - 1];
+        r->first = (int32_t)i;
+        for (ptrdiff_t end = i + r->pieces; i < end; i++) bodies->rigid_of[i] = (int32_t)n;
+        i--;
+    }
+    if (bodies->rigid) bodies->rigid_count = n;
+}
+
+static const dem__feature dem__feature_bodies = {
+    5, /* place */
+    0, /* adds_loads */
+    0, /* exclusive */
+    dem__list_arrays_of_bodies, /* list_arrays */
+    NULL, /* list_contact_arrays */
+    dem__release_bodies, /* release */
+    dem__add_unattached, /* add_particle */
+    NULL, /* begin_change */
+    NULL, /* end_change */
+    NULL, /* set_time_step */
+    NULL, /* remove_particle */
+    dem__renumber_bodies, /* renumber */
+    NULL, /* check_run */
+    NULL, /* prepare_run */
+    NULL, /* set_law */
+    NULL, /* find_forces */
+    NULL, /* forces_found */
+    NULL, /* begin_run */
+    NULL, /* begin_ledger */
+    NULL, /* end_run */
+    dem__note_strides, /* keep_up */
+    NULL, /* listed */
+    NULL, /* drift */
+    NULL, /* begins_early */
+    NULL, /* begin_step */
+    NULL, /* detect */
+    NULL, /* contacts_begun */
+    NULL, /* add_forces */
+    NULL, /* end_contact */
+    NULL, /* leave */
+    NULL, /* begin_flights */
+    NULL, /* end_step */
+    NULL, /* forces */
+    NULL, /* force */
+    NULL, /* velocity_error */
+    NULL, /* correct_velocity */
+    NULL, /* open_books */
+    NULL, /* world_fields */
+    dem__particle_fields_of_bodies, /* particle_fields */
+    NULL, /* contact_fields */
+    dem__save_bodies, /* save */
+    dem__has_bodies, /* is_used */
+    NULL, /* load_first */
+    dem__load_bodies, /* load */
+    NULL, /* loaded */
+    NULL, /* hash_particle */
+    NULL, /* hash_before_contacts */
+    dem__hash_rigids, /* hash */
+};
+
+/* Definition of a rigid body: see bodies/rigid.h. */
+typedef struct dem__body_def {
+    dem_vec x;             /* centre of mass [m] */
+    double mass;           /* [kg] */
+    dem_vec moments;       /* about the principal axes [kg m2] */
+    dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
+    dem_quaternion turn;   /* from that frame to the lab's axes */
+    ptrdiff_t pieces;      /* number of its particles */
+    const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
+    const double *radius;  /* [m] */
+    int material, group;
+} dem__body_def;
+
+/* Makes room for n more bodies with `pieces` particles in all. Returns 0 when out of memory. */
+static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
+    return dem__grow_bodies(w, n) && dem__take_feature(w, &dem__feature_bodies) == DEM_OK &&
+           dem__reserve_particles(w, pieces);
+}
+
+/* Adds a body at rest, for which dem__reserve_bodies has made room. Returns the number of its first particle. */
+static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
+    int order[3];
+    memset(r, 0, sizeof *r);
+    r->first = (int32_t)w->count, r->pieces = (int32_t)def->pieces;
+    r->x = dem__in_box(w, def->x), r->mass = def->mass, r->moments = def->moments, r->frame = def->frame;
+    dem__order_moments(&r->moments, &r->frame, order);
+    r->turn = dem__kept_unit(dem__turns(def->turn, r->frame));
+    for (ptrdiff_t k = 0; k < def->pieces; k++) {
+        const ptrdiff_t i = dem__put_particle(w, r->x, def->radius[k], def->mass, def->material, def->group);
+        const dem_vec from = def->offset[k];
+        bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
+        bodies->offset[i] = dem_vec3(dem_axis(from, order[0]), dem_axis(from, order[1]), dem_axis(from, order[2]));
+    }
+    dem__free_body(w, r);
+    dem__book_added(w, dem__potential(w, r->first));
+    w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
+    return r->first;
+}
+
 /* ----------------------------------------------------------------------------------------------- >>bodies/clumps.h */
 /* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body. */
 
@@ -13758,43 +14113,6 @@ DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
     return unlike / (all * 2.0 * p * (1.0 - p));
 }
 
-/* ---------------------------------------------------------------------------------------------- >>polyhedra/save.h */
-/* Shapes in a saved world: their fields, and whether loaded ones are sound. */
-
-static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
-    const size_t s = sizeof *c;
-    const dem__saved_field fields[] = {
-        DEM__INTEGER("shape.corners", c->corners, s),
-        DEM__INTEGER("shape.edges", c->edges, s),
-        DEM__INTEGER("shape.faces", c->faces, s),
-        DEM__INTEGER("shape.is_box", c->is_box, s),
-        DEM__DOUBLES("shape.radius", c->radius, s),
-        DEM__DOUBLES("shape.reach", c->reach, s),
-        DEM__DOUBLES("shape.volume", c->volume, s),
-        DEM__DOUBLES("shape.moment", c->moment, s),
-        DEM__DOUBLES("shape.share", c->share, s),
-        DEM__DOUBLES("shape.half", c->half, s),
-        DEM__DOUBLES("shape.centroid", c->centroid, s),
-        DEM__DOUBLES("shape.axis", c->axis, s),
-        DEM__DOUBLES("shape.corner", c->corner, s),
-        DEM__DOUBLES("shape.plane", c->plane, s),
-        {"shape.face_start", c->face_start, s, DEM_FACES_MAX + 1, 1},
-        {"shape.face_corner", c->face_corner, s, 2 * DEM_EDGES_MAX, 1},
-        {"shape.edge", c->edge, s, 2 * DEM_EDGES_MAX, 1},
-        {"shape.edge_face", c->edge_face, s, 2 * DEM_EDGES_MAX, 1},
-    };
-    memcpy(field, fields, sizeof fields);
-    return (int)(sizeof fields / sizeof *fields);
-}
-
-/* Returns whether particle i is what its shape, if it has one, needs. */
-static inline int dem__is_sound_polyhedron(const dem_world *w, ptrdiff_t i) {
-    const dem__convex_state *convex = &w->engine->convex;
-    if (convex->shapes == 0 || convex->shape_of[i] == 0) return 1;
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return convex->shape_of[i] > 0 && convex->shape_of[i] <= convex->shapes && r && r->pieces == 1;
-}
-
 /* ------------------------------------------------------------------------------------------------- >>save/fields.h */
 /* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none. */
 
@@ -13802,7 +14120,6 @@ static inline int dem__is_sound_polyhedron(const dem_world *w, ptrdiff_t i) {
 static inline void dem__world_fields(dem_world *w, dem__group *g) {
     dem__engine *e = w->engine;
     dem_def *d = &w->def;
-    dem_energy_ledger *l = &e->ledger.sums;
     const dem__saved_field fields[] = {
         DEM__DOUBLES("dt", d->dt, 0),
         DEM__INTEGER("step", w->step, 0),
@@ -13828,26 +14145,8 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("rebuilds", w->rebuilds, 0),
         DEM__INTEGER("needs_forces", e->run.needs_forces, 0),
         DEM__INTEGER("loads_on", e->bodies.loads_on, 0),
-        DEM__INTEGER("has_fixed", e->bodies.has_fixed, 0),
         DEM__INTEGER("contact.states", e->contacts.states, 0),
         DEM__INTEGER("contact.has_history", e->contacts.has_history, 0),
-        DEM__INTEGER("ledger.on", e->ledger.on, 0),
-        DEM__INTEGER("ledger.started", e->ledger.started, 0),
-        DEM__INTEGER("ledger.counts", e->ledger.counts, 0),
-        DEM__DOUBLES("ledger.paused_error", e->ledger.paused_error, 0),
-        DEM__DOUBLES("ledger.normal_loss", l->normal_loss, 0),
-        DEM__DOUBLES("ledger.sliding_loss", l->sliding_loss, 0),
-        DEM__DOUBLES("ledger.rolling_loss", l->rolling_loss, 0),
-        DEM__DOUBLES("ledger.wall_work", l->wall_work, 0),
-        DEM__DOUBLES("ledger.link_work", l->link_work, 0),
-        DEM__DOUBLES("ledger.field_work", l->field_work, 0),
-        DEM__DOUBLES("ledger.external_work", l->external_work, 0),
-        DEM__DOUBLES("ledger.added", l->added, 0),
-        DEM__DOUBLES("ledger.removed", l->removed, 0),
-        DEM__DOUBLES("ledger.start", l->start, 0),
-        DEM__DOUBLES("ledger.start_pot", l->start_potential, 0),
-        DEM__DOUBLES("ledger.added_pot", l->added_potential, 0),
-        DEM__DOUBLES("ledger.removed_pot", l->removed_potential, 0),
     };
     dem__set_fields(g, fields, sizeof fields, 8);
     DEM__TELL(w, world_fields, (w, g));
@@ -13955,40 +14254,6 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
     };
     dem__set_fields(g, fields, sizeof fields, 8);
     DEM__TELL(w, particle_fields, (w, g));
-    if (bodies->has_fixed) {
-        const size_t f = sizeof *bodies->fixed;
-        const dem__saved_field fixed[] = {DEM__INTEGER("particle.fixed", bodies->fixed->on, f),
-                                          DEM__DOUBLES("particle.fixed_load", bodies->fixed->load, f),
-                                          DEM__DOUBLES("particle.fixed_impulse", bodies->fixed->impulse, f)};
-        memcpy(&g->field[g->fields], fixed, sizeof fixed);
-        g->fields += 3;
-    }
-    if (w->engine->convex.shapes > 0) {
-        const dem__saved_field shape[] = {
-            DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
-        g->field[g->fields++] = shape[0];
-    }
-    if (!bodies->rigid) return;
-    const dem__saved_field pieces[] = {
-        DEM__DOUBLES("particle.offset", bodies->offset[0], sizeof *bodies->offset),
-        DEM__DOUBLES("particle.arm", bodies->arm[0], sizeof *bodies->arm),
-    };
-    memcpy(&g->field[g->fields], pieces, sizeof pieces);
-    g->fields += 2;
-}
-
-/* Lists the fields of rigid bodies present. bodies.rigid_of follows from `first` and `pieces`. */
-static inline void dem__body_fields(dem__rigid *r, dem__group *g) {
-    const size_t s = sizeof *r;
-    const dem__saved_field fields[] = {
-        DEM__INTEGER("body.first", r->first, s),   DEM__INTEGER("body.pieces", r->pieces, s),
-        DEM__DOUBLES("body.x", r->x, s),           DEM__DOUBLES("body.v", r->v, s),
-        DEM__DOUBLES("body.a", r->a, s),           DEM__DOUBLES("body.momentum", r->momentum, s),
-        DEM__DOUBLES("body.torque", r->torque, s), DEM__DOUBLES("body.turn", r->turn, s),
-        DEM__DOUBLES("body.frame", r->frame, s),   DEM__DOUBLES("body.moments", r->moments, s),
-        DEM__DOUBLES("body.mass", r->mass, s),
-    };
-    dem__set_fields(g, fields, sizeof fields, 11);
 }
 
 static inline void dem__contact_fields(dem_world *w, dem__group *g) {
@@ -14007,10 +14272,7 @@ static inline void dem__contact_fields(dem_world *w, dem__group *g) {
         w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_FOOTING; /* a footing is found anew */
     if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, places);
     dem__add_fields(g, "contact.wrench", contacts->wrench, 9);
-    if (w->engine->ledger.on) {
-        dem__add_fields(g, "contact.elastic", &contacts->elastic, 1);
-        dem__add_fields(g, "contact.power", contacts->power, 3);
-    }
+    DEM__TELL(w, contact_fields, (w, g));
 }
 
 static inline void dem__passed_fields(dem_passed *p, dem__group *g) {
@@ -14069,19 +14331,6 @@ static inline void dem__write_particles(dem__stream *s, dem_world *w, dem__group
     }
 }
 
-static inline void dem__write_bodies(dem__stream *s, dem_world *w, dem__group *g) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const uint64_t present = (uint64_t)dem__bodies_present(w);
-    if (present == 0) return;
-    dem__body_fields(bodies->rigid, g);
-    for (int q = 0; q < g->fields; q++) {
-        dem__begin_record(s, &g->field[q], present);
-        for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
-            if (w->alive[bodies->rigid[k].first]) dem__write_entry(s, w, &g->field[q], k, q == 0);
-        }
-    }
-}
-
 static inline void dem__write_contacts(dem__stream *s, dem_world *w, dem__group *g) {
     const dem__contacts *contacts = &w->engine->contacts;
     dem__saved_chunk chunk[DEM__CHUNKS];
@@ -14123,12 +14372,7 @@ static inline void dem__write_world(dem__stream *s, dem_world *w) {
     dem__pair_fields(&w->def.pair[0][0], &g), dem__write_group(s, w, &g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX, 0);
     dem__wall_fields(w->wall, &g), dem__write_group(s, w, &g, w->walls, 0);
     dem__write_meshes(s, w, &g);
-    if (w->engine->convex.shapes > 0) {
-        g.needed = g.fields = dem__shape_fields(w->engine->convex.shape, g.field);
-        dem__write_group(s, w, &g, w->engine->convex.shapes, 0);
-    }
     dem__write_particles(s, w, &g);
-    dem__write_bodies(s, w, &g);
     dem__write_contacts(s, w, &g);
     DEM__TELL(w, save, (s, w, &g));
     if (w->passed_count > 0) dem__passed_fields(w->passed, &g), dem__write_group(s, w, &g, w->passed_count, 0);
@@ -14158,28 +14402,7 @@ static inline void dem__hash_particle(uint64_t *hash, const dem_world *w, ptrdif
     dem__hash_f64(hash, &p->radius, 1), dem__hash_f64(hash, &p->mass, 1), dem__hash_f64(hash, bodies->load[i], 6);
     dem__hash_i64(hash, p->origin), dem__hash_u64(hash, w->id[i]);
     dem__hash_i64(hash, w->material[i]), dem__hash_i64(hash, w->group[i]);
-    if (dem__is_fixed(w, i))
-        dem__hash_f64(hash, bodies->fixed[i].load, 6), dem__hash_vec(hash, bodies->fixed[i].impulse);
     DEM__TELL(w, hash_particle, (hash, w, i));
-}
-
-static inline void dem__hash_rigid(uint64_t *hash, const dem_world *w, const dem__rigid *r) {
-    dem__hash_i64(hash, w->engine->bodies.number[r->first]), dem__hash_i64(hash, r->pieces);
-    dem__hash_vec(hash, r->x), dem__hash_vec(hash, r->v), dem__hash_vec(hash, r->a);
-    dem__hash_vec(hash, r->momentum), dem__hash_vec(hash, r->torque);
-    dem__hash_quaternion(hash, r->turn), dem__hash_quaternion(hash, r->frame);
-    dem__hash_vec(hash, r->moments), dem__hash_f64(hash, &r->mass, 1);
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++)
-        dem__hash_vec(hash, w->engine->bodies.offset[i]), dem__hash_vec(hash, w->engine->bodies.arm[i]);
-}
-
-static inline void dem__hash_rigids(uint64_t *hash, const dem_world *w) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const int64_t present = dem__bodies_present(w);
-    if (present > 0) dem__hash_i64(hash, present);
-    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
-        if (w->alive[bodies->rigid[k].first]) dem__hash_rigid(hash, w, &bodies->rigid[k]);
-    }
 }
 
 DEM_API uint64_t dem_hash(const dem_world *world) {
@@ -14196,14 +14419,44 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__hash_particle(&hash, w, i);
     }
-    DEM__TELL(w, hash, (&hash, w));
+    DEM__TELL(w, hash_before_contacts, (&hash, w));
     DEM__EACH_CONTACT(w, c) {
         dem__hash_bodies(&hash, w, contacts->i[c], contacts->j[c], contacts->element[c]);
         dem__hash_f64(&hash, &contacts->gap[c], 1), dem__hash_f64(&hash, &contacts->force[c], 1);
         for (int a = 0; a < contacts->states; a++) dem__hash_f64(&hash, &contacts->state[a][c], 1);
     }
-    dem__hash_rigids(&hash, w);
+    DEM__TELL(w, hash, (&hash, w));
+    DEM__TELL(w, hash, (&hash, w));
     return hash;
+}
+
+/* ---------------------------------------------------------------------------------------------- >>polyhedra/save.h */
+/* Shapes in a saved world: their fields, and whether loaded ones are sound. */
+
+static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
+    const size_t s = sizeof *c;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("shape.corners", c->corners, s),
+        DEM__INTEGER("shape.edges", c->edges, s),
+        DEM__INTEGER("shape.faces", c->faces, s),
+        DEM__INTEGER("shape.is_box", c->is_box, s),
+        DEM__DOUBLES("shape.radius", c->radius, s),
+        DEM__DOUBLES("shape.reach", c->reach, s),
+        DEM__DOUBLES("shape.volume", c->volume, s),
+        DEM__DOUBLES("shape.moment", c->moment, s),
+        DEM__DOUBLES("shape.share", c->share, s),
+        DEM__DOUBLES("shape.half", c->half, s),
+        DEM__DOUBLES("shape.centroid", c->centroid, s),
+        DEM__DOUBLES("shape.axis", c->axis, s),
+        DEM__DOUBLES("shape.corner", c->corner, s),
+        DEM__DOUBLES("shape.plane", c->plane, s),
+        {"shape.face_start", c->face_start, s, DEM_FACES_MAX + 1, 1},
+        {"shape.face_corner", c->face_corner, s, 2 * DEM_EDGES_MAX, 1},
+        {"shape.edge", c->edge, s, 2 * DEM_EDGES_MAX, 1},
+        {"shape.edge_face", c->edge_face, s, 2 * DEM_EDGES_MAX, 1},
+    };
+    memcpy(field, fields, sizeof fields);
+    return (int)(sizeof fields / sizeof *fields);
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/shape.h */
@@ -16615,9 +16868,8 @@ static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birt
 /* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them
    (dem__convex_calls). Reads shapes; writes the world through dem__add_body. */
 
-static const dem__convex_calls dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
-                                                 dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
-                                                 dem__leave_convex_edges};
+static const dem__convex_calls dem__polyhedra = {dem__prepare_convex, dem__fill_convex_rows, dem__finish_convex_rows,
+                                                 dem_add_convex, dem__leave_convex_edges};
 
 /* Returns whether the tables of a shape agree with each other, and its numbers are such as the code relies on. */
 static inline int dem__is_sound_shape(const dem_convex *c) {
@@ -16637,13 +16889,140 @@ static inline int dem__is_sound_shape(const dem_convex *c) {
     return sound;
 }
 
+/* ---- the feature ---- */
+
+static inline int dem__list_arrays_of_polyhedra(dem_world *w, dem__array *list) {
+    dem__convex_state *convex = &w->engine->convex;
+    const dem__array arrays[] = {{&convex->shape_of, sizeof *convex->shape_of},
+                                 {&convex->place, sizeof *convex->place}};
+    memcpy(list, arrays, sizeof arrays);
+    return (int)(sizeof arrays / sizeof *arrays);
+}
+
+static inline void dem__release_polyhedra(dem_world *w) {
+    const dem__convex_state *convex = &w->engine->convex;
+    const dem_allocator *a = &w->def.allocator;
+    dem__release(a, convex->shape, (size_t)convex->shapes * sizeof *convex->shape);
+    dem__release(a, convex->pair, (size_t)convex->pair_capacity * sizeof *convex->pair);
+    dem__release(a, convex->point, (size_t)convex->point_capacity * sizeof *convex->point);
+}
+
+/* A polyhedron that has gone may have had this entry. */
+static inline void dem__add_shapeless(dem_world *w, ptrdiff_t i) { w->engine->convex.shape_of[i] = 0; }
+
+/* Kernels without friction compute no torques. */
+static inline dem_status dem__check_polyhedra(const dem_world *w, const dem_kernel *kernel) {
+    (void)w;
+    return kernel->features & DEM_FRICTION ? DEM_OK : DEM_POLYHEDRON;
+}
+
+static inline dem_status dem__relist_polyhedra(dem_world *w) {
+    return dem__list_convex_pairs(w) ? DEM_OK : DEM_OUT_OF_MEMORY;
+}
+
+static inline void dem__particle_fields_of_polyhedra(dem_world *w, dem__group *g) {
+    const dem__saved_field shape[] = {DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
+    dem__add_optional(g, shape, sizeof shape);
+}
+
+static inline void dem__save_shapes(dem__stream *s, dem_world *w, dem__group *g) {
+    g->needed = g->fields = dem__shape_fields(w->engine->convex.shape, g->field);
+    dem__write_group(s, w, g, w->engine->convex.shapes, 0);
+}
+
+static inline int dem__has_shapes(const dem__file *file, const dem_world *w) {
+    (void)w;
+    return dem__entries_of(file, "shape.corners") > 0;
+}
+
+/* Reads the shapes of polyhedra. */
+static inline dem_status dem__load_shapes(const dem__file *file, dem_world *w, dem__group *g) {
+    dem__convex_state *convex = &w->engine->convex;
+    const ptrdiff_t n = dem__entries_of(file, "shape.corners");
+    convex->shape =
+        (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
+    if (!convex->shape) return DEM_OUT_OF_MEMORY;
+    memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
+    convex->shapes = (int)n, convex->calls = &dem__polyhedra;
+    w->engine->walls.touch_keepers++;
+    g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
+    if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        if (!dem__is_sound_shape(&convex->shape[k])) return DEM_BAD_DATA;
+    }
+    return DEM_OK;
+}
+
+/* Checks the bodies whose shapes are polyhedra: rigid bodies come before them. */
+static inline dem_status dem__load_polyhedra(const dem__file *file, dem_world *w, dem__group *g) {
+    const dem__convex_state *convex = &w->engine->convex;
+    (void)file, (void)g;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (convex->shape_of[i] == 0) continue;
+        if (convex->shape_of[i] < 0 || convex->shape_of[i] > convex->shapes || !r || r->pieces != 1)
+            return DEM_BAD_DATA;
+    }
+    return DEM_OK;
+}
+
+static const dem__feature dem__feature_polyhedra = {
+    6, /* place */
+    0, /* adds_loads */
+    0, /* exclusive */
+    dem__list_arrays_of_polyhedra, /* list_arrays */
+    NULL, /* list_contact_arrays */
+    dem__release_polyhedra, /* release */
+    dem__add_shapeless, /* add_particle */
+    NULL, /* begin_change */
+    NULL, /* end_change */
+    NULL, /* set_time_step */
+    NULL, /* remove_particle */
+    NULL, /* renumber */
+    dem__check_polyhedra, /* check_run */
+    NULL, /* prepare_run */
+    NULL, /* set_law */
+    NULL, /* find_forces */
+    NULL, /* forces_found */
+    NULL, /* begin_run */
+    NULL, /* begin_ledger */
+    NULL, /* end_run */
+    NULL, /* keep_up */
+    dem__relist_polyhedra, /* listed */
+    NULL, /* drift */
+    NULL, /* begins_early */
+    NULL, /* begin_step */
+    dem__follow_polyhedra, /* detect */
+    NULL, /* contacts_begun */
+    NULL, /* add_forces */
+    NULL, /* end_contact */
+    NULL, /* leave */
+    NULL, /* begin_flights */
+    NULL, /* end_step */
+    NULL, /* forces */
+    NULL, /* force */
+    NULL, /* velocity_error */
+    NULL, /* correct_velocity */
+    NULL, /* open_books */
+    NULL, /* world_fields */
+    dem__particle_fields_of_polyhedra, /* particle_fields */
+    NULL, /* contact_fields */
+    dem__save_shapes, /* save */
+    dem__has_shapes, /* is_used */
+    dem__load_shapes, /* load_first */
+    dem__load_polyhedra, /* load */
+    NULL, /* loaded */
+    NULL, /* hash_particle */
+    NULL, /* hash_before_contacts */
+    NULL, /* hash */
+};
+
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !shape || !dem__is_sound_shape(shape)) return -(int)DEM_BAD_ARGUMENT;
     if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;
-    dem__array list[DEM__ARRAYS_MAX];
     const size_t size = sizeof *convex->shape, old = (size_t)convex->shapes * size;
     if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
     dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
@@ -16651,10 +17030,7 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     convex->shape = fresh, convex->calls = &dem__polyhedra;
     convex->shape[convex->shapes++] = *shape;
     if (convex->shapes > 1) return convex->shapes - 1;
-    dem__bodies *bodies = &w->engine->bodies;
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
-                        w->count + 1))
-        return 0;
+    if (dem__take_feature(w, &dem__feature_polyhedra) == DEM_OK) return 0;
     dem__release(a, convex->shape, size);
     convex->shape = NULL, convex->shapes = 0, convex->calls = NULL;
     return -(int)DEM_OUT_OF_MEMORY;
@@ -16763,13 +17139,10 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
     }
-    if (!dem__is_flag(e->ledger.on) || !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) ||
-        !dem__is_flag(e->ledger.counts))
-        return 0;
     if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX) return 0;
     for (int k = e->features - 1; k >= 0; k--) {
         const dem__feature *f = e->feature[k];
-        const int used = f->is_used(w);
+        const int used = f->is_used(file, w);
         if (used < 0) return 0;
         if (!used) dem__drop_feature(w, f);
     }
@@ -16863,25 +17236,6 @@ static inline int dem__read_chunks(const dem__file *file, dem_world *w, dem__gro
     return left == 0;
 }
 
-/* Reads the shapes of polyhedra. */
-static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, dem__group *g) {
-    dem__convex_state *convex = &w->engine->convex;
-    const ptrdiff_t n = dem__entries_of(file, "shape.corners");
-    if (n == 0) return DEM_OK;
-    convex->shape =
-        (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
-    if (!convex->shape) return DEM_OUT_OF_MEMORY;
-    memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
-    convex->shapes = (int)n, convex->calls = &dem__polyhedra;
-    w->engine->walls.touch_keepers++;
-    g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
-    if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
-    for (ptrdiff_t k = 0; k < n; k++) {
-        if (!dem__is_sound_shape(&convex->shape[k])) return DEM_BAD_DATA;
-    }
-    return DEM_OK;
-}
-
 /* Makes room for what a file contains, and sets the counts. Returns 0 when out of memory. */
 static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff_t passed) {
     dem__engine *e = w->engine;
@@ -16904,39 +17258,11 @@ static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff
     return 1;
 }
 
-/* Reads rigid bodies, for which there is room, and assigns their particles to them. Returns 0 if the file is not valid.
- */
-static inline int dem__read_bodies(const dem__file *file, dem_world *w, dem__group *g, ptrdiff_t n) {
-    dem__bodies *bodies = &w->engine->bodies;
-    if (n == 0) return 1;
-    dem__body_fields(bodies->rigid, g);
-    memset(bodies->rigid, 0, (size_t)n * sizeof *bodies->rigid);
-    if (!dem__read_group(file, g, n)) return 0;
-    for (bodies->rigid_count = 0; bodies->rigid_count < n;) {
-        const dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
-        const dem_quaternion t = r->turn;
-        if (r->first < 0 || r->pieces < 1 || r->first > w->count - r->pieces) return 0;
-        if (!dem__positive(r->moments.x) || !dem__positive(r->moments.y) || !dem__positive(r->moments.z) ||
-            !dem__positive(r->mass))
-            return 0;
-        if (!(fabs(t.w * t.w + t.x * t.x + t.y * t.y + t.z * t.z - 1.0) < 1e-6)) return 0;
-        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-            if (dem__is_fixed(w, i) != dem__is_fixed(w, r->first)) return 0;
-            if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin ||
-                w->particle[i].mass != r->mass)
-                return 0;
-            bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
-        }
-    }
-    return 1;
-}
-
 /* Reads particles, contacts, links and records of exits. */
 static inline dem_status dem__read_state(const dem__file *file, dem_world *w, dem__group *g) {
-    const ptrdiff_t present = dem__entries_of(file, "particle.x"), bodies = dem__entries_of(file, "body.first");
+    const ptrdiff_t present = dem__entries_of(file, "particle.x");
     if (!dem__read_chunks(file, w, g, present)) return DEM_BAD_DATA;
     if (!dem__make_loaded_room(w, present, dem__entries_of(file, "passed.time"))) return DEM_OUT_OF_MEMORY;
-    if (bodies > 0 && !dem__reserve_bodies(w, bodies, 0)) return DEM_OUT_OF_MEMORY;
     dem__particle_fields(w, g);
     for (ptrdiff_t i = 0; i < present; i++) {
         w->alive[i] = 1;
@@ -16944,8 +17270,7 @@ static inline dem_status dem__read_state(const dem__file *file, dem_world *w, de
         w->engine->walls.first_contact[i] = -1;
         DEM__TELL(w, add_particle, (w, i));
     }
-    if (!dem__read_group(file, g, present) || !dem__read_bodies(file, w, g, bodies) || !dem__read_contacts(file, w, g))
-        return DEM_BAD_DATA;
+    if (!dem__read_group(file, g, present) || !dem__read_contacts(file, w, g)) return DEM_BAD_DATA;
     for (int k = 0; k < w->engine->features; k++) {
         const dem__feature *f = w->engine->feature[k];
         const dem_status status = f->load ? f->load(file, w, g) : DEM_OK;
@@ -16960,7 +17285,6 @@ static inline int dem__are_sound_particles(const dem_world *w) {
         const dem_particle *p = &w->particle[i];
         if (!dem__positive(p->radius) || !dem__positive(p->mass) || p->origin > w->step || p->origin < 0) return 0;
         if (w->material[i] < 0 || w->material[i] >= w->def.materials || (i > 0 && w->id[i] <= w->id[i - 1])) return 0;
-        if (!dem__is_sound_polyhedron(w, i)) return 0;
     }
     return 1;
 }
@@ -16990,7 +17314,6 @@ static inline void dem__derive_loaded(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *first = w->engine->walls.first_contact;
     w->engine->run.needs_lists = w->engine->run.keeps_wrenches = 1;
-    w->engine->bodies.loads_on |= w->engine->bodies.has_fixed;
     DEM__TELL(w, loaded, (w));
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
@@ -17010,14 +17333,19 @@ static inline void dem__derive_loaded(dem_world *w) {
 }
 
 /* Every feature that a file may contain: a loaded world keeps those that it uses. */
-static const dem__feature *const dem__features[] = {&dem__feature_links, &dem__feature_field};
+static const dem__feature *const dem__features[] = {&dem__feature_ledger, &dem__feature_links,
+                                                    &dem__feature_field,  &dem__feature_fixed,
+                                                    &dem__feature_bodies, &dem__feature_polyhedra};
 
 /* Fills an empty world from a file. */
 static inline dem_status dem__read_file(const dem__file *file, dem_world *w) {
     dem__group g;
     if (!dem__read_world(file, w, &g)) return DEM_BAD_DATA;
     dem_status status = dem__read_walls(file, w, &g);
-    if (status == DEM_OK) status = dem__read_shapes(file, w, &g);
+    for (int k = 0; k < w->engine->features && status == DEM_OK; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->load_first) status = f->load_first(file, w, &g);
+    }
     if (status == DEM_OK) status = dem__read_state(file, w, &g);
     if (status != DEM_OK) return status;
     if (!dem__are_sound_particles(w) || !dem__are_sound_contacts(w)) return DEM_BAD_DATA;

@@ -49,16 +49,6 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);
     }
-    if (bodies->rigid_capacity > 0) {
-        list[n].address = &bodies->rigid_of, list[n++].size = sizeof(int32_t);
-        list[n].address = &bodies->offset, list[n++].size = sizeof(dem_vec);
-        list[n].address = &bodies->arm, list[n++].size = sizeof(dem_vec);
-    }
-    if (bodies->has_fixed) list[n].address = &bodies->fixed, list[n++].size = sizeof(dem__fixed);
-    if (w->engine->convex.shapes > 0) {
-        list[n].address = &w->engine->convex.shape_of, list[n++].size = sizeof(int32_t);
-        list[n].address = &w->engine->convex.place, list[n++].size = sizeof(dem__placed);
-    }
     list[n].address = &w->particle, list[n++].size = sizeof(dem_particle);
     list[n].address = &w->spin_rate, list[n++].size = sizeof(dem_vec);
     list[n].address = &w->engine->pairs.listed_at, list[n++].size = sizeof(dem_vec);
@@ -91,10 +81,9 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) {
         list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
     }
-    if (w->engine->ledger.on) {
-        list[n].address = &contacts->elastic, list[n++].size = sizeof(double);
-        for (int k = 0; k < 3; k++, n++) list[n].address = &contacts->power[k], list[n].size = sizeof(double);
-        for (int k = 0; k < 4; k++, n++) list[n].address = &contacts->loss[k], list[n].size = sizeof(double);
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->list_contact_arrays) n += f->list_contact_arrays(w, list + n);
     }
     list[n].address = &contacts->ended, list[n++].size = 1;
     /* ... with constants of their own, ... */

@@ -215,10 +215,6 @@ DEM_API void dem_free(dem_world *world) {
     dem__engine *e = world->engine;
     DEM__TELL(world, release, (world));
     dem__release(&a, e->bodies.block, e->bodies.bytes);
-    dem__release(&a, e->bodies.rigid, (size_t)e->bodies.rigid_capacity * sizeof *e->bodies.rigid);
-    dem__release(&a, e->convex.shape, (size_t)e->convex.shapes * sizeof *e->convex.shape);
-    dem__release(&a, e->convex.pair, (size_t)e->convex.pair_capacity * sizeof *e->convex.pair);
-    dem__release(&a, e->convex.point, (size_t)e->convex.point_capacity * sizeof *e->convex.point);
     dem__release(&a, e->contacts.block, e->contacts.bytes);
     dem__release(&a, e->pairs.timers.block, e->pairs.timers.bytes);
     dem__release(&a, e->walls.timers.block, e->walls.timers.bytes);

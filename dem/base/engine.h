@@ -122,7 +122,6 @@ typedef struct dem__body_calls {
     void (*shift)(dem_world *w, int32_t c);                  /* applies its shift, after all impulses */
     double (*swing)(const dem__rigid *r, double arm);        /* greatest speed in flight of what is an arm [m]
                                                                      from the centre, about it [m/s] */
-    void (*note_strides)(dem_world *w);                      /* stores how far flights are integrated */
 } dem__body_calls;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */
@@ -310,9 +309,10 @@ typedef struct dem__field {
 
 /* The energy ledger. step/step.h begins, pauses and resumes it; energy/ledger.h books. */
 typedef struct dem__ledger {
-    int on, started;     /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
-    int counts;          /* whether the last run had DEM_ENERGY */
-    double paused_error; /* error of the balance when a run without DEM_ENERGY began [J] */
+    int on, started;      /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
+    int counts;           /* whether the last run had DEM_ENERGY */
+    double stored_before; /* in contacts, before forces are found anew [J] */
+    double paused_error;  /* error of the balance when a run without DEM_ENERGY began [J] */
     dem_energy_ledger sums;
 } dem__ledger;
 

@@ -29,7 +29,8 @@ typedef struct dem__feature {
 
     /* Memory. */
     int (*list_arrays)(dem_world *w, dem__array *list); /* lists its arrays of particles; returns their number */
-    void (*release)(dem_world *w);                      /* frees its own memory */
+    int (*list_contact_arrays)(dem_world *w, dem__array *list); /* the same of contacts */
+    void (*release)(dem_world *w);                              /* frees its own memory */
 
     /* Particles come, are changed by the caller, and go. */
     void (*add_particle)(dem_world *w, ptrdiff_t i);       /* sets its numbers of a new particle */
@@ -42,8 +43,12 @@ typedef struct dem__feature {
     /* A run. */
     dem_status (*check_run)(const dem_world *w, const dem_kernel *kernel); /* what prevents it, or DEM_OK */
     int (*prepare_run)(dem_world *w);                                      /* lists are new; 0 after a failure */
-    void (*begin_ledger)(dem_world *w);                                    /* the energy ledger begins */
-    int (*end_run)(dem_world *w, int going);                               /* going: no failure so far; 0 after one */
+    void (*set_law)(dem_world *w, const dem_kernel *kernel);               /* law and features of the run are set */
+    void (*find_forces)(dem_world *w); /* before forces are found while no time passes, and after it */
+    void (*forces_found)(dem_world *w);
+    void (*begin_run)(dem_world *w);         /* before its first step */
+    void (*begin_ledger)(dem_world *w);      /* the energy ledger begins */
+    int (*end_run)(dem_world *w, int going); /* going: no failure so far; 0 after one */
 
     /* The list of near pairs. */
     void (*keep_up)(dem_world *w);      /* before the list is checked or built */
@@ -56,8 +61,10 @@ typedef struct dem__feature {
 
     /* A step, in this order. */
     int (*begin_step)(dem_world *w);                       /* 0 after a failure */
+    void (*detect)(dem_world *w, int64_t step);            /* finds its own contacts at a step */
     void (*contacts_begun)(dem_world *w, ptrdiff_t begun); /* that many contacts begin, listed in contacts.slots */
     void (*add_forces)(dem_world *w, double h);            /* after those of contacts; h: length of the step [s] */
+    void (*end_contact)(dem_world *w, ptrdiff_t c);        /* the contact in slot c ends */
     void (*leave)(dem_world *w);                           /* before particles that passed an exit are removed */
     int (*begin_flights)(dem_world *w);                    /* after bounds have been checked; 0 after a failure */
     int (*end_step)(dem_world *w);                         /* 0 after a failure */
@@ -73,11 +80,15 @@ typedef struct dem__feature {
     /* Saving. */
     void (*world_fields)(dem_world *w, struct dem__group *g);    /* adds its single numbers */
     void (*particle_fields)(dem_world *w, struct dem__group *g); /* adds its numbers of particles */
+    void (*contact_fields)(dem_world *w, struct dem__group *g);
     void (*save)(struct dem__stream *s, dem_world *w, struct dem__group *g);
-    int (*is_used)(const dem_world *w); /* whether a loaded world has it; -1: its single numbers are not valid */
+    int (*is_used)(const struct dem__file *file, const dem_world *w); /* whether a loaded world has it, after its single
+                                                                         numbers; -1: these are not valid */
+    dem_status (*load_first)(const struct dem__file *file, dem_world *w, struct dem__group *g); /* before particles */
     dem_status (*load)(const struct dem__file *file, dem_world *w, struct dem__group *g);
     void (*loaded)(dem_world *w); /* derives what is not saved, after all has been loaded */
     void (*hash_particle)(uint64_t *hash, const dem_world *w, ptrdiff_t i);
+    void (*hash_before_contacts)(uint64_t *hash, const dem_world *w);
     void (*hash)(uint64_t *hash, const dem_world *w);
 } dem__feature;
 

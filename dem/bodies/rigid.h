@@ -328,43 +328,19 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
 static const dem__body_calls dem__rigid_bodies = {
     dem__find_posture,      dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
     dem__place_pieces,      dem__free_body,       dem__test_due_with_bodies, dem__advance_with_bodies,
-    dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__swing,
-    dem__note_strides};
+    dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__swing};
 
-/* Definition of a rigid body: see bodies/rigid.h. */
-typedef struct dem__body_def {
-    dem_vec x;             /* centre of mass [m] */
-    double mass;           /* [kg] */
-    dem_vec moments;       /* about the principal axes [kg m2] */
-    dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
-    dem_quaternion turn;   /* from that frame to the lab's axes */
-    ptrdiff_t pieces;      /* number of its particles */
-    const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
-    const double *radius;  /* [m] */
-    int material, group;
-} dem__body_def;
-
-/* Makes room for n more bodies with `pieces` particles in all; for the first body, also the arrays that particles of
-   bodies need. Returns 0 when out of memory. */
-static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
+/* Makes room for n more bodies, not for their particles. Returns 0 when out of memory. */
+static inline int dem__grow_bodies(dem_world *w, ptrdiff_t n) {
     dem__bodies *bodies = &w->engine->bodies;
-    dem__array list[DEM__ARRAYS_MAX];
     const dem_allocator *a = &w->def.allocator;
-    const ptrdiff_t old = bodies->rigid_capacity, wanted = bodies->rigid_count + n;
-    if (wanted <= old) return dem__reserve_particles(w, pieces);
-    const ptrdiff_t larger = wanted + wanted / 2 + 16;
+    const ptrdiff_t old = bodies->rigid_capacity, wanted = bodies->rigid_count + n, larger = wanted + wanted / 2 + 16;
+    if (wanted <= old) return 1;
     dem__rigid *fresh =
         (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
     if (!fresh) return 0;
     bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = &dem__rigid_bodies;
-    if (old > 0) return dem__reserve_particles(w, pieces);
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
-                        w->count + pieces + 1))
-        return 1;
-    a->fn(a->user, fresh, (size_t)larger * sizeof *fresh, 0);
-    bodies->rigid = NULL, bodies->rigid_capacity = 0;
-    bodies->rigid_of = NULL, bodies->offset = bodies->arm = NULL;
-    return 0;
+    return 1;
 }
 
 /* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by
@@ -385,26 +361,4 @@ static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, i
     moments->x = m[order[0]], moments->y = m[order[1]], moments->z = m[order[2]];
     if (fabs(moments->x - moments->y) <= 1e-12 * moments->x) moments->y = moments->x;
     if (fabs(moments->x - moments->z) <= 1e-12 * moments->x && moments->x == moments->y) moments->z = moments->x;
-}
-
-/* Adds a body at rest, for which dem__reserve_bodies has made room. Returns the number of its first particle. */
-static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
-    int order[3];
-    memset(r, 0, sizeof *r);
-    r->first = (int32_t)w->count, r->pieces = (int32_t)def->pieces;
-    r->x = dem__in_box(w, def->x), r->mass = def->mass, r->moments = def->moments, r->frame = def->frame;
-    dem__order_moments(&r->moments, &r->frame, order);
-    r->turn = dem__kept_unit(dem__turns(def->turn, r->frame));
-    for (ptrdiff_t k = 0; k < def->pieces; k++) {
-        const ptrdiff_t i = dem__put_particle(w, r->x, def->radius[k], def->mass, def->material, def->group);
-        const dem_vec from = def->offset[k];
-        bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
-        bodies->offset[i] = dem_vec3(dem_axis(from, order[0]), dem_axis(from, order[1]), dem_axis(from, order[2]));
-    }
-    dem__free_body(w, r);
-    dem__book_added(w, dem__potential(w, r->first));
-    w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
-    return r->first;
 }

@@ -329,49 +329,60 @@ static inline void dem__particle_fields_of_field(dem_world *w, dem__group *g) {
     dem__add_optional(g, fields, sizeof fields);
 }
 
-static inline int dem__has_field(const dem_world *w) {
+static inline int dem__has_field(const dem__file *file, const dem_world *w) {
+    (void)file;
     return dem__is_flag(w->engine->field.on) ? w->engine->field.on : -1;
 }
 
 static const dem__feature dem__feature_field = {
-    3,                              /* place */
-    0,                              /* adds_loads */
-    1,                              /* exclusive */
-    dem__list_arrays_of_field,      /* list_arrays */
-    dem__release_field,             /* release */
-    dem__add_unflown,               /* add_particle */
-    NULL,                           /* begin_change */
-    NULL,                           /* end_change */
-    NULL,                           /* set_time_step */
-    NULL,                           /* remove_particle */
-    NULL,                           /* renumber */
-    dem__check_field,               /* check_run */
-    dem__prepare_flights,           /* prepare_run */
-    dem__begin_books,               /* begin_ledger */
-    dem__end_run_in_field,          /* end_run */
-    NULL,                           /* keep_up */
-    NULL,                           /* listed */
-    NULL,                           /* drift */
-    NULL,                           /* begins_early */
-    dem__continue_flights,          /* begin_step */
-    dem__end_flights,               /* contacts_begun */
-    dem__add_field_forces,          /* add_forces */
-    dem__leave_field,               /* leave */
-    dem__begin_flights,             /* begin_flights */
-    NULL,                           /* end_step */
-    NULL,                           /* forces */
-    NULL,                           /* force */
-    dem__velocity_error_in_field,   /* velocity_error */
+    3, /* place */
+    0, /* adds_loads */
+    1, /* exclusive */
+    dem__list_arrays_of_field, /* list_arrays */
+    NULL, /* list_contact_arrays */
+    dem__release_field, /* release */
+    dem__add_unflown, /* add_particle */
+    NULL, /* begin_change */
+    NULL, /* end_change */
+    NULL, /* set_time_step */
+    NULL, /* remove_particle */
+    NULL, /* renumber */
+    dem__check_field, /* check_run */
+    dem__prepare_flights, /* prepare_run */
+    NULL, /* set_law */
+    NULL, /* find_forces */
+    NULL, /* forces_found */
+    NULL, /* begin_run */
+    dem__begin_books, /* begin_ledger */
+    dem__end_run_in_field, /* end_run */
+    NULL, /* keep_up */
+    NULL, /* listed */
+    NULL, /* drift */
+    NULL, /* begins_early */
+    dem__continue_flights, /* begin_step */
+    NULL, /* detect */
+    dem__end_flights, /* contacts_begun */
+    dem__add_field_forces, /* add_forces */
+    NULL, /* end_contact */
+    dem__leave_field, /* leave */
+    dem__begin_flights, /* begin_flights */
+    NULL, /* end_step */
+    NULL, /* forces */
+    NULL, /* force */
+    dem__velocity_error_in_field, /* velocity_error */
     dem__correct_velocity_in_field, /* correct_velocity */
-    NULL,                           /* open_books */
-    dem__world_fields_of_field,     /* world_fields */
-    dem__particle_fields_of_field,  /* particle_fields */
-    NULL,                           /* save */
-    dem__has_field,                 /* is_used */
-    NULL,                           /* load */
-    NULL,                           /* loaded */
-    NULL,                           /* hash_particle */
-    NULL,                           /* hash */
+    NULL, /* open_books */
+    dem__world_fields_of_field, /* world_fields */
+    dem__particle_fields_of_field, /* particle_fields */
+    NULL, /* contact_fields */
+    NULL, /* save */
+    dem__has_field, /* is_used */
+    NULL, /* load_first */
+    NULL, /* load */
+    NULL, /* loaded */
+    NULL, /* hash_particle */
+    NULL, /* hash_before_contacts */
+    NULL, /* hash */
 };
 
 DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user) {

@@ -42,7 +42,8 @@ static inline void dem__save_links(dem__stream *s, dem_world *w, dem__group *g) 
     dem__write_group(s, w, g, w->engine->links.count, 2);
 }
 
-static inline int dem__has_links(const dem_world *w) {
+static inline int dem__has_links(const dem__file *file, const dem_world *w) {
+    (void)file;
     const dem__links *links = &w->engine->links;
     if (!dem__is_flag(links->on) || links->states < 0 || links->states > DEM_STATE_MAX) return -1;
     if (!dem__not_negative(links->near) || !dem__not_negative(links->interval)) return -1;

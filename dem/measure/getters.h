@@ -1,6 +1,5 @@
 /* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. */
 #pragma once
-#include "../energy/losses.h"
 #include "../contacts/block.h"
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
@@ -63,34 +62,6 @@ DEM_API dem_vec dem_momentum(const dem_world *world) {
             sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
     }
     return sum;
-}
-
-/* Returns the remainder of the energy balance [J]. */
-static inline double dem__ledger_error(const dem_energy_ledger *l) {
-    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss +
-           l->removed - l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
-}
-
-DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
-    dem_energy_ledger l;
-    memset(&l, 0, sizeof l);
-    if (!world || !world->engine) return l;
-    const dem__ledger *ledger = &world->engine->ledger;
-    l = ledger->sums;
-    l.kinetic = l.rotational = l.potential = 0.0;
-    for (ptrdiff_t i = 0; i < world->count; i++) {
-        if (!world->alive[i]) continue;
-        l.kinetic += dem__kinetic(world, i);
-        l.rotational += dem__rotational(world, i);
-        l.potential += dem__potential(world, i);
-        if (ledger->on) DEM__TELL(world, open_books, (world, i, &l));
-    }
-    l.elastic = dem__stored_energy(world);
-    if (!ledger->started) return l;
-    l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
-    l.released = l.released > 0.0 ? l.released : 0.0;
-    l.error = ledger->counts ? dem__ledger_error(&l) : ledger->paused_error;
-    return l;
 }
 
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world) {

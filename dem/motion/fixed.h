@@ -1,20 +1,93 @@
 /* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h;
    every part that turns forces into motion calls dem__is_fixed(). */
 #pragma once
+#include "../save/groups.h"
 #include "state.h"
 
-/* Makes room for the state of fixed particles. Returns 0 when out of memory; then nothing has changed. */
-static inline int dem__reserve_fixed(dem_world *w) {
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__array list[DEM__ARRAYS_MAX];
-    if (bodies->has_fixed) return 1;
-    bodies->has_fixed = 1;
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
-                        w->count + 1))
-        return 1;
-    bodies->has_fixed = 0, bodies->fixed = NULL;
-    return 0;
+static inline int dem__list_arrays_of_fixed(dem_world *w, dem__array *list) {
+    list->address = &w->engine->bodies.fixed, list->size = sizeof *w->engine->bodies.fixed;
+    return 1;
 }
+
+static inline void dem__add_unfixed(dem_world *w, ptrdiff_t i) {
+    memset(&w->engine->bodies.fixed[i], 0, sizeof *w->engine->bodies.fixed);
+}
+
+static inline void dem__world_fields_of_fixed(dem_world *w, dem__group *g) {
+    const dem__saved_field fields[] = {DEM__INTEGER("has_fixed", w->engine->bodies.has_fixed, 0)};
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline void dem__particle_fields_of_fixed(dem_world *w, dem__group *g) {
+    dem__fixed *fixed = w->engine->bodies.fixed;
+    const dem__saved_field fields[] = {DEM__INTEGER("particle.fixed", fixed->on, sizeof *fixed),
+                                       DEM__DOUBLES("particle.fixed_load", fixed->load, sizeof *fixed),
+                                       DEM__DOUBLES("particle.fixed_impulse", fixed->impulse, sizeof *fixed)};
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline int dem__has_fixed(const dem__file *file, const dem_world *w) {
+    (void)file;
+    return dem__is_flag(w->engine->bodies.has_fixed) ? w->engine->bodies.has_fixed : -1;
+}
+
+static inline void dem__derive_fixed(dem_world *w) { w->engine->bodies.loads_on = 1; }
+
+static inline void dem__hash_fixed(uint64_t *hash, const dem_world *w, ptrdiff_t i) {
+    const dem__fixed *f = &w->engine->bodies.fixed[i];
+    if (f->on) dem__hash_f64(hash, f->load, 6), dem__hash_vec(hash, f->impulse);
+}
+
+static const dem__feature dem__feature_fixed = {
+    1, /* place */
+    0, /* adds_loads */
+    0, /* exclusive */
+    dem__list_arrays_of_fixed, /* list_arrays */
+    NULL, /* list_contact_arrays */
+    NULL, /* release */
+    dem__add_unfixed, /* add_particle */
+    NULL, /* begin_change */
+    NULL, /* end_change */
+    NULL, /* set_time_step */
+    NULL, /* remove_particle */
+    NULL, /* renumber */
+    NULL, /* check_run */
+    NULL, /* prepare_run */
+    NULL, /* set_law */
+    NULL, /* find_forces */
+    NULL, /* forces_found */
+    NULL, /* begin_run */
+    NULL, /* begin_ledger */
+    NULL, /* end_run */
+    NULL, /* keep_up */
+    NULL, /* listed */
+    NULL, /* drift */
+    NULL, /* begins_early */
+    NULL, /* begin_step */
+    NULL, /* detect */
+    NULL, /* contacts_begun */
+    NULL, /* add_forces */
+    NULL, /* end_contact */
+    NULL, /* leave */
+    NULL, /* begin_flights */
+    NULL, /* end_step */
+    NULL, /* forces */
+    NULL, /* force */
+    NULL, /* velocity_error */
+    NULL, /* correct_velocity */
+    NULL, /* open_books */
+    dem__world_fields_of_fixed, /* world_fields */
+    dem__particle_fields_of_fixed, /* particle_fields */
+    NULL, /* contact_fields */
+    NULL, /* save */
+    dem__has_fixed, /* is_used */
+    NULL, /* load_first */
+    NULL, /* load */
+    dem__derive_fixed, /* loaded */
+    dem__hash_fixed, /* hash_particle */
+    NULL, /* hash_before_contacts */
+    NULL, /* hash */
+};
 
 DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     dem_world *w = world;
@@ -23,7 +96,8 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     dem__rigid *r = dem__rigid_of(w, i);
     const dem__pieces own = dem__pieces_of(w, i);
     if (dem__is_fixed(w, i) == fixed) return DEM_OK;
-    if (!dem__reserve_fixed(w)) return DEM_OUT_OF_MEMORY;
+    if (dem__take_feature(w, &dem__feature_fixed) != DEM_OK) return DEM_OUT_OF_MEMORY;
+    w->engine->bodies.has_fixed = 1;
     i = own.first;
     dem__begin_change(w, own);
     dem__restart(w, i);

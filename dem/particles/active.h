@@ -49,22 +49,6 @@ static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
     return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);
 }
 
-/* Renumbers rigid bodies and their first particles after dropped particles have been removed. Bodies are in the order
-   of their particles. */
-static inline void dem__compact_bodies(dem_world *w) {
-    dem__bodies *bodies = &w->engine->bodies;
-    ptrdiff_t n = 0;
-    for (ptrdiff_t i = 0; i < w->count && bodies->rigid; i++) {
-        if (bodies->rigid_of[i] == 0) continue;
-        dem__rigid *r = &bodies->rigid[n++];
-        *r = bodies->rigid[bodies->rigid_of[i] - 1];
-        r->first = (int32_t)i;
-        for (ptrdiff_t end = i + r->pieces; i < end; i++) bodies->rigid_of[i] = (int32_t)n;
-        i--;
-    }
-    if (bodies->rigid) bodies->rigid_count = n;
-}
-
 /* Removes dropped particles from the arrays; the others keep their order. */
 static inline void dem__compact(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -94,5 +78,4 @@ static inline void dem__compact(dem_world *w) {
     DEM__TELL(w, renumber, (w, remap));
     w->count = to;
     w->engine->bodies.dropped = 0;
-    dem__compact_bodies(w);
 }

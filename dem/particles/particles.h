@@ -33,7 +33,7 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     for (int a = 0; a < 6; a++) bodies->load[i][a] = bodies->external[i][a] = 0.0;
     p->radius = radius;
     p->mass = mass;
-    if (bodies->has_fixed) memset(&bodies->fixed[i], 0, sizeof *bodies->fixed);
+    DEM__TELL(w, add_particle, (w, i));
     dem__set_inverse_mass(w, i);
     w->particle[i].origin = w->step;
     w->id[i] = bodies->next_id++;
@@ -45,10 +45,6 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     w->engine->walls.first_contact[i] = -1;
     memset(&bodies->bound[i], 0, sizeof bodies->bound[i]);
     bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
-    if (bodies->rigid) bodies->rigid_of[i] = 0;
-    if (w->engine->convex.shapes > 0)
-        w->engine->convex.shape_of[i] = 0; /* a polyhedron that has gone may have had this entry */
-    DEM__TELL(w, add_particle, (w, i));
     return i;
 }
 
@@ -76,5 +72,3 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     if (n > 0) w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
-
-

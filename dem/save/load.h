@@ -2,9 +2,9 @@
    number that the engine relies on is checked here. */
 #pragma once
 #include "../gas/flights.h"
+#include "../ledger/ledger.h"
 #include "../links/links.h"
 #include "../polyhedra/add.h"
-#include "../polyhedra/save.h"
 #include "fields.h"
 
 /* Reads contacts into their slots. Returns 0 if the file is not valid. */
@@ -38,13 +38,10 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
     }
-    if (!dem__is_flag(e->ledger.on) || !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) ||
-        !dem__is_flag(e->ledger.counts))
-        return 0;
     if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX) return 0;
     for (int k = e->features - 1; k >= 0; k--) {
         const dem__feature *f = e->feature[k];
-        const int used = f->is_used(w);
+        const int used = f->is_used(file, w);
         if (used < 0) return 0;
         if (!used) dem__drop_feature(w, f);
     }
@@ -138,25 +135,6 @@ static inline int dem__read_chunks(const dem__file *file, dem_world *w, dem__gro
     return left == 0;
 }
 
-/* Reads the shapes of polyhedra. */
-static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, dem__group *g) {
-    dem__convex_state *convex = &w->engine->convex;
-    const ptrdiff_t n = dem__entries_of(file, "shape.corners");
-    if (n == 0) return DEM_OK;
-    convex->shape =
-        (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
-    if (!convex->shape) return DEM_OUT_OF_MEMORY;
-    memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
-    convex->shapes = (int)n, convex->calls = &dem__polyhedra;
-    w->engine->walls.touch_keepers++;
-    g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
-    if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
-    for (ptrdiff_t k = 0; k < n; k++) {
-        if (!dem__is_sound_shape(&convex->shape[k])) return DEM_BAD_DATA;
-    }
-    return DEM_OK;
-}
-
 /* Makes room for what a file contains, and sets the counts. Returns 0 when out of memory. */
 static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff_t passed) {
     dem__engine *e = w->engine;
@@ -179,39 +157,11 @@ static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff
     return 1;
 }
 
-/* Reads rigid bodies, for which there is room, and assigns their particles to them. Returns 0 if the file is not valid.
- */
-static inline int dem__read_bodies(const dem__file *file, dem_world *w, dem__group *g, ptrdiff_t n) {
-    dem__bodies *bodies = &w->engine->bodies;
-    if (n == 0) return 1;
-    dem__body_fields(bodies->rigid, g);
-    memset(bodies->rigid, 0, (size_t)n * sizeof *bodies->rigid);
-    if (!dem__read_group(file, g, n)) return 0;
-    for (bodies->rigid_count = 0; bodies->rigid_count < n;) {
-        const dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
-        const dem_quaternion t = r->turn;
-        if (r->first < 0 || r->pieces < 1 || r->first > w->count - r->pieces) return 0;
-        if (!dem__positive(r->moments.x) || !dem__positive(r->moments.y) || !dem__positive(r->moments.z) ||
-            !dem__positive(r->mass))
-            return 0;
-        if (!(fabs(t.w * t.w + t.x * t.x + t.y * t.y + t.z * t.z - 1.0) < 1e-6)) return 0;
-        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-            if (dem__is_fixed(w, i) != dem__is_fixed(w, r->first)) return 0;
-            if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin ||
-                w->particle[i].mass != r->mass)
-                return 0;
-            bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
-        }
-    }
-    return 1;
-}
-
 /* Reads particles, contacts, links and records of exits. */
 static inline dem_status dem__read_state(const dem__file *file, dem_world *w, dem__group *g) {
-    const ptrdiff_t present = dem__entries_of(file, "particle.x"), bodies = dem__entries_of(file, "body.first");
+    const ptrdiff_t present = dem__entries_of(file, "particle.x");
     if (!dem__read_chunks(file, w, g, present)) return DEM_BAD_DATA;
     if (!dem__make_loaded_room(w, present, dem__entries_of(file, "passed.time"))) return DEM_OUT_OF_MEMORY;
-    if (bodies > 0 && !dem__reserve_bodies(w, bodies, 0)) return DEM_OUT_OF_MEMORY;
     dem__particle_fields(w, g);
     for (ptrdiff_t i = 0; i < present; i++) {
         w->alive[i] = 1;
@@ -219,8 +169,7 @@ static inline dem_status dem__read_state(const dem__file *file, dem_world *w, de
         w->engine->walls.first_contact[i] = -1;
         DEM__TELL(w, add_particle, (w, i));
     }
-    if (!dem__read_group(file, g, present) || !dem__read_bodies(file, w, g, bodies) || !dem__read_contacts(file, w, g))
-        return DEM_BAD_DATA;
+    if (!dem__read_group(file, g, present) || !dem__read_contacts(file, w, g)) return DEM_BAD_DATA;
     for (int k = 0; k < w->engine->features; k++) {
         const dem__feature *f = w->engine->feature[k];
         const dem_status status = f->load ? f->load(file, w, g) : DEM_OK;
@@ -235,7 +184,6 @@ static inline int dem__are_sound_particles(const dem_world *w) {
         const dem_particle *p = &w->particle[i];
         if (!dem__positive(p->radius) || !dem__positive(p->mass) || p->origin > w->step || p->origin < 0) return 0;
         if (w->material[i] < 0 || w->material[i] >= w->def.materials || (i > 0 && w->id[i] <= w->id[i - 1])) return 0;
-        if (!dem__is_sound_polyhedron(w, i)) return 0;
     }
     return 1;
 }
@@ -265,7 +213,6 @@ static inline void dem__derive_loaded(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *first = w->engine->walls.first_contact;
     w->engine->run.needs_lists = w->engine->run.keeps_wrenches = 1;
-    w->engine->bodies.loads_on |= w->engine->bodies.has_fixed;
     DEM__TELL(w, loaded, (w));
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
@@ -285,14 +232,19 @@ static inline void dem__derive_loaded(dem_world *w) {
 }
 
 /* Every feature that a file may contain: a loaded world keeps those that it uses. */
-static const dem__feature *const dem__features[] = {&dem__feature_links, &dem__feature_field};
+static const dem__feature *const dem__features[] = {&dem__feature_ledger, &dem__feature_links,
+                                                    &dem__feature_field,  &dem__feature_fixed,
+                                                    &dem__feature_bodies, &dem__feature_polyhedra};
 
 /* Fills an empty world from a file. */
 static inline dem_status dem__read_file(const dem__file *file, dem_world *w) {
     dem__group g;
     if (!dem__read_world(file, w, &g)) return DEM_BAD_DATA;
     dem_status status = dem__read_walls(file, w, &g);
-    if (status == DEM_OK) status = dem__read_shapes(file, w, &g);
+    for (int k = 0; k < w->engine->features && status == DEM_OK; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->load_first) status = f->load_first(file, w, &g);
+    }
     if (status == DEM_OK) status = dem__read_state(file, w, &g);
     if (status != DEM_OK) return status;
     if (!dem__are_sound_particles(w) || !dem__are_sound_contacts(w)) return DEM_BAD_DATA;

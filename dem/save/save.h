@@ -2,7 +2,6 @@
    threads may save one. */
 #pragma once
 #include "../particles/particles.h"
-#include "../polyhedra/save.h"
 #include "fields.h"
 
 static inline void dem__write_particles(dem__stream *s, dem_world *w, dem__group *g) {
@@ -13,19 +12,6 @@ static inline void dem__write_particles(dem__stream *s, dem_world *w, dem__group
         dem__begin_record(s, &g->field[q], (uint64_t)present);
         for (ptrdiff_t i = 0; i < w->count; i++) {
             if (w->alive[i]) dem__stream_entry(s, &g->field[q], i);
-        }
-    }
-}
-
-static inline void dem__write_bodies(dem__stream *s, dem_world *w, dem__group *g) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const uint64_t present = (uint64_t)dem__bodies_present(w);
-    if (present == 0) return;
-    dem__body_fields(bodies->rigid, g);
-    for (int q = 0; q < g->fields; q++) {
-        dem__begin_record(s, &g->field[q], present);
-        for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
-            if (w->alive[bodies->rigid[k].first]) dem__write_entry(s, w, &g->field[q], k, q == 0);
         }
     }
 }
@@ -71,12 +57,7 @@ static inline void dem__write_world(dem__stream *s, dem_world *w) {
     dem__pair_fields(&w->def.pair[0][0], &g), dem__write_group(s, w, &g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX, 0);
     dem__wall_fields(w->wall, &g), dem__write_group(s, w, &g, w->walls, 0);
     dem__write_meshes(s, w, &g);
-    if (w->engine->convex.shapes > 0) {
-        g.needed = g.fields = dem__shape_fields(w->engine->convex.shape, g.field);
-        dem__write_group(s, w, &g, w->engine->convex.shapes, 0);
-    }
     dem__write_particles(s, w, &g);
-    dem__write_bodies(s, w, &g);
     dem__write_contacts(s, w, &g);
     DEM__TELL(w, save, (s, w, &g));
     if (w->passed_count > 0) dem__passed_fields(w->passed, &g), dem__write_group(s, w, &g, w->passed_count, 0);
@@ -106,28 +87,7 @@ static inline void dem__hash_particle(uint64_t *hash, const dem_world *w, ptrdif
     dem__hash_f64(hash, &p->radius, 1), dem__hash_f64(hash, &p->mass, 1), dem__hash_f64(hash, bodies->load[i], 6);
     dem__hash_i64(hash, p->origin), dem__hash_u64(hash, w->id[i]);
     dem__hash_i64(hash, w->material[i]), dem__hash_i64(hash, w->group[i]);
-    if (dem__is_fixed(w, i))
-        dem__hash_f64(hash, bodies->fixed[i].load, 6), dem__hash_vec(hash, bodies->fixed[i].impulse);
     DEM__TELL(w, hash_particle, (hash, w, i));
-}
-
-static inline void dem__hash_rigid(uint64_t *hash, const dem_world *w, const dem__rigid *r) {
-    dem__hash_i64(hash, w->engine->bodies.number[r->first]), dem__hash_i64(hash, r->pieces);
-    dem__hash_vec(hash, r->x), dem__hash_vec(hash, r->v), dem__hash_vec(hash, r->a);
-    dem__hash_vec(hash, r->momentum), dem__hash_vec(hash, r->torque);
-    dem__hash_quaternion(hash, r->turn), dem__hash_quaternion(hash, r->frame);
-    dem__hash_vec(hash, r->moments), dem__hash_f64(hash, &r->mass, 1);
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++)
-        dem__hash_vec(hash, w->engine->bodies.offset[i]), dem__hash_vec(hash, w->engine->bodies.arm[i]);
-}
-
-static inline void dem__hash_rigids(uint64_t *hash, const dem_world *w) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const int64_t present = dem__bodies_present(w);
-    if (present > 0) dem__hash_i64(hash, present);
-    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
-        if (w->alive[bodies->rigid[k].first]) dem__hash_rigid(hash, w, &bodies->rigid[k]);
-    }
 }
 
 DEM_API uint64_t dem_hash(const dem_world *world) {
@@ -144,12 +104,13 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__hash_particle(&hash, w, i);
     }
-    DEM__TELL(w, hash, (&hash, w));
+    DEM__TELL(w, hash_before_contacts, (&hash, w));
     DEM__EACH_CONTACT(w, c) {
         dem__hash_bodies(&hash, w, contacts->i[c], contacts->j[c], contacts->element[c]);
         dem__hash_f64(&hash, &contacts->gap[c], 1), dem__hash_f64(&hash, &contacts->force[c], 1);
         for (int a = 0; a < contacts->states; a++) dem__hash_f64(&hash, &contacts->state[a][c], 1);
     }
-    dem__hash_rigids(&hash, w);
+    DEM__TELL(w, hash, (&hash, w));
+    DEM__TELL(w, hash, (&hash, w));
     return hash;
 }

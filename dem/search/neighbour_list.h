@@ -370,7 +370,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__pairs *pairs = &w->engine->pairs;
     const int keeps = !run->needs_lists;
-    if (bodies->rigid) bodies->calls->note_strides(w);
+    DEM__TELL(w, keep_up, (w));
     if (w->status != DEM_OK) return 0;
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     if (!keeps) dem__release_unloaded(w);
@@ -385,8 +385,6 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
-    if (w->engine->convex.calls && !w->engine->convex.calls->list_pairs(w))
-        return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     for (int k = 0; k < w->engine->features; k++) {
         const dem__feature *f = w->engine->feature[k];
         const dem_status status = f->listed ? f->listed(w) : DEM_OK;
@@ -412,7 +410,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
     const int64_t least = 1 + (w->step - w->engine->pairs.listed_step) / 40;
-    if (w->engine->bodies.rigid) w->engine->bodies.calls->note_strides(w);
+    DEM__TELL(w, keep_up, (w));
     int64_t due = w->engine->pairs.listed_step + DEM__STEPS_MAX;
     if (w->step >= due) return dem__rebuild(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {

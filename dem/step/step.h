@@ -3,6 +3,7 @@
 #pragma once
 #include "../particles/remove.h"
 #include "../contacts/forces.h"
+#include "../ledger/ledger.h"
 #include "integrate.h"
 #include "../search/due_tests.h"
 #include "../particles/active.h"
@@ -13,7 +14,7 @@ static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
     w->def.skip = 0;
     dem__test_all_pairs(w, w->step);
-    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, w->step);
+    DEM__TELL(w, detect, (w, w->step));
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls; k++) {
             if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k))
@@ -90,9 +91,9 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
     dem__report_begun(w, kernel->law, begun);
     dem__advance(w, 0.0); /* before anything that may run out of memory: a world that fails there can be saved */
     if (!dem__reorder_contacts(w)) return 0;
-    const double stored = dem__stored_energy(w);
+    DEM__TELL(w, find_forces, (w));
     dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
-    dem__book_callers_contacts(w, stored);
+    DEM__TELL(w, forces_found, (w));
     DEM__TELL(w, add_forces, (w, 0.0));
     if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
     dem__kick_walls(w, 0.0);
@@ -103,23 +104,10 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
     return going;
 }
 
-/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error
-   either. */
-static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
-    dem__ledger *ledger = &w->engine->ledger;
-    const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
-    if (ledger->counts == counts) return;
-    if (!counts) ledger->paused_error = dem_energy(w).error;
-    else dem__find_stored(w, loop);
-    ledger->counts = counts;
-    if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
-}
-
 /* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a
    failure. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
     dem__run *run = &w->engine->run;
-    dem__ledger *ledger = &w->engine->ledger;
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
     w->engine->bodies.adds_loads = w->engine->bodies.loads_on;
@@ -128,17 +116,10 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
     const ptrdiff_t begun = run->needs_forces ? dem__begin_contacts_present(w) : 0;
     if (begun < 0) return 0;
     dem__set_law(w, kernel->law, features);
-    dem__switch_ledger(w, kernel->loop);
+    DEM__TELL(w, set_law, (w, kernel));
     if (run->needs_forces && !dem__find_forces(w, kernel, begun)) return 0;
     run->needs_forces = 0;
-    if ((features & DEM_ENERGY) && !ledger->started) {
-        ledger->started = 1;
-        memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked */
-        DEM__TELL(w, begin_ledger, (w));
-        dem_energy_ledger now = dem_energy(w);
-        ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
-        ledger->sums.start_potential = now.potential;
-    }
+    DEM__TELL(w, begin_run, (w));
     return 1;
 }
 
@@ -205,14 +186,11 @@ static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
     if (!dem__find_contacts_that_begin(w)) return dem__undo_detection(w);
     const ptrdiff_t begun = w->engine->contacts.begun;
     dem__commit_begun(w, 1.0);
-    if (begun > 0 && w->engine->ledger.on)
-        dem__list_active(w); /* books are sums in the order of memory, whenever lists were built */
     DEM__TELL(w, contacts_begun, (w, begun));
     dem__advance(w, h);
     dem__prepare_begun(w, kernel->law, begun, features);
     dem__evaluate(w, kernel->loop, h, has_friction, keep);
     DEM__TELL(w, add_forces, (w, h));
-    if (features & DEM_ENERGY) dem__book_losses(w);
     const int finite = dem__kick(w, h);
     dem__kick_walls(w, h);
     dem__apply_corrections(w, has_friction);
@@ -258,26 +236,28 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
     }
-    if (w->engine->convex.shapes > 0 && !(kernel->features & DEM_FRICTION))
-        return DEM_POLYHEDRON; /* others compute no torques */
     if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
     return DEM_OK;
 }
 
 /* Makes the arrays of contacts fit law, ledger and threads. Returns 0 when out of memory; nothing has changed then. */
-static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int ledger) {
+static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int features) {
     dem__contacts *contacts = &w->engine->contacts;
-    const int states = contacts->states, constants = contacts->constants, had_ledger = w->engine->ledger.on;
+    const int states = contacts->states, constants = contacts->constants;
     const int postpones = dem__may_postpone(w) && !contacts->postponed;
+    const int books = (features & DEM_ENERGY) && !w->engine->ledger.on;
     dem__array list[DEM__ARRAYS_MAX];
-    if (law->states == states && law->constants <= constants && ledger == had_ledger && !postpones) return 1;
-    contacts->states = law->states, w->engine->ledger.on = ledger;
+    if (law->states == states && law->constants <= constants && !books && !postpones) return 1;
+    if (books) dem__add_feature(w, &dem__feature_ledger);
+    contacts->states = law->states;
     contacts->constants = law->constants > constants ? law->constants : constants;
     if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
                          dem__next_slot(w) + 1)) {
-        contacts->states = states, contacts->constants = constants, w->engine->ledger.on = had_ledger;
+        contacts->states = states, contacts->constants = constants;
+        if (books) dem__drop_feature(w, &dem__feature_ledger);
         return 0;
     }
+    w->engine->ledger.on |= books;
     for (int a = contacts->states; a < DEM_STATE_MAX; a++) contacts->state[a] = NULL; /* not in the block */
     return 1;
 }
@@ -305,8 +285,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     const dem_status status = dem__check_run(w, kernel, features);
     if (status != DEM_OK) return status;
     w->status = DEM_OK; /* the caller may have mended any other failure */
-    if (!dem__make_work(w, w->def.threads) ||
-        !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
+    if (!dem__make_work(w, w->def.threads) || !dem__fit_contact_arrays(w, kernel->law, features))
         return DEM_OUT_OF_MEMORY;
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;

@@ -1,13 +1,6 @@
 /* What the ledger books of contacts: energy that they store and dissipate, work of walls, loads and fixed particles. */
 #pragma once
-#include "../motion/state.h"
-#include "../walls/kinds.h"
-
-/* Returns whether the caller ended the contact of i and j: by changing the wall, or by fixing particles. */
-static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
-    if (j < 0) return !dem__is_at_wall(w, i, -1 - (int)j) || dem__is_fixed(w, i);
-    return dem__is_fixed(w, i) && dem__is_fixed(w, j);
-}
+#include "../contacts/contacts.h"
 
 /* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it;
    otherwise as sliding loss, because its tangential spring is released. */
@@ -26,12 +19,6 @@ static inline double dem__stored_energy(const dem_world *w) {
     if (!w->engine->ledger.counts) return sum;
     DEM__EACH_CONTACT(w, c) { sum += w->engine->contacts.elastic[c]; }
     return sum;
-}
-
-/* Books the change of stored energy by the caller between runs: new contacts, changed constants. before: that energy at
-   the end of the last run [J]. */
-static inline void dem__book_callers_contacts(dem_world *w, double before) {
-    if (w->engine->ledger.started) w->engine->ledger.sums.added += dem__stored_energy(w) - before;
 }
 
 /* Books the work of fixed particle i by its motion in a step, by the trapezoidal rule. */
