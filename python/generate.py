@@ -7,6 +7,7 @@ What cannot be read off a declaration, how long an array is and what is an answe
 line there is an error, so that a new function cannot be forgotten.
 """
 import json
+import keyword
 import os
 import re
 import subprocess
@@ -210,7 +211,7 @@ def give_roles(headers, shapes):
     for h in headers:
         for name, f in h.functions.items():
             for p in f["parameters"]:
-                p["called"] = "definition" if p["name"] == "def" else p["name"]
+                p["called"] = "definition" if p["name"] == "def" else p["name"] + "_" * keyword.iskeyword(p["name"])
                 p["base"] = re.sub(r"\bconst\b|\bstruct\b|\*|\[.*", "", p["type"]).strip()
                 p["shape"] = shapes.get(f"{name}.{p['name']}", "")
                 inout, optional = p["shape"].startswith("inout"), p["shape"].startswith("optional")
@@ -221,6 +222,10 @@ def give_roles(headers, shapes):
                     p["role"] = "made"
                 else:
                     p["role"] = "optional" if optional else "given"
+                p["function"] = p["callback"] or "_fn" in p["type"] or p["base"].endswith(("_function", "_kernel"))
+            # what a definition holds and C calls with the definition's data
+            f["hook"] = not any(p["function"] for p in f["parameters"]) and any(
+                p["pointer"] and p["base"] == "void" and (p["name"] == "data" or "user" in p["name"]) for p in f["parameters"])
             f["lengths"] = lengths_of(f["parameters"])
             for p in f["parameters"]:
                 if p["called"] in f["lengths"]:
@@ -298,8 +303,8 @@ def cdef(headers):
 
 
 def version():
-    with open(os.path.join(root, "meson.build"), encoding="utf-8") as file:
-        return re.search(r"^    version: '([^']*)'", file.read(), re.M)[1]
+    with open(os.path.join(root, "VERSION"), encoding="utf-8") as file:
+        return file.read().strip()
 
 
 def main():

@@ -1,4 +1,8 @@
 /* helpers.h - what Python needs of a world beside the headers' own functions: its records, and states of all particles by one call. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
 #define RIDDLE_EXPORT extern
 
 /* What is read as it is stored. */
@@ -97,7 +101,7 @@ const char *riddle_last_line(void) { return riddle_line; }
 #define DEM_IO_IMPLEMENTATION
 #include "dem_io.h"
 
-#include "../examples/world_picture.h"
+#include "examples/common/world_picture.h"
 
 /* What render.c says; it says nothing but that memory is short. */
 int common_fail(const char *format, ...) { return (void)format, -1; }

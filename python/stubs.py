@@ -95,6 +95,7 @@ WORLD = '''    count: int
                 names: Sequence[str] = ()) -> Picture: ...
     def section(self, point: Sequence[float] | None = None, normal: Sequence[float] = (0.0, -1.0, 0.0),
                 right: Sequence[float] = (1.0, 0.0, 0.0), names: Sequence[str] = (), title: str = "") -> Drawing: ...
+    def draw(self, axes: Any, right: int = 0, up: int = 2, unit: float = 1e-3, colours: Any = None) -> None: ...
     def save(self) -> bytes: ...
     @classmethod
     def load(cls, data: bytes) -> World: ...
@@ -156,7 +157,7 @@ class Module:
     def __init__(self, header, shapes):
         self.lower, self.header, self.shapes = header.lower, header, shapes
         self.opaque = {name for name, kind in header.types.items() if kind["opaque"]}
-        self.answers = []
+        self.answers, self.aliases = [], set()
 
     def called(self, name):
         """The Python name of a type."""
@@ -180,7 +181,7 @@ class Module:
     def given(self, p):
         """The type of an argument."""
         base = p["base"]
-        if p["callback"] or "_fn" in p["type"] or p["type"].endswith(("_function", "_kernel")):
+        if p["function"]:
             return "Any"
         if not p["pointer"]:
             return f"{self.value(base)} | Sequence[float]" if self.plain(base) else self.value(base)
@@ -209,17 +210,20 @@ class Module:
 
     def function(self, name, function, called, method):
         parameters = [p for p in function["parameters"] if p["role"] in ("given", "optional")]
-        words = ["self"] if method else []
-        for p in parameters[1:] if method else parameters:
-            spelled = p["called"] + ("_" if keyword.iskeyword(p["called"]) else "")
-            words.append(f"{spelled}: {self.given(p)}" + (" | None = None" if p["role"] == "optional" else ""))
+        words, may_be_left_out = [], True
+        for p in reversed(parameters[1:] if method else parameters):
+            may_be_left_out &= p["role"] == "optional"
+            words.insert(0, f"{p['called']}: {self.given(p)}" + (" | None" if p["role"] == "optional" else "") + (" = None" if may_be_left_out else ""))
         indent = "    " if method else ""
-        return f"{indent}def {called}({', '.join(words)}) -> {self.returned(name, function)}: ..."
+        about = f'{indent}    """{function["doc"]}"""' if function["doc"] and '"' not in function["doc"] and "\\" not in function["doc"] else f"{indent}    ..."
+        return f"{indent}def {called}({', '.join((['self'] if method else []) + words)}) -> {self.returned(name, function)}:\n{about}"
 
     def structure(self, name, kind):
         lines, keywords = [f"class {self.called(name)}(Structure):"], []
+        if name.endswith("_fit_result") and self.lower in ("screen", "blocking", "classifier"):
+            lines.append("    def rows(self) -> list[dict[str, Any]]: ...")
         for field, about in kind["fields"].items():
-            if "__" in field:
+            if "__" in field or keyword.iskeyword(field):
                 continue
             base = about["type"].replace("const", "").split("[")[0].replace("*", "").strip()
             if "(" in about["type"] or base not in self.header.types and base not in INTEGERS and base not in DTYPES and base not in self.header.enums:
@@ -228,14 +232,18 @@ class Module:
             elif base in self.header.types and ("[" in about["type"] or "*" in about["type"]):
                 read = given = "Any"
             elif base in self.header.types:
-                read, given = f"Part[{self.called(base)}]", f"{self.called(base)} | Sequence[float]" if self.plain(base) else self.called(base)
+                called = self.called(base)
+                if called in kind["fields"]:  # a field hides the type of its name
+                    self.aliases.add(called)
+                    called = f"_{called}"
+                read, given = f"Part[{called}]", f"{called} | Sequence[float]" if self.plain(base) else called
             elif "[" in about["type"] or "*" in about["type"]:
                 read, given = "Array", "ArrayLike"
             else:
                 read = given = self.value(base)
             lines.append(f"    {field}: {read}")
             keywords.append(f"{field}: {given} = ...")
-        lines.append(f"    def __init__(self, *, {', '.join(keywords)}) -> None: ..." if keywords else "    ...")
+        lines.append(f"    def __init__({'this' if 'self' in kind['fields'] else 'self'}, *, {', '.join(keywords)}) -> None: ..." if keywords else "    ...")
         return [*lines, ""]
 
     def handle(self, name):
@@ -244,7 +252,8 @@ class Module:
         own = {n: f for n, f in self.header.functions.items() if belongs_to(f, name) and not self.shapes.get(n, "").startswith("C only")}
         for function, about in own.items():
             if function == f"{name}_init" or function == f"{self.lower}_init" and name != "dem_world":
-                lines.append(self.function(function, about, "__init__", False).replace("def __init__(", "    def __init__(self, ").replace(", )", ")").rsplit(" -> ", 1)[0] + " -> None: ...")
+                made = self.function(function, about, "__init__", False).split("\n")[0].rsplit(" -> ", 1)[0]
+                lines.append("    " + made.replace("__init__(", "__init__(self, ").replace(", )", ")") + " -> None: ...")
             elif not function.endswith("_free"):
                 lines.append(self.function(function, about, method_name(function, name, self.lower), True))
         if name == "dem_world":
@@ -256,7 +265,7 @@ class Module:
     def text(self):
         header, lines = self.header, []
         constants = [n for n in (*header.constants, *header.enumerators)]
-        lines += [f"{n[len(self.lower) + 1:]}: {'float' if isinstance(header.constants.get(n), float) else 'int'}" for n in dict.fromkeys(constants)] + [""]
+        lines += [f"{n[len(self.lower) + 1:]}: {'float' if isinstance(header.constants.get(n), float) else 'int'}" for n in dict.fromkeys(constants) if "__" not in n] + [""]
         functions = {n: f for n, f in header.functions.items() if not self.shapes.get(n, "").startswith("C only")}
         free = [n[len(self.lower) + 1:] for n, f in functions.items() if not any(belongs_to(f, name) for name in self.opaque)]
         for name, kind in header.types.items():
@@ -268,7 +277,7 @@ class Module:
             if any(belongs_to(function, one) for one in self.opaque):
                 continue
             called = name[len(self.lower) + 1:]
-            if any("void *" in p["text"] and (p["name"] == "data" or "user" in p["name"]) for p in function["parameters"]):
+            if function["hook"]:
                 lines.append(f"{called}: Any")
             else:
                 lines.append(self.function(name, function, called, False))
@@ -276,7 +285,7 @@ class Module:
         if self.lower == "dem":
             head = head.replace("from typing", "import os\nfrom typing")
             lines += ["", DEM]
-        return "\n".join([head, *lines, "", *self.answers]).rstrip() + "\n"
+        return "\n".join([head, *lines, "", *(f"_{name} = {name}" for name in sorted(self.aliases)), "", *self.answers]).rstrip() + "\n"
 
 
 def belongs_to(function, name):

@@ -9,7 +9,7 @@
 #define WORLD_PICTURE_H
 
 #include "dem_io.h"
-#include "common/render.h"
+#include "render.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -16,7 +16,7 @@ for _lower in _core.api["headers"]:
         _core.fill(_module, _lower)
         _sys.modules[f"riddle.{_lower}"] = _module
         globals()[_lower] = _module
-from . import dem, script
+from . import _fits, dem, script
 
 __version__ = _core.api["version"]
 __all__ = ["Error", "Handle", "Result", "Structure", "script", *_core.api["headers"], "__version__"]

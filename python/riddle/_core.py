@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 import types
+from keyword import iskeyword
 
 import numpy as np
 
@@ -650,7 +651,7 @@ class Function:
         self.status = self.returns == f"{lower}_status" and not name.endswith("_text")
         self.inferred = about["lengths"]
         self.visible = [p for p in self.parameters if p.about["role"] in ("given", "optional")]
-        self.guarded = any(p.changes or p.callback or "_fn" in p.about["type"] or p.structure and _points(ffi.typeof(p.type)) for p in self.parameters)
+        self.guarded = any(p.changes or p.about["function"] or p.structure and _points(ffi.typeof(p.type)) for p in self.parameters)
         self.defined = any(p.c_name == "def" and p.pointer for p in self.parameters)
         steps, _, pieces = _shapes.get(name, "").partition(" ")
         self.pieces = [p.name for p in self.parameters].index(steps) if pieces == "in pieces" else None
@@ -691,6 +692,9 @@ class Function:
             else:
                 arguments.append(p.number(names[p.name]))
         value = self._run(arguments, [value for _, value in keep if isinstance(value, Handle)])
+        functions = [c for p, c in zip(self.parameters, arguments) if p.about["function"] and c is not ffi.NULL]
+        for handle in [value for _, value in (*keep, *answers) if isinstance(value, Handle)] if functions else ():
+            handle._keep.update((id(c), c) for c in functions)  # it may call them later
         if self.defined:  # a simulation copies its definition
             for handle in [value for _, value in keep if isinstance(value, Handle)]:
                 handle._hold([keep_of(keep, "definition")])
@@ -767,9 +771,9 @@ def keep_of(keep, name):
 
 def of_field(field, arguments):
     """'= -1.0' for a field of a definition that C has named."""
-    for value in arguments.values():
+    for value in arguments.values() if field else ():
         try:
-            for part in re.findall(r"\w+", field or "0"):
+            for part in re.findall(r"\w+", field):
                 value = value[int(part)] if part.isdigit() else getattr(value, part)
         except (AttributeError, IndexError, TypeError):
             continue
@@ -868,7 +872,7 @@ class Parameter:
                     raise TypeError(f"{self.function.name}: {self.name}: a {self.type} is needed, not a {value._name}")
                 return value._c[0]
             return _struct(ffi.typeof(self.type), value, f"{self.function.name}: {self.name}")[0]
-        if self.callback or "_fn" in c_type or c_type.endswith(("_function", "_kernel")):
+        if self.about["function"]:
             return ffi.NULL if value is None else _callback(ffi.typeof(c_type), value, self.name)
         return number(self.type, value, f"{self.function.name}: {self.name}")
 
@@ -1005,10 +1009,6 @@ class Hook:
         raise TypeError(f"{self.__name__}: give it to a definition; C calls it with the definition's data")
 
 
-def _is_hook(about):
-    return any(p["pointer"] and p["type"].replace("const", "").replace("*", "").strip() == "void" and (p["name"] == "data" or "user" in p["name"]) for p in about["parameters"])
-
-
 def in_python(name):
     return not _shapes.get(name, "").startswith("C only")
 
@@ -1043,18 +1043,19 @@ def fill(module, lower, known=()):
         names.append(name)
 
     for name, value in _constants[lower].items():
-        put(name, value)
+        if not name.startswith("_"):
+            put(name, value)
     for name, kind in header["types"].items():
         if not kind["opaque"]:
             called = "def_" if name == prefix + "def" else name[len(prefix):] or name
             lines = [f"{field} ({about['type']}): {about['doc']}" for field, about in kind["fields"].items() if "__" not in field]
             _classes[name] = type(called, (Structure,), {"_name": name, "__module__": module.__name__, "__doc__": f"{name}\n\n" + "\n".join(lines)})
-            fields, keyword = [f for f in kind["fields"] if "__" not in f], inspect.Parameter.KEYWORD_ONLY
+            fields, keyword = [f for f in kind["fields"] if "__" not in f and f.isidentifier() and not iskeyword(f)], inspect.Parameter.KEYWORD_ONLY
             _classes[name].__signature__ = inspect.Signature([inspect.Parameter(field, keyword, default=...) for field in fields])
             put(called, _classes[name])
     for name, about in header["functions"].items():
         if in_python(name):
-            made = Hook(about, name) if _is_hook(about) else _python_function(Function(lower, name, about))
+            made = Hook(about, name) if about["hook"] else _python_function(Function(lower, name, about))
             module._functions[name] = made
             if handle_of(about):
                 methods.setdefault(handle_of(about), []).append(made)

@@ -16,7 +16,6 @@ OUTSIDE: int
 NO_OUTLET: int
 OUT_OF_MEMORY: int
 TOO_FEW: int
-_STATUS_COUNT: int
 SPHERICITY_CLAMPED: int
 CUT_OUTSIDE: int
 MISSED: int
@@ -121,7 +120,7 @@ class impact(Structure):
 
 class def_(Structure):
     cookie: int
-    wheel: Part[wheel]
+    wheel: Part[_wheel]
     rpm: float
     air_flow: float
     fluid_density: float
@@ -134,7 +133,7 @@ class def_(Structure):
     imperfection: Part[distribution]
     sphericity_2d: Part[distribution]
     sphericity_is_3d: int
-    contacts: Part[contacts]
+    contacts: Part[_contacts]
     particle_restitution: float
     cone_half_angle: float
     impulse_along_centres: int
@@ -149,14 +148,18 @@ class def_(Structure):
     shifts: int
     seed: int
     approach_size: float
-    def __init__(self, *, cookie: int = ..., wheel: wheel | Sequence[float] = ..., rpm: float = ..., air_flow: float = ..., fluid_density: float = ..., viscosity: float = ..., particle_density: float = ..., radial_factor: float = ..., tangential_velocity: distribution = ..., radial_velocity: distribution = ..., restitution: distribution = ..., imperfection: distribution = ..., sphericity_2d: distribution = ..., sphericity_is_3d: int = ..., contacts: contacts = ..., particle_restitution: float = ..., cone_half_angle: float = ..., impulse_along_centres: int = ..., law: int = ..., basis: int = ..., buoyancy: int = ..., size_low: float = ..., size_high: float = ..., sampler: int = ..., preintegrate: int = ..., points: int = ..., shifts: int = ..., seed: int = ..., approach_size: float = ...) -> None: ...
+    def __init__(self, *, cookie: int = ..., wheel: _wheel | Sequence[float] = ..., rpm: float = ..., air_flow: float = ..., fluid_density: float = ..., viscosity: float = ..., particle_density: float = ..., radial_factor: float = ..., tangential_velocity: distribution = ..., radial_velocity: distribution = ..., restitution: distribution = ..., imperfection: distribution = ..., sphericity_2d: distribution = ..., sphericity_is_3d: int = ..., contacts: _contacts = ..., particle_restitution: float = ..., cone_half_angle: float = ..., impulse_along_centres: int = ..., law: int = ..., basis: int = ..., buoyancy: int = ..., size_low: float = ..., size_high: float = ..., sampler: int = ..., preintegrate: int = ..., points: int = ..., shifts: int = ..., seed: int = ..., approach_size: float = ...) -> None: ...
 
 class Model(Handle):
     def __init__(self, definition: def_) -> None: ...
-    def tromp(self, x: float) -> _tromp_answer: ...
-    def tromp_cases(self, x: float) -> NDArray[np.float64]: ...
-    def quantile(self, t: float) -> float: ...
-    def separate(self, x: ArrayLike) -> _separate_answer: ...
+    def tromp(self, x: float) -> _tromp_answer:
+        """Returns the share of size x [m] > 0 that is rejected. error (may be NULL): half width of the 95 % interval from the shifts (Student). NaN for bad x."""
+    def tromp_cases(self, x: float) -> NDArray[np.float64]:
+        """of A, B, C alone"""
+    def quantile(self, t: float) -> float:
+        """Returns the size [m] with T = t in (0, 1), to 1e-12 on the model's own points; NaN if there is none in [size_low, size_high]."""
+    def separate(self, x: ArrayLike) -> _separate_answer:
+        """Computes T at n sizes x[n] [m] into t[n] (both may be NULL with n 0) and the characteristics of the curve."""
 
 
 class result(Structure):
@@ -170,11 +173,11 @@ class result(Structure):
     re25: float
     re50: float
     re75: float
-    weights: Part[weights]
+    weights: Part[_weights]
     clamped: float
     missed: float
     flags: int
-    def __init__(self, *, x25: float = ..., x50: float = ..., x75: float = ..., sharpness: float = ..., ecart_probable: float = ..., x50_error: float = ..., t_error: float = ..., re25: float = ..., re50: float = ..., re75: float = ..., weights: weights | Sequence[float] = ..., clamped: float = ..., missed: float = ..., flags: int = ...) -> None: ...
+    def __init__(self, *, x25: float = ..., x50: float = ..., x75: float = ..., sharpness: float = ..., ecart_probable: float = ..., x50_error: float = ..., t_error: float = ..., re25: float = ..., re50: float = ..., re75: float = ..., weights: _weights | Sequence[float] = ..., clamped: float = ..., missed: float = ..., flags: int = ...) -> None: ...
 
 class curve(Structure):
     law: int
@@ -185,7 +188,8 @@ class curve(Structure):
     def __init__(self, *, law: int = ..., size: float = ..., slope: float = ..., bypass: float = ..., hook_size: float = ...) -> None: ...
 
 class fit_result(Structure):
-    curve: Part[curve]
+    def rows(self) -> list[dict[str, Any]]: ...
+    curve: Part[_curve]
     size_sd: float
     slope_sd: float
     bypass_sd: float
@@ -195,7 +199,7 @@ class fit_result(Structure):
     dof: float
     student: float
     iterations: int
-    def __init__(self, *, curve: curve = ..., size_sd: float = ..., slope_sd: float = ..., bypass_sd: float = ..., hook_sd: float = ..., at_border: int = ..., rms: float = ..., dof: float = ..., student: float = ..., iterations: int = ...) -> None: ...
+    def __init__(self, *, curve: _curve = ..., size_sd: float = ..., slope_sd: float = ..., bypass_sd: float = ..., hook_sd: float = ..., at_border: int = ..., rms: float = ..., dof: float = ..., student: float = ..., iterations: int = ...) -> None: ...
 
 class balance_data(Structure):
     classes: int
@@ -222,74 +226,147 @@ class circuit_def(Structure):
     fine_to: Array
     def __init__(self, *, stages: int = ..., coarse_to: ArrayLike = ..., fine_to: ArrayLike = ...) -> None: ...
 
-def status_text(status: int) -> str: ...
-def newton_factor(psi: float) -> float: ...
-def hoelzer_sommerfeld(psi: float, basis: int) -> drag: ...
-def hoelzer_sommerfeld_oriented(psi: float, psi_parallel: float, psi_perpendicular: float, basis: int) -> drag: ...
-def schiller_naumann() -> drag: ...
-def stokes() -> drag: ...
-def drag_coefficient(drag: drag, re: float) -> float: ...
-def drag_force(drag: drag, x: float, speed: float, fluid_density: float, viscosity: float) -> float: ...
-def sphericity(volume: float, surface: float) -> float: ...
-def sphericity_2d(area: float, perimeter: float) -> float: ...
-def rorato(psi_2d: float) -> float: ...
-def rorato_clamped(psi_2d: float) -> _rorato_clamped_answer: ...
-def di_felice_exponent(re: float) -> float: ...
-def di_felice_superficial(voids: float, re: float) -> float: ...
-def di_felice_interstitial_drag(voids: float, re: float) -> float: ...
-def di_felice_interstitial_total(voids: float, re: float) -> float: ...
-def cut_size_stokes(at: balance) -> float: ...
-def cut_size(at: balance, drag: drag) -> _cut_size_answer: ...
-def cut_sensitivity(drag: drag, re: float) -> float: ...
-def threshold_velocity(at: balance, drag: drag, x: float) -> float: ...
-def cut_radial_velocity(at: balance, drag: drag, x: float) -> float: ...
-def terminal_velocity(drag: drag, x: float, particle_density: float, fluid_density: float, viscosity: float, gravity: float) -> float: ...
-def stopping_distance(drag: drag, x: float, particle_density: float, fluid_density: float, viscosity: float, speed: float) -> float: ...
-def stopping_distance_mercer(x: float, particle_density: float, fluid_density: float, viscosity: float, speed: float) -> float: ...
-def thornton_ning(speed: float, yield_velocity: float) -> float: ...
-def yield_velocity(contact_pressure: float, density: float, reduced_modulus: float) -> float: ...
-def reduced_modulus(modulus_1: float, poisson_1: float, modulus_2: float, poisson_2: float) -> float: ...
-def rebound_normal(paddle_speed: float, e: float, approach_speed: float) -> float: ...
-def rebound_paddle(paddle_speed: float, e: float, relative_speed: float, cos_angle: float) -> float: ...
-def rebound_thrown(v_a: float, v_t: float, e: float, share: float) -> float: ...
-def rebound_slowed(v_a: float, v_t: float, e: float, share: float) -> float: ...
-def weights_of(n: int) -> weights: ...
-def weights_poisson(mean: float) -> weights: ...
-def weights_geometric(mean: float) -> weights: ...
-def weights_markov(n: int, counter: float, wall: float) -> weights: ...
-def normal(mean: float, sd: float, low: float, high: float) -> distribution: ...
-def histogram(edge: ArrayLike, shares: ArrayLike) -> distribution: ...
-def check_distribution(d: distribution) -> None: ...
-def distribution_above(d: distribution, value: float) -> float: ...
-def distribution_at(d: distribution, u: float) -> float: ...
-def distribution_mean(d: distribution) -> float: ...
-def contact_weights(contacts: contacts) -> weights: ...
-def radial_velocity(wheel: wheel, air_flow: float, r: float) -> float: ...
-def approach(wheel: wheel, angular_speed: float, ahead: float, tangential_against: float, radial_inward: float) -> impact: ...
-def approach_in_gas(definition: def_, drag: drag, x: float, ahead: float, tangential_against: float, radial_inward: float) -> impact: ...
-def default_def() -> def_: ...
-def paper_def(material: int, rpm: float) -> _paper_def_answer: ...
-def check_def(definition: def_) -> None: ...
-def quantile_in_gas(definition: def_, t: float, case_weights: weights) -> float: ...
-def calibrate(definition: def_, x50: float) -> def_: ...
-def air_flow_for(definition: def_, x50: float) -> float: ...
-def rpm_for(definition: def_, x50: float) -> float: ...
-def trajectory(definition: def_, drag: drag, x: float, r: float, v_radial: float, v_phi: float, slip: int) -> int: ...
-def trajectory_cut(definition: def_, drag: drag, r: float, v_phi: float, slip: int) -> float: ...
-def trajectory_tromp(definition: def_, x: float, slip: int) -> _trajectory_tromp_answer: ...
-def plitt(x: float, x50: float, m: float) -> float: ...
-def plitt_size(t: float, x50: float, m: float) -> float: ...
-def rosin_rammler(x: float, x63: float, n: float) -> float: ...
-def rosin_rammler_size(t: float, x63: float, n: float) -> float: ...
-def molerus_hoffmann(x: float, x50: float, alpha: float) -> float: ...
-def molerus_hoffmann_size(t: float, x50: float, alpha: float) -> float: ...
-def curve_of(law: int, size: float, slope: float) -> curve: ...
-def curve_value(curve: curve, x: float) -> float: ...
-def curve_size(curve: curve, t: float) -> float: ...
-class_mean: Any
-def fit(law: int, free_parameters: int, x: ArrayLike, t: ArrayLike, sd: ArrayLike | None = None) -> fit_result: ...
-def reconcile(data: balance_data) -> _reconcile_answer: ...
-def circuit(circuit: circuit_def, t: ArrayLike) -> _circuit_answer: ...
+def status_text(status: int) -> str:
+    ...
+def newton_factor(psi: float) -> float:
+    """Returns 10^(0.4 (-log10 psi)^0.2), the factor of Hoelzer & Sommerfeld's Newton term. psi: sphericity in (0, 1]. Infinitely steep at psi = 1."""
+def hoelzer_sommerfeld(psi: float, basis: int) -> drag:
+    """Returns the law of Hoelzer & Sommerfeld 2008 (eq 4) for the mean over all orientations of a convex body, where the three sphericities are one (Cauchy). psi: area of the volume-equivalent sphere / surface, in (0, 1] (rounding up to 1e-12 above is taken as 1)."""
+def hoelzer_sommerfeld_oriented(psi: float, psi_parallel: float, psi_perpendicular: float, basis: int) -> drag:
+    """Returns the same in one orientation. psi_parallel: (pi x^2 / 4) / (surface / 2 - mean longitudinal projected area); psi_perpendicular: (pi x^2 / 4) / area across the flow. Both > 0."""
+def schiller_naumann() -> drag:
+    """Returns the law of Schiller & Naumann 1933, spheres: 24/Re (1 + 0.15 Re^0.687) to Re = 1000, 0.44 above. Better than Hoelzer-Sommerfeld for psi >= 0.995, where that is 9-14 % low between Re 10 and 100."""
+def stokes() -> drag:
+    """24/Re"""
+def drag_coefficient(drag: drag, re: float) -> float:
+    """Returns c_D [-] at re > 0 (infinity allowed)."""
+def drag_force(drag: drag, x: float, speed: float, fluid_density: float, viscosity: float) -> float:
+    """Returns the magnitude of the drag [N] at a slip speed [m/s] >= 0, for size x [m], fluid density [kg/m3], viscosity [Pa s]. Exact at 0."""
+def sphericity(volume: float, surface: float) -> float:
+    """Returns pi^(1/3) (6 V)^(2/3) / S: sphericity of a body of volume [m3] and surface [m2]."""
+def sphericity_2d(area: float, perimeter: float) -> float:
+    """Returns 2 sqrt(pi A) / P: 2D sphericity of a projection of area [m2] and perimeter [m]."""
+def rorato(psi_2d: float) -> float:
+    """Returns the sphericity by Rorato et al. 2019 (eq 5): 1.075 psi_2d - 0.067 for 0.53442 <= psi_2d <= 0.99237; NaN outside (at 1 it would give 1.008)."""
+def rorato_clamped(psi_2d: float) -> _rorato_clamped_answer:
+    """Returns the same with psi_2d moved into the range first; *clamped (may be NULL) : whether that was needed. NaN stays NaN."""
+def di_felice_exponent(re: float) -> float:
+    """Returns the exponent chi(Re) of Di Felice 1994 (eq 11), Re = fluid density * superficial slip * x / viscosity >= 0; minimum 3.05 at Re 31.6."""
+def di_felice_superficial(voids: float, re: float) -> float:
+    """Returns the factor on the drag of a lone particle at a void fraction in (0, 1], named by the velocity that c_D v^2 is taken with. Superficial slip (= voids * interstitial): voids^-chi."""
+def di_felice_interstitial_drag(voids: float, re: float) -> float:
+    """Returns the factor with the interstitial slip, for the drag alone: voids^(2 - chi)."""
+def di_felice_interstitial_total(voids: float, re: float) -> float:
+    """Returns the factor with the interstitial slip, for drag and pressure gradient in one (eq 10): voids^(1 - chi). Do not add -V grad p to it."""
+def cut_size_stokes(at: balance) -> float:
+    """Returns the cut size of spheres in Stokes flow [m], eq 3: sqrt(18 viscosity radius v_rad / (rho v_phi^2))."""
+def cut_size(at: balance, drag: drag) -> _cut_size_answer:
+    """Returns the one size [m] at which both forces are equal, eq 6: x = K c_D(a x). iterations may be NULL; at most 6. Solves a quartic in sqrt(x) with one positive root (Descartes) by Newton's method from above; for Schiller-Naumann, uses Newton's method in ln x. NaN for bad input."""
+def cut_sensitivity(drag: drag, re: float) -> float:
+    """Returns d ln x / d ln K = 1 / (1 + m) at the cut, K ~ radius v_rad^2 / (rho v_phi^2): from 1/2 (Stokes) to 1 (Newton)."""
+def threshold_velocity(at: balance, drag: drag, x: float) -> float:
+    """Returns the tangential velocity [m/s] from which on size x [m] is rejected. Explicit: separation curves need no root."""
+def cut_radial_velocity(at: balance, drag: drag, x: float) -> float:
+    """Returns the radial gas velocity [m/s] that makes x the cut size."""
+def terminal_velocity(drag: drag, x: float, particle_density: float, fluid_density: float, viscosity: float, gravity: float) -> float:
+    """Returns the settling velocity [m/s] of size x at rest under gravity [m/s2] > 0; negative if the particle rises. Any shape that drag describes."""
+def stopping_distance(drag: drag, x: float, particle_density: float, fluid_density: float, viscosity: float, speed: float) -> float:
+    """Returns the path [m] of a particle shot into gas at rest with speed [m/s] >= 0, closed form for any Reynolds number: (4 rho x / 3 rho_f) int_0^Re dRe / (Re c_D). Stokes number = this / length."""
+def stopping_distance_mercer(x: float, particle_density: float, fluid_density: float, viscosity: float, speed: float) -> float:
+    """Returns the stopping distance of spheres by the handbook formula, Mercer 1973 (Hinds eq 5.20), 1 < Re < 400: (rho x / rho_f) (Re^(1/3) - sqrt6 atan(Re^(1/3) / sqrt6))."""
+def thornton_ning(speed: float, yield_velocity: float) -> float:
+    """Returns the restitution of an elastic-perfectly plastic sphere at normal speed [m/s] > 0 by Thornton & Ning 1998; 1 up to the yield velocity [m/s]."""
+def yield_velocity(contact_pressure: float, density: float, reduced_modulus: float) -> float:
+    """Returns the yield velocity of a sphere on a plane, 1.5605 sqrt(p^5 / (rho E*^4)) [m/s]; contact_pressure: limiting contact pressure [Pa] (1.6 to 2.8 yield stresses)."""
+def reduced_modulus(modulus_1: float, poisson_1: float, modulus_2: float, poisson_2: float) -> float:
+    """Returns E* [Pa] of two materials: 1 / ((1 - nu1^2) / E1 + (1 - nu2^2) / E2)."""
+def rebound_normal(paddle_speed: float, e: float, approach_speed: float) -> float:
+    """Returns the velocity after a normal hit on a paddle of speed v_w by a particle with the opposite velocity v_i: v_w + e (v_w + v_i), in the direction of the wheel [m/s]."""
+def rebound_paddle(paddle_speed: float, e: float, relative_speed: float, cos_angle: float) -> float:
+    """Returns the tangential velocity after a hit at radius r: omega r + e |v_rel| cos(theta), theta: angle of the rebound to the face's normal, specular + imperfection."""
+def rebound_thrown(v_a: float, v_t: float, e: float, share: float) -> float:
+    """Returns the velocity of the thrown one (case B) of two equal particles, one of which leaves the wheel with v_a, while the other moves against it with v_t: -v_t + k share (v_a + v_t), k = (1 + e) / 2, share = cos(alpha), or cos^2(alpha) if the impulse follows the line of centres."""
+def rebound_slowed(v_a: float, v_t: float, e: float, share: float) -> float:
+    """Returns the velocity of the other one (case C): v_a - k share (v_a + v_t). The paper's share is 1; conservation of momentum requires cos^2(alpha), as for the thrown one."""
+def weights_of(n: int) -> weights:
+    """Returns the weights for n >= 0 contacts with particles, if all possible sequences are equally likely (Fig 12 b): (n+1) 3^(1-n) / 4, 1/4, rest. NaN for n < 0."""
+def weights_poisson(mean: float) -> weights:
+    """mixed over a Poisson number, mean >= 0"""
+def weights_geometric(mean: float) -> weights:
+    """mixed over P(n) = (1 - q) q^n, q = mean / (1 + mean)"""
+def weights_markov(n: int, counter: float, wall: float) -> weights:
+    """Returns the weights of a Markov chain, an extension of the equally likely sequences. counter: probability that a contact turns the particle round; wall: probability that it hits the paddle whenever it can. Both in [0, 1], wall or counter > 0. Not equal to weights_of for (1/2, 1/2), which counts forced steps once."""
+def normal(mean: float, sd: float, low: float, high: float) -> distribution:
+    """low, high may be infinite"""
+def histogram(edge: ArrayLike, shares: ArrayLike) -> distribution:
+    """Makes a histogram from class limits edge[bins + 1] and shares[bins] that add up to 1 (within 1e-3, then exactly). *made stays as it was on an error: CLASSIFIER_EMPTY, _NOT_NORMALISED, _NOT_SORTED, _BAD_ARGUMENT (not finite, negative, more than CLASSIFIER_BINS)."""
+def check_distribution(d: distribution) -> None:
+    """Makes a histogram from class limits edge[bins + 1] and shares[bins] that add up to 1 (within 1e-3, then exactly). *made stays as it was on an error: CLASSIFIER_EMPTY, _NOT_NORMALISED, _NOT_SORTED, _BAD_ARGUMENT (not finite, negative, more than CLASSIFIER_BINS)."""
+def distribution_above(d: distribution, value: float) -> float:
+    """Return P(X >= value), and the inverse of P(X < value), u in (0, 1); NaN for what classifier_check_distribution refuses."""
+def distribution_at(d: distribution, u: float) -> float:
+    """Return P(X >= value), and the inverse of P(X < value), u in (0, 1); NaN for what classifier_check_distribution refuses."""
+def distribution_mean(d: distribution) -> float:
+    """after the cut"""
+def contact_weights(contacts: contacts) -> weights:
+    ...
+def radial_velocity(wheel: wheel, air_flow: float, r: float) -> float:
+    """Returns the undisturbed inward gas velocity [m/s] at radius r: air flow / (height (2 pi r - paddles thickness))."""
+def approach(wheel: wheel, angular_speed: float, ahead: float, tangential_against: float, radial_inward: float) -> impact:
+    """Computes the straight flight to the next paddle. angular_speed of the wheel [rad/s]; ahead: angle of the entry before the paddle's middle line [rad]; velocities of the particle [m/s]."""
+def approach_in_gas(definition: def_, drag: drag, x: float, ahead: float, tangential_against: float, radial_inward: float) -> impact:
+    """Computes the same for a particle of size x [m] > 0 that gas bends from its line. The gas is that of classifier_trajectory: it turns with the wheel and flows inward with radial_factor times the undisturbed velocity. hit false for bad arguments."""
+def default_def() -> def_:
+    ...
+def paper_def(material: int, rpm: float) -> _paper_def_answer:
+    """Returns the paper's machine with one of its materials at a speed [1/min]; flags may be NULL: CLASSIFIER_EXTRAPOLATED."""
+def check_def(definition: def_) -> None:
+    """Returns CLASSIFIER_OK, or the status of the first bad field, and its name in *field (a constant string; field may be NULL)."""
+def quantile_in_gas(definition: def_, t: float, case_weights: weights) -> float:
+    """Finds the same with drag before the hit, classifier_approach_in_gas, for particles of just the size that is found: def->approach_size is not read. case_weights (may be NULL) stands for the weights of the cases, such as {1, 0, 0}. NaN, CLASSIFIER_OUTSIDE if there is none."""
+def calibrate(definition: def_, x50: float) -> def_:
+    """Solves radial_factor so that the model's x50 is the measured one [m] (the paper's one-point calibration); *calibrated is def with it, and may be def itself. CLASSIFIER_OUTSIDE if 1e-3 .. 1e3 times def's factor cannot reach it."""
+def air_flow_for(definition: def_, x50: float) -> float:
+    """Finds the air flow [m3/s], or the rotor speed [1/min], that makes x50 [m] the model's cut size with everything else as in def. Errors as above; speeds from 1 to 1e6 are tried."""
+def rpm_for(definition: def_, x50: float) -> float:
+    ...
+def trajectory(definition: def_, drag: drag, x: float, r: float, v_radial: float, v_phi: float, slip: int) -> int:
+    """Follows one particle in the inertial frame from radius r with velocities v_radial (outward) and v_phi, in gas that turns with the wheel and flows inward with radial_factor times the undisturbed velocity, until it leaves over the rim (1) or the inner radius (0); -1 if neither happens within 10 turns and 100 000 steps. RADIAL_SLIP: only the radial velocity difference makes drag, as in the balance; FULL_SLIP: the whole vector."""
+def trajectory_cut(definition: def_, drag: drag, r: float, v_phi: float, slip: int) -> float:
+    """Returns the size [m] whose fate changes, for a start with v_radial = 0. NaN if none in [size_low, size_high]."""
+def trajectory_tromp(definition: def_, x: float, slip: int) -> _trajectory_tromp_answer:
+    """Computes T at x [m] with every drawn particle followed along its path after the hit (start with v_radial = 0, as the balance sees it). Uses def's points and shifts with drawn restitutions; error as in classifier_tromp. About 10 us a particle and case: 64 to 512 points will do. Paths that stay are not rejected. CLASSIFIER_OUTSIDE if 100 000 steps do not follow a path to its end: particles that the gas takes along at once."""
+def plitt(x: float, x50: float, m: float) -> float:
+    """1 - exp(-ln2 (x/x50)^m)"""
+def plitt_size(t: float, x50: float, m: float) -> float:
+    """inverse"""
+def rosin_rammler(x: float, x63: float, n: float) -> float:
+    """1 - exp(-(x/x63)^n)"""
+def rosin_rammler_size(t: float, x63: float, n: float) -> float:
+    """Return separation curves T(x) of sizes x [m] >= 0, and their inverses for t in [0, 1)."""
+def molerus_hoffmann(x: float, x50: float, alpha: float) -> float:
+    """Return 1 / (1 + (x50/x)^2 exp(alpha (1 - (x/x50)^2))), alpha >= 0, and its inverse by Lambert's W."""
+def molerus_hoffmann_size(t: float, x50: float, alpha: float) -> float:
+    """Return 1 / (1 + (x50/x)^2 exp(alpha (1 - (x/x50)^2))), alpha >= 0, and its inverse by Lambert's W."""
+def curve_of(law: int, size: float, slope: float) -> curve:
+    """no bypass"""
+def curve_value(curve: curve, x: float) -> float:
+    """b + (1 - b) T(x); x >= 0"""
+def curve_size(curve: curve, t: float) -> float:
+    """Returns the largest size [m] with that value. NaN if there is none (t below the bypass)."""
+def class_mean(t: Any, q: Any, low: float, high: float, pieces: int) -> float:
+    ...
+def fit(law: int, free_parameters: int, x: ArrayLike, t: ArrayLike, sd: ArrayLike | None = None) -> fit_result:
+    """Fits a curve by least squares (Levenberg-Marquardt in ln size, ln slope, logit bypass, ln hook) to n measured points x[n] [m] > 0, t[n]; sd[n] > 0, the largest at most 1e6 times the smallest, or NULL (all equal). A parameter whose best value lies at its border is fixed there and the others are fitted again; a hook is sought from between each two sizes. Needs more distinct sizes than free parameters (CLASSIFIER_TOO_FEW), values on both sides of one half, and T that rises with x so that no constant fits as well (CLASSIFIER_OUTSIDE: the points leave the cut size open)."""
+def reconcile(data: balance_data) -> _reconcile_answer:
+    """Finds the least adjustment that makes feed = c coarse + (1 - c) fine hold in every class with all three still adding up to 1; c with it. Outputs (caller's, [classes], each may be NULL): t and its sd, the reconciled distributions. Classes without feed have t NaN."""
+def circuit(circuit: circuit_def, t: ArrayLike) -> _circuit_answer:
+    """Computes one size class: t[stages] in [0, 1] -> share of the fresh feed in the coarse product, and load[stages] (may be NULL): flow into each stage / fresh feed. CLASSIFIER_NO_OUTLET if the flow never leaves. Several classes: call it for each."""
+
+_contacts = contacts
+_curve = curve
+_weights = weights
+_wheel = wheel
 
 class _tromp_answer(Result):
     value: float

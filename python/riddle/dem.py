@@ -224,6 +224,21 @@ class World(_core.Handle):
             with open(os.path.join(folder, "section.svg"), encoding="utf-8") as file:
                 return Drawing(file.read())
 
+    def draw(self, axes, right=0, up=2, unit=1e-3, colours=None):
+        """Draws the particles to scale into axes of matplotlib, the nearer ones over the farther, seen along the third axis. right, up: the
+        axes that are shown, 0 .. 2; unit: [m] of the axes' numbers; colours: one a particle, by default that of its group."""
+        from matplotlib.collections import PatchCollection
+        from matplotlib.patches import Circle
+        x, radii = self.positions() / unit, self.radii() / unit
+        depth = 3 - right - up
+        order = np.argsort(x[:, depth] * (1.0 if (right, up) in ((0, 1), (1, 2), (2, 0)) else -1.0), kind="stable")
+        order = order[np.asarray(self.present())[order]]
+        colours = [f"C{int(g) % 10}" for g in self.groups()] if colours is None else colours
+        axes.add_collection(PatchCollection([Circle((x[i, right], x[i, up]), radii[i]) for i in order], facecolors=[colours[i] for i in order],
+                                            edgecolors="black", linewidths=0.3))
+        axes.set_aspect("equal")
+        axes.autoscale_view()
+
     # ---- changing ----
 
     def add_spheres(self, centres, diameters, material, group=0):

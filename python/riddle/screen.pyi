@@ -106,9 +106,9 @@ class def_(Structure):
     load_exponent: float
     load_reference: float
     domain: Any
-    memory: Part[memory]
+    memory: Part[_memory]
     cookie: int
-    def __init__(self, *, aperture: float = ..., wire: float = ..., duration: float = ..., gravity: float = ..., continuous: int = ..., classes: int = ..., diameters: ArrayLike = ..., shares: ArrayLike = ..., average: int = ..., average_diameter: float = ..., ratio: int = ..., density: float = ..., ratio_mass: float = ..., undersize_mass: float = ..., oversize_mass: float = ..., coarse_diameter: float = ..., deck_area: float = ..., bulk_density: float = ..., bottom_limit: float = ..., tolerance: float = ..., fixed_step: float = ..., dead_time: float = ..., never_passes: float = ..., free_points: int = ..., free_time: ArrayLike = ..., free_fraction: ArrayLike = ..., aperture_ratio: float = ..., project_aperture: int = ..., worn_share: float = ..., worn_by: float = ..., load_exponent: float = ..., load_reference: float = ..., domain: Any = ..., memory: memory = ..., cookie: int = ...) -> None: ...
+    def __init__(self, *, aperture: float = ..., wire: float = ..., duration: float = ..., gravity: float = ..., continuous: int = ..., classes: int = ..., diameters: ArrayLike = ..., shares: ArrayLike = ..., average: int = ..., average_diameter: float = ..., ratio: int = ..., density: float = ..., ratio_mass: float = ..., undersize_mass: float = ..., oversize_mass: float = ..., coarse_diameter: float = ..., deck_area: float = ..., bulk_density: float = ..., bottom_limit: float = ..., tolerance: float = ..., fixed_step: float = ..., dead_time: float = ..., never_passes: float = ..., free_points: int = ..., free_time: ArrayLike = ..., free_fraction: ArrayLike = ..., aperture_ratio: float = ..., project_aperture: int = ..., worn_share: float = ..., worn_by: float = ..., load_exponent: float = ..., load_reference: float = ..., domain: Any = ..., memory: _memory = ..., cookie: int = ...) -> None: ...
 
 class operation(Structure):
     amplitude: float
@@ -127,11 +127,11 @@ class bed(Structure):
     def __init__(self, *, fed: float = ..., top: float = ..., bottom: float = ..., passed: float = ..., age: float = ..., own: Any = ...) -> None: ...
 
 class case(Structure):
-    operation: Part[operation]
+    operation: Part[_operation]
     times: int
     time: Array
     retained: Array
-    def __init__(self, *, operation: operation | Sequence[float] = ..., times: int = ..., time: ArrayLike = ..., retained: ArrayLike = ...) -> None: ...
+    def __init__(self, *, operation: _operation | Sequence[float] = ..., times: int = ..., time: ArrayLike = ..., retained: ArrayLike = ...) -> None: ...
 
 class where(Structure):
     index: int
@@ -155,6 +155,7 @@ class fit_options(Structure):
     def __init__(self, *, loss: int = ..., starts: int = ..., iterations: int = ..., seed: int = ..., start: ArrayLike = ..., low: ArrayLike = ..., high: ArrayLike = ..., data_error: float = ..., shrink: float = ..., data_tolerance: float = ..., decks: Any = ..., cookie: int = ...) -> None: ...
 
 class fit_result(Structure):
+    def rows(self) -> list[dict[str, Any]]: ...
     model: int
     parameters: int
     parameter: Array
@@ -172,18 +173,18 @@ class fit_result(Structure):
     starts: int
     starts_at_best: int
     evaluations: Any
-    where: Part[where]
+    where: Part[_where]
     rises: int
     largest_rise: float
     scatter: float
     case_error: float
     ratio: int
     ratio_mass: float
-    domain: Part[domain]
+    domain: Part[_domain]
     coefficient: Array
     factor: Array
     centre: Array
-    def __init__(self, *, model: int = ..., parameters: int = ..., parameter: ArrayLike = ..., deviation: float = ..., rms: float = ..., error: ArrayLike = ..., dof: float = ..., student: float = ..., low: ArrayLike = ..., high: ArrayLike = ..., correlation: ArrayLike = ..., determined: ArrayLike = ..., at_bound: ArrayLike = ..., undetermined: int = ..., starts: int = ..., starts_at_best: int = ..., evaluations: Any = ..., where: where | Sequence[float] = ..., rises: int = ..., largest_rise: float = ..., scatter: float = ..., case_error: float = ..., ratio: int = ..., ratio_mass: float = ..., domain: domain = ..., coefficient: ArrayLike = ..., factor: ArrayLike = ..., centre: ArrayLike = ...) -> None: ...
+    def __init__(self, *, model: int = ..., parameters: int = ..., parameter: ArrayLike = ..., deviation: float = ..., rms: float = ..., error: ArrayLike = ..., dof: float = ..., student: float = ..., low: ArrayLike = ..., high: ArrayLike = ..., correlation: ArrayLike = ..., determined: ArrayLike = ..., at_bound: ArrayLike = ..., undetermined: int = ..., starts: int = ..., starts_at_best: int = ..., evaluations: Any = ..., where: _where | Sequence[float] = ..., rises: int = ..., largest_rise: float = ..., scatter: float = ..., case_error: float = ..., ratio: int = ..., ratio_mass: float = ..., domain: _domain = ..., coefficient: ArrayLike = ..., factor: ArrayLike = ..., centre: ArrayLike = ...) -> None: ...
 
 class separation(Structure):
     d25: float
@@ -196,8 +197,7 @@ class separation(Structure):
     misplaced_overflow: float
     misplaced_underflow: float
     efficiency: float
-    yield: float
-    def __init__(self, *, d25: float = ..., d50: float = ..., d75: float = ..., ecart: float = ..., imperfection: float = ..., recovery: float = ..., oversize_loss: float = ..., misplaced_overflow: float = ..., misplaced_underflow: float = ..., efficiency: float = ..., yield: float = ...) -> None: ...
+    def __init__(self, *, d25: float = ..., d50: float = ..., d75: float = ..., ecart: float = ..., imperfection: float = ..., recovery: float = ..., oversize_loss: float = ..., misplaced_overflow: float = ..., misplaced_underflow: float = ..., efficiency: float = ...) -> None: ...
 
 class duty(Structure):
     feed: float
@@ -219,55 +219,109 @@ class flow(Structure):
     undersize_in_overflow: float
     def __init__(self, *, load: float = ..., depth: float = ..., load_end: float = ..., depth_end: float = ..., residence: float = ..., passed: float = ..., stays: float = ..., efficiency: float = ..., purity: float = ..., undersize_in_overflow: float = ...) -> None: ...
 
-def status_text(status: int) -> str: ...
-def default_def() -> def_: ...
-def check_def(definition: def_) -> None: ...
-def check_operation(operation: operation) -> None: ...
-def parameter_count(model: int, continuous: int) -> int: ...
-def parameter_name(model: int, index: int) -> str: ...
-def published(model: int) -> NDArray[np.float64]: ...
-def published_domain() -> domain: ...
-def outside(domain: domain, definition: def_, model: int, operation: operation, last_time: float) -> int: ...
-def outside_text(flag: int) -> str: ...
-def predict(definition: def_, model: int, parameters: ArrayLike, operation: operation, time: ArrayLike) -> _predict_answer: ...
-def deviation(model: ArrayLike, data: ArrayLike) -> float: ...
-def partition(definition: def_, model: int, parameters: ArrayLike, operation: operation, time: float, diameters: ArrayLike) -> NDArray[np.float64]: ...
-def time_to(definition: def_, model: int, parameters: ArrayLike, operation: operation, recovery: float, limit: float) -> float: ...
-def bed_init(definition: def_, model: int) -> list[bed]: ...
-def step(definition: def_, model: int, parameters: ArrayLike, operation: operation, dt: float, feed: ArrayLike | None = None, bed: Sequence[bed]) -> NDArray[np.float64]: ...
-def student(level: float, dof: float) -> float: ...
-def default_fit_options(model: int) -> fit_options: ...
-def check_cases(definition: def_, data: Sequence[case], tolerance: float, where: where) -> None: ...
-def fit(definition: def_, model: int, data: Sequence[case], options: fit_options | None = None) -> fit_result: ...
-def profile(definition: def_, data: Sequence[case], options: fit_options | None = None, result: fit_result, index: int, rise: float) -> _profile_answer: ...
-def sample(result: fit_result, options: fit_options | None = None, seed: int, n: int) -> NDArray[np.float64]: ...
-def fit_band(definition: def_, result: fit_result, options: fit_options | None = None, operation: operation, time: ArrayLike, level: float, seed: int) -> _fit_band_answer: ...
-def band(definition: def_, model: int, sets: ArrayLike, operation: operation, time: ArrayLike, scatter: float, seed: int, level: float) -> _band_answer: ...
-def measure(diameters: ArrayLike, feed: ArrayLike, partition: ArrayLike, cut: float) -> separation: ...
-def rosin_rammler(d: float, d63: float, n: float) -> float: ...
-def lognormal(d: float, d50: float, sg: float) -> float: ...
-def classes(size: ArrayLike, passing: ArrayLike, aperture: float, classes: int) -> _classes_answer: ...
-def steady(definition: def_, model: int, parameters: ArrayLike, operation: operation, duty: duty, places: int) -> _steady_answer: ...
-def capacity(definition: def_, model: int, parameters: ArrayLike, operation: operation, duty: duty, efficiency: float) -> float: ...
-def rate(k: float, exponent: float, moisture_exponent: float, amplitude: float, frequency: float, moisture: float, d: float, size_ratio: float, g: float) -> float: ...
-def passage_probability(aperture: float, wire: float, d: float, inclination: float) -> float: ...
-def slot_probability(aperture: float, length: float, wire: float, d: float, inclination: float) -> float: ...
-def attempts_batch(rate: float, time: float, duration: float) -> float: ...
-def attempts_deck(rate: float, d: float, length: float, inclination: float, beta: float, delta: float) -> float: ...
-def first_order(k: float, t: float) -> float: ...
-def single_grain(p: float, n: float) -> float: ...
-def dong(p: float, n: float) -> float: ...
-def grain_ratio(density: float, d: float, reference: float) -> float: ...
-def subasinghe(k_s: float, k_p: float, t: float) -> float: ...
-def subasinghe_top(k_s: float, t: float) -> float: ...
-def fines_share(unstratified: float, oversize: float) -> float: ...
-def log_fines_factor(q: float) -> float: ...
-def log_size_factor(volume: float, mean_volume: float) -> float: ...
-def top_layers(mass: float, area: float, bulk_density: float, coarse_diameter: float) -> float: ...
-def log_stratification(log_w: float, log_fines_factor: float, log_size_factor: float, layers: float) -> float: ...
-def bottom_share(bottom: float, limit: float) -> float: ...
-def passage(b: float, retained: float, bottom: float, share: float) -> float: ...
-def soldinger_limit(b: float, s_inf: float, t: float) -> float: ...
+def status_text(status: int) -> str:
+    ...
+def default_def() -> def_:
+    ...
+def check_def(definition: def_) -> None:
+    """Returns SCREEN_OK, or the reason and, where field is not null, the name of the first bad field (a string constant; null when ok)."""
+def check_operation(operation: operation) -> None:
+    """Returns SCREEN_OK, or the reason and, where field is not null, the name of the first bad field (a string constant; null when ok)."""
+def parameter_count(model: int, continuous: int) -> int:
+    """Returns the number of parameters of a model: 3 3 6 6, and 5 for model 1 on a continuous deck; 0 for no such model."""
+def parameter_name(model: int, index: int) -> str:
+    ...
+def published(model: int) -> NDArray[np.float64]:
+    """Copies the set that E&K section 5.3 prints for all 27 cases to parameters[SCREEN_MAX_PARAMETERS], 0 where the model has fewer. SCREEN_BAD_MODEL for model 0, which has none there."""
+def published_domain() -> domain:
+    """Returns the domain of the 27 cases to which they were fitted."""
+def outside(domain: domain, definition: def_, model: int, operation: operation, last_time: float) -> int:
+    """Returns flags of enum screen_outside_flag for what of a prediction lies outside a domain, by more than 1 % of its values; 0 for nothing or for null pointers. last_time: the largest time of interest [s], or 0. The number of classes counts only for model 3, whose curves depend on it."""
+def outside_text(flag: int) -> str:
+    ...
+def predict(definition: def_, model: int, parameters: ArrayLike, operation: operation, time: ArrayLike) -> _predict_answer:
+    """Curves of one case. parameters [screen_parameter_count]; rate constants > 0 [1/s], or [1/m] on a deck, or [-] (model 1); exponents any finite times [times] rising from >= 0 [s]; lengths [m] on a deck retained out [classes][times] Y, mass still on the screen over initial mass of the class, eq 21 [-] stratified out [classes][times] S/S_inf, what has ever reached the bottom layer (models 0, 1: 1) [-]; may be null bottom out [classes][times] B/S_inf, what lies in the bottom layer now (models 0, 1: Y) [-]; may be null Y = bottom + 1 - stratified. Errors: as the statuses."""
+def deviation(model: ArrayLike, data: ArrayLike) -> float:
+    """Returns the paper's deviation of a case (section 5.3): mean of |model - data| over points = classes x times [-]. NaN for points < 1."""
+def partition(definition: def_, model: int, parameters: ArrayLike, operation: operation, time: float, diameters: ArrayLike) -> NDArray[np.float64]:
+    """Computes the partition curve at one time [s] (length [m]): fraction of each diameter that stays, 1 for d >= aperture. diameters [n] [m], > 0, any order; partition out [n] [-]. Models 0, 1, 2, whose classes are independent; the classes of def matter only through d_av. SCREEN_BAD_MODEL for model 3: its passage depends on how the feed is cut into classes."""
+def time_to(definition: def_, model: int, parameters: ArrayLike, operation: operation, recovery: float, limit: float) -> float:
+    """Finds the time [s] (length [m]) at which the given share of all undersize [-], [0, 1), has passed, to 1e-12 of limit; SCREEN_NOT_REACHED if later than limit, which is > 0."""
+def bed_init(definition: def_, model: int) -> list[bed]:
+    """Fills a bed with the batch at t = 0: undersize_mass x share of every class, unstratified. bed [classes]."""
+def step(definition: def_, model: int, parameters: ArrayLike, operation: operation, dt: float, feed: ArrayLike | None, bed: Sequence[bed]) -> NDArray[np.float64]:
+    """Makes one step of any model with the operation, the parameters and def as they are now. feed [classes] laid on top of the bed at the start of the step [kg], >= 0; null: none dt [s], >= 0 and finite (length [m] on a deck) passed out [classes] mass through the mesh in this step [kg]; may be null fed = top + bottom + passed stays true to round-off; a refused step changes no mass. Constant inputs give the closed forms whatever the steps. Model 1 continues at the N that belongs to Y = (top + bottom)/fed (on a deck beta < 0 is needed: N must rise with the length). Model 3 measures all masses in units of def.undersize_mass."""
+def student(level: float, dof: float) -> float:
+    """Returns the half-width, in standard errors, of a range that holds the share `level` of Student's t with dof degrees of freedom (whole numbers; others are rounded down), the normal distribution from 1e6 on. level (0, 1), dof >= 1. NaN outside. Student 1908."""
+def default_fit_options(model: int) -> fit_options:
+    ...
+def check_cases(definition: def_, data: Sequence[case], tolerance: float, where: where) -> None:
+    """Checks whether the curves can be fitted, and whether they fall. where (may be null): the first bad datum. tolerance as options.data_tolerance, but noise above it is refused; screen_fit takes the scatter of the data for its tolerance and only notes rises."""
+def fit(definition: def_, model: int, data: Sequence[case], options: fit_options | None = None) -> fit_result:
+    """Fits one parameter set to all cases given: bounded Levenberg-Marquardt in the coefficients of the log rates, from several random starts, first on a rounded, then on the sharp absolute deviation. Model 2: exchanging the two steps gives the same curves, so the data cannot tell which is which; the slower is called stratification, as in the published set, unless the bounds forbid it. Parameters without influence (moisture exponents when M is the same in all cases, exponents when A f and d are, delta of a deck when the inclination is) are held at 0, or at options->start, or the nearest bound; elsewhere only as far as k would leave its bounds. Where M alone differs, the data tell alpha x gamma only: alpha is held at 1 then. Every parameter is also tried at its bounds, the others fitted again, so that no bound gives a better fit. Curves that rise are accepted; result->rises counts them. options may be null (defaults). Errors: as the statuses; result->where is set for bad data, result->parameters is 0 after any."""
+def profile(definition: def_, data: Sequence[case], options: fit_options | None, result: fit_result, index: int, rise: float) -> _profile_answer:
+    """Finds the profile range of one parameter (index): how far it may move, all others fitted again, before the loss (deviation [-] or mean square, with the price of options->shrink) rises by rise > 0; cut at the bounds: from bound to bound for one without influence. result is a fit to the same cases with the same options."""
+def sample(result: fit_result, options: fit_options | None, seed: int, n: int) -> NDArray[np.float64]:
+    """Draws parameter sets from the normal distribution about a fit: out sets[n][SCREEN_MAX_PARAMETERS]. A direction that the data leave open has the spread 2 of a log rate or exponent (20 of a product with a moisture exponent). Bounds of options (null: defaults) hold."""
+def fit_band(definition: def_, result: fit_result, options: fit_options | None, operation: operation, time: ArrayLike, level: float, seed: int) -> _fit_band_answer:
+    """Computes the band of a prediction of new data, from parameters drawn from the fit and the error that the model makes on whole cases (result.case_error), which a band of the curve alone lacks. def: the deck of the prediction; level (0, 1), as 0.95. mean, low, high out [classes][times] [-]; each may be null. Draws 200 sets; seed: any."""
+def band(definition: def_, model: int, sets: ArrayLike, operation: operation, time: ArrayLike, scatter: float, seed: int, level: float) -> _band_answer:
+    """Computes mean, spread and confidence band of a prediction over parameter sets (from screen_sample, from refits, from seeds). sets [n][SCREEN_MAX_PARAMETERS], n >= 2; sets that give no finite curve are left out times rising from >= 0 [s] or [m], as in screen_predict scatter spread of single measurements about the model to be added [-], >= 0: result.case_error for new data; 0 for the band of the curve alone, which holds too few of them seed any; read with scatter > 0 level share of the distribution inside the band, (0, 1), as 0.95 mean, spread, low, high out [classes][times] [-]; each may be null"""
+def measure(diameters: ArrayLike, feed: ArrayLike, partition: ArrayLike, cut: float) -> separation:
+    """Computes measures of a deck from a partition curve of any model or experiment. diameters [n] rising [m]; feed [n] mass of each class (any unit), >= 0, sum > 0; partition [n] fraction that stays, [0, 1]; cut > 0 [m]: classes below it are undersize. SCREEN_NOT_REACHED when only the sizes are missing: the rest is valid."""
+def rosin_rammler(d: float, d63: float, n: float) -> float:
+    """Returns the mass share finer than d [m] of a Rosin-Rammler (1933) feed, 1 - exp(-(d/d63)^n), and of a lognormal one with median d50 and geometric standard deviation sg > 1. d >= 0, d63, d50, n > 0."""
+def lognormal(d: float, d50: float, sg: float) -> float:
+    """Returns the mass share finer than d [m] of a Rosin-Rammler (1933) feed, 1 - exp(-(d/d63)^n), and of a lognormal one with median d50 and geometric standard deviation sg > 1. d >= 0, d63, d50, n > 0."""
+def classes(size: ArrayLike, passing: ArrayLike, aperture: float, classes: int) -> _classes_answer:
+    """Divides the undersize of a feed into classes by its sieve curve: equal shares of the mass below the aperture, each with its mean size by mass. With this division the mean of the classes, d_av, does not depend on their number, and the results of models 0, 1 and 2 converge with it; model 3 depends on it. size [points] rising > 0 [m]; passing [points] mass share finer [-], not falling; straight lines between; what lies below the first size is taken to lie between 0 and it aperture [m]; diameters [classes] out [m], rising; shares [classes] out, may be null (all are 1/classes); undersize: share of the feed below the aperture [-], may be null. SCREEN_BAD_CURVE also where the curve ends below the aperture with less than 1."""
+def steady(definition: def_, model: int, parameters: ArrayLike, operation: operation, duty: duty, places: int) -> _steady_answer:
+    """Computes a steady deck whose feed has the composition of def: its classes with their shares make up undersize_mass, oversize_mass cannot pass, and the duty sets the sum of the masses. The time of a model is the age of a slice with continuous 0, and its place with 1. places > 0; results stand at length (j + 1)/places retained out [classes][places] mass flow of a class on the deck over that fed [-]: the last column is the partition curve depth out [places] of the bed [m]; may be null passed out [classes] through the deck [kg/s]: the feed of a deck below, on which it is taken to fall at its head; may be null"""
+def capacity(definition: def_, model: int, parameters: ArrayLike, operation: operation, duty: duty, efficiency: float) -> float:
+    """Finds the largest feed [kg/s] at which the deck of a duty (whose feed is not read) reaches an efficiency (0, 1), to 1e-9 of it. SCREEN_LOAD_UNKNOWN where passage does not depend on the load; SCREEN_NOT_REACHED where no load between 1e-6 and 1e6 kg/m2 does."""
+def rate(k: float, exponent: float, moisture_exponent: float, amplitude: float, frequency: float, moisture: float, d: float, size_ratio: float, g: float) -> float:
+    """Returns the dimensionless screen velocity x = A f (1-M)^moisture_exponent / (sqrt(d g) size_ratio) raised to exponent, times k. It is the rate of every model: size_ratio 1 in eqs 27, 28 (model 1) [-]; d/d_av in eqs 32, 34, 43 (k_s of models 2, 3) [1/s]; d/aperture in eqs 33, 35, 40 (k_p of models 2, 3, and k of model 0, which has their form) [1/s]. def.ratio is another ratio, of masses. k >= 0; amplitude [m], frequency [Hz], d [m], g [m/s2], size_ratio > 0; moisture [0, 1); exponents any. Overflow gives infinity."""
+def passage_probability(aperture: float, wire: float, d: float, inclination: float) -> float:
+    """Returns the probability to pass in one attempt, eq 23; eq 24 for inclination 0. aperture > 0, wire >= 0, d >= 0 [m], inclination [0, pi/2) [rad]. 0 where the grain does not fit, d >= aperture cos(inclination)."""
+def slot_probability(aperture: float, length: float, wire: float, d: float, inclination: float) -> float:
+    """Returns the same for an opening of the given length [m] >= aperture, its width, which lies across the slope; infinite for rods, whose gap alone decides. Eq 23 with another length."""
+def attempts_batch(rate: float, time: float, duration: float) -> float:
+    """Returns the attempts up to time [s] of a batch that lasts duration [s], eq 28; rate from screen_rate with size_ratio 1. time >= 0, duration > 0."""
+def attempts_deck(rate: float, d: float, length: float, inclination: float, beta: float, delta: float) -> float:
+    """Returns the attempts on a deck of the given length [m], eq 26: rate (d/length)^beta inclination^delta. d, length > 0 [m], inclination > 0 [rad]."""
+def first_order(k: float, t: float) -> float:
+    """Returns Y of model 0, eq 29: exp(-k t); k >= 0, t >= 0."""
+def single_grain(p: float, n: float) -> float:
+    """Returns Y of a single grain after n attempts, eq 22 and Table 1: (1 - p)^n. This is not model 1 of a bed: see screen_dong. p [0, 1], n >= 0."""
+def dong(p: float, n: float) -> float:
+    """Returns Y of model 1, eq 25: the root Y in (0, 1] of Y = (1 - p Y)^n, to 4 ulp. p [0, 1], n >= 0 and finite. With s = -ln Y, h(s) = s + n ln(1 - p e^-s) rises and is concave, so it has one root; this lies near Lambert's W(p n) for small p."""
+def grain_ratio(density: float, d: float, reference: float) -> float:
+    """Returns the mass of one grain over a reference mass [-], the ratio of eq 25 as its text words it; density [kg/m3], d [m], reference [kg], all > 0."""
+def subasinghe(k_s: float, k_p: float, t: float) -> float:
+    """Returns Y of model 2, eqs 30, 31: (k_s e^(-k_p t) - k_p e^(-k_s t))/(k_s - k_p), symmetric in k_s and k_p; (1 + k t) e^(-k t) where they are equal. k_s, k_p >= 0 and finite [1/s], t >= 0 and finite [s]; or [1/m] and [m]."""
+def subasinghe_top(k_s: float, t: float) -> float:
+    """Returns the share of model 2 that is not stratified yet, e^(-k_s t) = 1 - S; the bottom layer holds screen_subasinghe() minus this."""
+def fines_share(unstratified: float, oversize: float) -> float:
+    """Returns the share of fines in the top layer q of model 3, eq 42 [-]; unstratified undersize and oversize [kg], >= 0, sum > 0."""
+def log_fines_factor(q: float) -> float:
+    """Returns ln(c_q/w_q) = -(2q)^5 of model 3; q [0, 1]."""
+def log_size_factor(volume: float, mean_volume: float) -> float:
+    """Returns ln c_d = -2.5 V/V_av of model 3; volume of a grain of the class and mean volume of grains in the top layer, > 0, same unit."""
+def top_layers(mass: float, area: float, bulk_density: float, coarse_diameter: float) -> float:
+    """Returns the number of layers of coarse grains in the top layer of model 3, H_t/d_av,c (under eq 41) [-]; mass of the top layer [kg], area [m2], density [kg/m3], diameter [m], all > 0."""
+def log_stratification(log_w: float, log_fines_factor: float, log_size_factor: float, layers: float) -> float:
+    """Returns ln c = ln(c_q c_d/(H_t/d_av,c)) of model 3, eq 41; logarithms, because w_q may be 1e8 and more. layers > 0."""
+def bottom_share(bottom: float, limit: float) -> float:
+    """Returns the share of the bottom layer that takes part in passage in model 3: min(1, B_p/B), text under eq 39. bottom >= 0, limit > 0."""
+def passage(b: float, retained: float, bottom: float, share: float) -> float:
+    """Returns the passage of model 3, dR/dt = k B share with k = b Y, eqs 39, 40, on the basis of all undersize [1/s]; all >= 0."""
+def soldinger_limit(b: float, s_inf: float, t: float) -> float:
+    """Returns Y/S_inf = 1/(1 + b S_inf t) of model 3 with instant stratification and no limit of the bottom layer. b, s_inf, t >= 0."""
+
+_domain = domain
+_memory = memory
+_operation = operation
+_where = where
 
 class _predict_answer(Result):
     retained: NDArray[np.float64]
