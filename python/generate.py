@@ -10,6 +10,7 @@ import json
 import keyword
 import os
 import re
+import shlex
 import subprocess
 import sys
 
@@ -32,7 +33,7 @@ def prefix_of(text):
 def preprocessed(header, prefix):
     """Declarations of a header without comments, and the numbers that it defines."""
     source = f'#define {prefix}_API extern\n#include "{header}"\n'
-    cpp = [os.environ.get("CC", "cc"), "-E", "-I", root, "-x", "c", "-std=c99", "-O0", "-D__attribute__(x)=", "-D__restrict__=", "-D__extension__=", "-"]
+    cpp = [*shlex.split(os.environ.get("CC", "cc")), "-E", "-I", root, "-x", "c", "-std=c99", "-O0", "-D__attribute__(x)=", "-D__restrict__=", "-D__extension__=", "-"]
     text = subprocess.run(cpp, input=source, capture_output=True, text=True, check=True).stdout
     lines, inside = [], False
     for line in text.split("\n"):
@@ -41,7 +42,7 @@ def preprocessed(header, prefix):
             inside = os.path.basename(marker[1]) == header
         elif inside and not line.startswith("#"):
             lines.append(line)
-    macros = subprocess.run(cpp[:1] + ["-dM"] + cpp[1:], input=source, capture_output=True, text=True, check=True).stdout
+    macros = subprocess.run([*cpp[:-1], "-dM", "-"], input=source, capture_output=True, text=True, check=True).stdout
     constants = {}
     for name, value in re.findall(rf"^#define ({prefix}_[A-Z0-9_]*[A-Z0-9]) (.+)$", macros, re.M):
         if "__" not in name and re.fullmatch(r"\(?-?\d[\w.+-]*\)?", value.strip()):
