@@ -97,6 +97,8 @@ const char *riddle_last_line(void) { return riddle_line; }
 #define RIDDLE_IO_API extern
 #define RIDDLE_IO_IMPLEMENTATION
 #define RIDDLE_IO_FAIL(line) riddle_tell(line)
+#define RIDDLE_PLOT_API extern
+#define RIDDLE_PLOT_IMPLEMENTATION
 #define DEM_IO_API extern
 #define DEM_IO_IMPLEMENTATION
 #include "dem_io.h"
@@ -119,10 +121,10 @@ int riddle_picture(const dem_world *world, char **names, int n_names, double spe
 int riddle_section(const dem_world *world, const char *title, const double *point, const double *normal, const double *right, char **names, int n_names,
                    const char *folder, const char *name) {
     riddle_line[0] = 0;
-    riddle_io_plot *figure = riddle_io_plot_new(title, 1, 1);
+    riddle_plot *figure = riddle_plot_new(title, 1, 1);
     const dem_status status = dem_io_section(world, figure, dem_vec3(point[0], point[1], point[2]), dem_vec3(normal[0], normal[1], normal[2]),
                                              dem_vec3(right[0], right[1], right[2]), n_names ? (const char *const *)names : NULL, n_names);
-    const int written = (int)riddle_io_plot_write(figure, folder, name);
+    const int written = (int)riddle_plot_write(figure, folder, name);
     return status ? (int)status : written;
 }
 
