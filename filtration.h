@@ -510,7 +510,7 @@ typedef enum filtration_face {
     FILTRATION_WALL,     /* no slip; at the face, which may move within its plane */
     FILTRATION_PRESSURE, /* open, at a given pressure */
     FILTRATION_SYMMETRY  /* a mirror: no flow through it, no shear on it. The force on a sphere that it cuts is that on the part inside the
-                            box */
+                            box, without that of a constant pressure */
 } filtration_face;
 enum { FILTRATION_LOW_X, FILTRATION_HIGH_X, FILTRATION_LOW_Y, FILTRATION_HIGH_Y, FILTRATION_LOW_Z, FILTRATION_HIGH_Z };
 
@@ -553,7 +553,8 @@ typedef struct filtration_spheres {
     double *velocity; /* [n][3] [m/s] */
     double *spin;     /* [n][3] angular velocity [rad/s] */
     double *radius;   /* [n] [m] > 0; 0: no sphere at this index */
-    double *force;    /* [n][3] force of the fluid on the sphere [N], without buoyancy (pressure is dynamic) */
+    double *force;    /* [n][3] force of the fluid on the sphere [N], without buoyancy (pressure is dynamic); a constant pressure exerts
+                         none */
     double *torque;   /* [n][3] about the centre [N m] */
 } filtration_spheres;
 
@@ -703,7 +704,7 @@ FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid 
                                                                filtration_permeability_result *result);
 
 /* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
-   Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
+   Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
    stated; NaN outside the domain. */
 /* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
@@ -2075,11 +2076,20 @@ typedef struct filtration__link {
     float fraction; /* q [-] */
 } filtration__link;
 
+/* A population that enters a node through a face, the opposite of direction i, which leaves. It follows from the population that leaves the
+   node at `offset` along `along`. */
+typedef struct filtration__entry {
+    signed char i, face, offset[3], along;
+} filtration__entry;
+
 /* A sphere in lattice units, as in the owner map. */
 typedef struct filtration__ball {
     double centre[3], velocity[3], spin[3], radius; /* radius 0: no sphere */
     double force[2][3], torque[2][3];               /* of this step and the one before */
+    double density, slope[3];                       /* at its surface: deviation density + slope . d, d from the centre */
     int64_t steps;                                  /* number of steps since it was added */
+    int64_t films;                                  /* number of links to other solids and through faces */
+    int64_t hull[3];                                /* sum over its links of 72 w c [-]: 0 where its surface is closed */
 } filtration__ball;
 
 /* Relaxation and forcing of one step, of the kernel's precision. */
@@ -2100,9 +2110,10 @@ typedef struct filtration__lattice {
     void *block;              /* allocated block that contains f */
     size_t block_bytes;
     const signed char (*c)[3];
-    filtration_face face[6];
+    const struct filtration__face_kind *face[6];
     double face_velocity[6][3], face_density[6]; /* lattice units [-] */
     double w[FILTRATION__Q];
+    int whole_weight[FILTRATION__Q]; /* 72 w */
     filtration__rates rates;
     int periodic_x, half_way, refill;
     int odd;                    /* which step of the pair comes next */
@@ -2111,6 +2122,8 @@ typedef struct filtration__lattice {
     unsigned char *slab_active; /* [nz]: 0: at exact rest */
     filtration__link *links;
     ptrdiff_t link_count;
+    int entry_count[64]; /* of nodes beside faces: low and high of an axis have a bit each */
+    filtration__entry entries[64][FILTRATION__Q];
     filtration__ball *balls;
     ptrdiff_t ball_count, ball_room;
     ptrdiff_t fluid_nodes, solid_nodes;
@@ -2119,6 +2132,13 @@ typedef struct filtration__lattice {
     int bad[FILTRATION__TASKS];                /* 1: a row of the task is FILTRATION__ROW_BAD */
     int64_t updated[FILTRATION__TASKS];        /* nodes */
 } filtration__lattice;
+
+static inline double filtration__dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* Returns the deviation of density at a sphere's surface, or in a film beside it; d: from its centre. */
+static inline double filtration__density_at(const filtration__ball *b, const double d[3]) {
+    return b->density + filtration__dot(b->slope, d);
+}
 
 /* Returns a coordinate on an axis of n nodes, wrapped; i is at most n beyond. */
 static inline int filtration__wrap(int i, int n) { return i < 0 ? i + n : i >= n ? i - n : i; }
@@ -2611,6 +2631,16 @@ static inline int filtration__in_film(const filtration__lattice *l, int x, int y
     return 2 * fluid < l->q;
 }
 
+/* Returns the density that a film has beside a sphere, or the mean where there is none. */
+static inline double filtration__film_density(const filtration__lattice *l, int x, int y, int z) {
+    for (int i = 1; i < l->q; i++) {
+        const int32_t owner = l->owner[filtration__node(l, filtration__wrap(x + l->c[i][0], l->nx), filtration__wrap(y + l->c[i][1], l->ny),
+                                                        filtration__wrap(z + l->c[i][2], l->nz))];
+        if (owner >= 0) return l->balls[owner].density;
+    }
+    return 0.0;
+}
+
 /* Finds the first node of a row that is too fast or not a number. Solids and films do not count; they are put to rest. Returns 0 if there
    is none. */
 static inline int filtration__bad_node(filtration__lattice *l, int y, int z, filtration_problem *problem) {
@@ -2626,7 +2656,8 @@ static inline int filtration__bad_node(filtration__lattice *l, int y, int z, fil
         double uu = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
         if (uu < l->rates.limit && fabs(r) < 1e30) continue;
         if (!fluid || filtration__in_film(l, x, y, z)) {
-            for (int i = 0; i < l->q; i++) filtration__put(l, filtration__outgoing(l, x, y, z, i), 0.0);
+            const double rest = fluid ? filtration__film_density(l, x, y, z) : 0.0;
+            for (int i = 0; i < l->q; i++) filtration__put(l, filtration__outgoing(l, x, y, z, i), l->w[i] * rest);
             continue;
         }
         problem->cause = uu < HUGE_VAL ? FILTRATION_SPEED : FILTRATION_NOT_FINITE;
@@ -2657,23 +2688,63 @@ static inline int filtration__find_problem(filtration__lattice *l, filtration_pr
 
 /* ==== >>faces ==== */
 
-#define FILTRATION__BLOCK 64
+#define FILTRATION__BLOCK 64 /* nodes that a face processes together */
 
-/* Finds the face by which a population leaves; a wall takes precedence over an open face, that over a mirror. crossed: the axes, as bits.
-   Returns 3 for a wall, 2 for an open face, 1 for a mirror, 0 if it does not leave. */
-static inline int filtration__crossing(const filtration__lattice *l, int x, int y, int z, int i, int *face, int *crossed) {
-    const int at[3] = {x, y, z}, n[3] = {l->nx, l->ny, l->nz};
-    int found = 0;
-    *crossed = 0;
-    for (int a = 0; a < 3; a++) {
-        int to = at[a] + l->c[i][a], f = 2 * a + (to > 0);
-        if ((to >= 0 && to < n[a]) || l->face[f] == FILTRATION_PERIODIC) continue;
-        *crossed |= 1 << a;
-        int rank = l->face[f] == FILTRATION_WALL ? 3 : l->face[f] == FILTRATION_PRESSURE ? 2 : 1;
-        if (rank > found) found = rank, *face = f;
-    }
-    return found;
+/* What lies beyond a face. */
+enum { FILTRATION__NOTHING, FILTRATION__REPEATED, FILTRATION__MIRRORED };
+
+/* A kind of face; filtration__face_kinds has a row for each. */
+typedef struct filtration__face_kind {
+    filtration_face kind;
+    int beyond;
+    int rank;         /* at an edge of the box a population belongs to the face of the highest rank */
+    int is_touched;   /* 1: spheres touch it */
+    int has_velocity; /* 1: along the face, 2: through it, too */
+    int has_pressure;
+    int reads_flow; /* 1: enter needs the velocity of the nodes */
+    /* Computes what enters n nodes from what leaves, h. u: their velocity, or 0. NULL: what leaves is what enters. */
+    void (*enter)(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK], double *h);
+} filtration__face_kind;
+
+/* Bounce-back half way from a surface that moves. */
+static void filtration__enter_wall(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK],
+                                   double *h) {
+    const signed char *c = l->c[e->i];
+    const double *v = l->face_velocity[e->face], push = 6.0 * l->w[e->i] * (c[0] * v[0] + c[1] * v[1] + c[2] * v[2]);
+    (void)u;
+    for (int k = 0; k < n; k++) h[k] -= push;
 }
+
+/* A given pressure by anti-bounce-back (Ginzburg et al. 2008). */
+static void filtration__enter_open(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK],
+                                   double *h) {
+    const signed char *c = l->c[e->i];
+    const double r = l->face_density[e->face];
+    for (int k = 0; k < n; k++) {
+        double cu = c[0] * u[0][k] + c[1] * u[1][k] + c[2] * u[2][k];
+        double uu = u[0][k] * u[0][k] + u[1][k] * u[1][k] + u[2][k] * u[2][k];
+        h[k] = 2.0 * l->w[e->i] * (r + 4.5 * cu * cu - 1.5 * uu) - h[k];
+    }
+}
+
+/* clang-format off */
+static const filtration__face_kind filtration__face_kinds[] = {
+    /* kind                 beyond                 rank  touched velocity pressure reads flow  enter */
+    {FILTRATION_PERIODIC, FILTRATION__REPEATED, 0, 0, 0, 0, 0, NULL},
+    {FILTRATION_WALL,     FILTRATION__NOTHING,  3, 1, 1, 0, 0, filtration__enter_wall},
+    {FILTRATION_PRESSURE, FILTRATION__NOTHING,  2, 0, 0, 1, 1, filtration__enter_open},
+    {FILTRATION_SYMMETRY, FILTRATION__MIRRORED, 1, 0, 0, 0, 0, NULL},
+};
+/* clang-format on */
+
+/* Returns the row of a kind, or NULL. */
+static inline const filtration__face_kind *filtration__kind_of(filtration_face kind) {
+    for (size_t k = 0; k < sizeof filtration__face_kinds / sizeof *filtration__face_kinds; k++)
+        if (filtration__face_kinds[k].kind == kind) return &filtration__face_kinds[k];
+    return NULL;
+}
+
+static inline int filtration__repeats(const filtration__lattice *l, int axis) { return l->face[2 * axis]->beyond == FILTRATION__REPEATED; }
 
 /* Returns the direction with the signs of some axes (as bits) reversed. */
 static inline int filtration__turned(const filtration__lattice *l, int i, int axes) {
@@ -2692,11 +2763,11 @@ static inline int filtration__inside(const filtration__lattice *l, int p[3], int
     *mirrored = 0;
     for (int a = 0; a < 3; a++) {
         if (p[a] >= 0 && p[a] < n[a]) continue;
-        filtration_face kind = l->face[2 * a + (p[a] > 0)];
-        if (kind == FILTRATION_PERIODIC) {
+        const int beyond = l->face[2 * a + (p[a] > 0)]->beyond;
+        if (beyond == FILTRATION__REPEATED) {
             p[a] %= n[a];
             if (p[a] < 0) p[a] += n[a];
-        } else if (kind == FILTRATION_SYMMETRY && p[a] >= -1 && p[a] <= n[a]) {
+        } else if (beyond == FILTRATION__MIRRORED && p[a] >= -1 && p[a] <= n[a]) {
             p[a] = p[a] < 0 ? -1 - p[a] : 2 * n[a] - 1 - p[a];
             *mirrored |= 1 << a;
         } else {
@@ -2730,42 +2801,50 @@ static inline void filtration__row_velocity(const filtration__lattice *l, int x,
     }
 }
 
-/* Applies a given pressure by anti-bounce-back (Ginzburg et al. 2008). */
-static inline void filtration__open(const filtration__lattice *l, int i, double r, int n, double u[3][FILTRATION__BLOCK], double *h) {
-    for (int k = 0; k < n; k++) {
-        double cu = l->c[i][0] * u[0][k] + l->c[i][1] * u[1][k] + l->c[i][2] * u[2][k];
-        double uu = u[0][k] * u[0][k] + u[1][k] * u[1][k] + u[2][k] * u[2][k];
-        h[k] = 2.0 * l->w[i] * (r + 4.5 * cu * cu - 1.5 * uu) - h[k];
+/* Finds how the opposite of direction i enters a node with that many faces beside it (2 bits an axis: low, high). Returns 0 if it does not
+   enter through a face. */
+static inline int filtration__find_entry(const filtration__lattice *l, int beside, int i, filtration__entry *e) {
+    int rank = 0, crossed = 0;
+    memset(e, 0, sizeof *e);
+    for (int a = 0; a < 3; a++) {
+        const int c = l->c[i][a], f = 2 * a + (c > 0);
+        if (c == 0 || !(beside >> f & 1) || l->face[f]->beyond == FILTRATION__REPEATED) continue;
+        crossed |= 1 << a;
+        if (l->face[f]->rank > rank) rank = l->face[f]->rank, e->face = (signed char)f;
+    }
+    if (!crossed) return 0;
+    e->i = e->along = (signed char)i;
+    if (l->face[e->face]->beyond != FILTRATION__MIRRORED) return 1;
+    for (int a = 0; a < 3; a++) e->offset[a] = (crossed >> a & 1) ? (signed char)0 : l->c[i][a];
+    e->along = (signed char)filtration__turned(l, i, 7 & ~crossed);
+    return 1;
+}
+
+/* Lists the populations that enter through faces, for nodes beside any of them. */
+static inline void filtration__list_entries(filtration__lattice *l) {
+    for (int beside = 0; beside < 64; beside++) {
+        l->entry_count[beside] = 0;
+        for (int i = 1; i < l->q; i++)
+            l->entry_count[beside] += filtration__find_entry(l, beside, i, &l->entries[beside][l->entry_count[beside]]);
     }
 }
 
-/* Processes n nodes of a row, at most FILTRATION__BLOCK, of one kind: all or none at an end of the row. */
+static inline int filtration__beside(int i, int n) { return (i == 0) + 2 * (i == n - 1); }
+
+/* Processes n nodes of a row, at most FILTRATION__BLOCK, beside the same faces. */
 static inline void filtration__face_block(filtration__lattice *l, int x, int n, int y, int z) {
     double u[3][FILTRATION__BLOCK] = {{0.0}}, h[FILTRATION__BLOCK];
+    const int beside = filtration__beside(x, l->nx) + 4 * filtration__beside(y, l->ny) + 16 * filtration__beside(z, l->nz);
     int have_velocity = 0;
-    for (int i = 1; i < l->q; i++) {
-        int face = 0, crossed, kind = filtration__crossing(l, x, y, z, i, &face, &crossed), back = filtration__opposite(i);
-        if (!kind) continue;
-        if (kind == 1) { /* a mirror: the incoming population is the one that left the mirrored neighbour */
-            int m[3] = {x, y, z}, none;
-            for (int a = 0; a < 3; a++)
-                if (!(crossed >> a & 1)) m[a] += l->c[i][a];
-            filtration__inside(l, m, &none);
-            filtration__load(l, filtration__outgoing(l, m[0], m[1], m[2], filtration__turned(l, i, 7 & ~crossed)), n, h);
-        } else {
-            filtration__load(l, filtration__outgoing(l, x, y, z, i), n, h);
-        }
-        if (kind == 2) {
-            if (!have_velocity) filtration__row_velocity(l, x, n, y, z, u);
-            have_velocity = 1;
-            filtration__open(l, i, l->face_density[face], n, u, h);
-        }
-        if (kind == 3) {
-            const double *v = l->face_velocity[face];
-            double push = 6.0 * l->w[i] * (l->c[i][0] * v[0] + l->c[i][1] * v[1] + l->c[i][2] * v[2]);
-            for (int k = 0; k < n; k++) h[k] -= push;
-        }
-        filtration__store(l, filtration__incoming(l, x, y, z, back), n, h);
+    for (int k = 0; k < l->entry_count[beside]; k++) {
+        const filtration__entry *e = &l->entries[beside][k];
+        const filtration__face_kind *kind = l->face[e->face];
+        int m[3] = {x + e->offset[0], y + e->offset[1], z + e->offset[2]}, none;
+        filtration__inside(l, m, &none);
+        filtration__load(l, filtration__outgoing(l, m[0], m[1], m[2], e->along), n, h);
+        if (kind->reads_flow && !have_velocity) filtration__row_velocity(l, x, n, y, z, u), have_velocity = 1;
+        if (kind->enter) kind->enter(l, e, n, u, h);
+        filtration__store(l, filtration__incoming(l, x, y, z, filtration__opposite(e->i)), n, h);
     }
 }
 
@@ -2896,18 +2975,6 @@ static inline void filtration__mark_solid(const filtration_fluid_def *def, filtr
         }
 }
 
-/* Computes the force of the last step on the solid at rest, in lattice units: the momentum exchanged over its links (Ladd 1994). */
-static inline void filtration__solid_force(const filtration__lattice *l, double force[3]) {
-    force[0] = force[1] = force[2] = 0.0;
-    for (ptrdiff_t n = 0; n < l->link_count; n++) {
-        filtration__cut k = filtration__link_cut(&l->links[n]);
-        if (l->owner[filtration__node(l, k.x, k.y, k.z)] != FILTRATION__FLUID) continue;
-        double h = filtration__get(l, filtration__outgoing(l, k.x, k.y, k.z, k.i)) +
-                   filtration__get(l, filtration__incoming(l, k.x, k.y, k.z, filtration__opposite(k.i)));
-        for (int a = 0; a < 3; a++) force[a] += l->c[k.i][a] * h;
-    }
-}
-
 /* spheres.h: moving spheres on the lattice: the nodes that they cover, their links, the force on them, nodes that they leave. Relies on
    links.h.
    May be changed here alone: everything but the meaning of owner. Coordinates: lattice units, node i at i. */
@@ -2938,7 +3005,7 @@ static inline int32_t filtration__cover(const filtration__lattice *l, const int 
         double rr = 0.0;
         for (int a = 0; a < 3; a++) {
             double d = p[a] - b->centre[a];
-            if (l->face[2 * a] == FILTRATION_PERIODIC) d -= n[a] * floor(d / n[a] + 0.5);
+            if (filtration__repeats(l, a)) d -= n[a] * floor(d / n[a] + 0.5);
             rr += d * d;
         }
         if (rr < b->radius * b->radius) return (int32_t)k;
@@ -2977,28 +3044,72 @@ static inline void filtration__surface_velocity(const filtration__ball *b, const
     u[2] = b->velocity[2] + b->spin[0] * d[1] - b->spin[1] * d[0];
 }
 
-/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Populations are deviations, so that a film too thin for nodes
-   has the mean pressure. */
-static inline void filtration__exchange(const filtration__lattice *l, filtration__ball *b, int i, const double d[3], const double u[3],
-                                        double out, double back) {
+/* Sums over the links of a sphere, weighted as the lattice is: of the density at its surface and of places, for a line fitted to it. */
+typedef struct filtration__surface {
+    double weight, density, place[3], rise[3]; /* sums of w, w r, w d, w r d */
+    double spread[6];                          /* of w d d: xx, yy, zz, yz, zx, xy */
+    double arm[3];                             /* of w (d x c) */
+} filtration__surface;
+
+/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Half of what goes and comes is w times the density there. */
+static inline void filtration__exchange(const filtration__lattice *l, filtration__ball *b, filtration__surface *s, int i, const double d[3],
+                                        const double u[3], double out, double back) {
+    const double w = l->w[i], c[3] = {(double)l->c[i][0], (double)l->c[i][1], (double)l->c[i][2]}, wr = 0.5 * (out + back);
     double f[3];
     for (int a = 0; a < 3; a++) {
-        f[a] = l->c[i][a] * (out + back) - u[a] * (out - back);
+        const int y = (a + 1) % 3, z = (a + 2) % 3;
+        f[a] = c[a] * (out + back) - u[a] * (out - back);
         b->force[0][a] += f[a];
+        b->hull[a] += l->c[i][a] * l->whole_weight[i];
+        s->place[a] += w * d[a], s->rise[a] += wr * d[a];
+        s->spread[a] += w * d[a] * d[a], s->spread[3 + a] += w * d[y] * d[z];
+        s->arm[a] += w * (d[y] * c[z] - d[z] * c[y]);
     }
+    s->weight += w, s->density += wr;
     b->torque[0][0] += d[1] * f[2] - d[2] * f[1];
     b->torque[0][1] += d[2] * f[0] - d[0] * f[2];
     b->torque[0][2] += d[0] * f[1] - d[1] * f[0];
 }
 
-/* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one. */
-static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b, int x, int y, int z, int j) {
+/* Fits density + slope . d to the density at a sphere's links, by least squares; the more of the surface is hidden, the more the slope is
+   held down. A constant density is met exactly. */
+static inline void filtration__fit_density(filtration__ball *b, const filtration__surface *s) {
+    double mean[3], m[6], right[3], minor[3];
+    b->density = b->slope[0] = b->slope[1] = b->slope[2] = 0.0;
+    if (!(s->weight > 0.0)) return;
+    for (int a = 0; a < 3; a++) mean[a] = s->place[a] / s->weight, right[a] = s->rise[a] - s->density * mean[a];
+    for (int a = 0; a < 3; a++) {
+        const int y = (a + 1) % 3, z = (a + 2) % 3;
+        m[a] = s->spread[a] - s->weight * mean[a] * mean[a] + 0.01 * s->weight * b->radius * b->radius;
+        m[3 + a] = s->spread[3 + a] - s->weight * mean[y] * mean[z];
+    }
+    minor[0] = m[1] * m[2] - m[3] * m[3], minor[1] = m[3] * m[4] - m[5] * m[2], minor[2] = m[5] * m[3] - m[1] * m[4];
+    const double whole = m[0] * minor[0] + m[5] * minor[1] + m[4] * minor[2];
+    if (whole > 0.0) {
+        b->slope[0] = (right[0] * minor[0] + right[1] * minor[1] + right[2] * minor[2]) / whole;
+        b->slope[1] = (right[0] * minor[1] + right[1] * (m[0] * m[2] - m[4] * m[4]) + right[2] * (m[4] * m[5] - m[0] * m[3])) / whole;
+        b->slope[2] = (right[0] * minor[2] + right[1] * (m[4] * m[5] - m[0] * m[3]) + right[2] * (m[0] * m[1] - m[5] * m[5])) / whole;
+    }
+    b->density = s->density / s->weight - filtration__dot(b->slope, mean);
+}
+
+/* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one; otherwise counts a film. */
+static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
+                                         int z, int j) {
     int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
     double d[3], e[3], u[3], back, cd = 0.0, dd = 0.0, cc = 0.0;
     for (int a = 0; a < 3; a++) d[a] = p[a] - b->centre[a];
-    if (!filtration__inside(l, p, &mirrored) || mirrored) return;
-    if (l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) return;
     if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
+    const int from_image = mirrored;
+    if (!filtration__inside(l, p, &mirrored)) {
+        b->films += !from_image;
+        return;
+    }
+    if (mirrored) return;
+    if (l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) {
+        b->films += !from_image;
+        return;
+    }
     for (int a = 0; a < 3; a++) cd -= d[a] * l->c[j][a], dd += d[a] * d[a], cc += (double)(l->c[j][a] * l->c[j][a]);
     double root = cd * cd - cc * (dd - b->radius * b->radius);
     filtration__cut k = {p[0], p[1], p[2], filtration__opposite(j), l->half_way ? 0.5 : (-cd - sqrt(root > 0.0 ? root : 0.0)) / cc};
@@ -3006,11 +3117,16 @@ static inline void filtration__ball_link(filtration__lattice *l, int32_t index, 
     filtration__surface_velocity(b, e, u);
     double cu = -(l->c[j][0] * u[0] + l->c[j][1] * u[1] + l->c[j][2] * u[2]);
     double out = filtration__bounce(l, &k, cu, &back);
-    filtration__exchange(l, b, k.i, e, u, out, back);
+    filtration__exchange(l, b, sum, k.i, e, u, out, back);
 }
 
-/* Applies all links of a sphere: in every row those of its nodes whose neighbour along j is outside. */
-static inline void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b) {
+/* What is done with a link of a sphere, from its node (x, y, z) along j. */
+typedef void (*filtration__link_fn)(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
+                                    int z, int j);
+
+/* Visits all links of a sphere: in every row those of its nodes whose neighbour along j is outside. */
+FILTRATION__INLINE void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum,
+                                               const filtration__link_fn link) {
     int y0, y1, z0, z1;
     filtration__extent(b, 1, &y0, &y1);
     filtration__extent(b, 2, &z0, &z1);
@@ -3027,14 +3143,15 @@ static inline void filtration__ball_links(filtration__lattice *l, int32_t index,
             for (int j = 1; j < l->q; j++) {
                 const signed char *c = l->c[j];
                 int in = from[c[2] + 1][c[1] + 1] - c[0], out = to[c[2] + 1][c[1] + 1] - c[0];
-                for (int x = first; x <= end && x < in; x++) filtration__ball_link(l, index, b, x, y, z, j);
-                for (int x = out + 1 > first ? out + 1 : first; x <= end; x++) filtration__ball_link(l, index, b, x, y, z, j);
+                for (int x = first; x <= end && x < in; x++) link(l, index, b, sum, x, y, z, j);
+                for (int x = out + 1 > first ? out + 1 : first; x <= end; x++) link(l, index, b, sum, x, y, z, j);
             }
         }
 }
 
 static void filtration__ball_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
+    filtration__surface sum;
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
         filtration__ball *b = &l->balls[n];
         if (!(b->radius > 0.0)) continue;
@@ -3042,7 +3159,11 @@ static void filtration__ball_task(void *context, int task) {
         memcpy(b->torque[1], b->torque[0], sizeof b->torque[0]);
         memset(b->force[0], 0, sizeof b->force[0]);
         memset(b->torque[0], 0, sizeof b->torque[0]);
-        filtration__ball_links(l, (int32_t)n, b);
+        memset(&sum, 0, sizeof sum);
+        b->films = b->hull[0] = b->hull[1] = b->hull[2] = 0;
+        filtration__ball_links(l, (int32_t)n, b, &sum, filtration__ball_link);
+        filtration__fit_density(b, &sum);
+        for (int a = 0; a < 3; a++) b->torque[0][a] -= 2.0 * b->density * sum.arm[a]; /* a constant pressure turns no sphere */
         b->steps++;
     }
 }
@@ -3059,7 +3180,8 @@ static inline double filtration__moments(const filtration__lattice *l, int x, in
     return r;
 }
 
-/* Sets the populations of a node that a sphere has left. d: from the sphere's centre. */
+/* Sets the populations of a node that a sphere has left. d: from the sphere's centre. Without a fluid neighbour: the density at the
+   sphere's surface. */
 static inline void filtration__fill(filtration__lattice *l, const filtration__ball *b, int x, int y, int z, const double d[3]) {
     double r = 0.0, u[3], near_u[3] = {0, 0, 0}, best = -HUGE_VAL, near_r = 0.0, mean[FILTRATION__Q] = {0};
     int count = 0, from[3] = {0, 0, 0}, mirrored;
@@ -3078,7 +3200,7 @@ static inline void filtration__fill(filtration__lattice *l, const filtration__ba
         memcpy(from, p, sizeof from);
         memcpy(near_u, v, sizeof near_u);
     }
-    if (count) r /= count;
+    r = count ? r / count : filtration__density_at(b, d);
     filtration__surface_velocity(b, d, u);
     for (int i = 0; i < l->q; i++) {
         double h = filtration__equilibrium(l, i, r, u);
@@ -3111,6 +3233,83 @@ static inline void filtration__fill_left(filtration__lattice *l, const filtratio
                 else filtration__fill(l, now, p[0], p[1], p[2], d);
             }
         }
+}
+
+/* films.h: pressure in films that are too thin for nodes, between spheres, at the solid and at faces; the force on the solid at rest. A
+   pressure has no level: a constant added to it changes no force.
+   Relies on spheres.h.
+   May be changed here alone: everything. */
+
+/* ==== >>films ==== */
+
+/* Adds the pressure on a link between two solids, or through a face, from node (x, y, z) of the sphere along j. There the mean of the
+   densities that the two spheres would have counts for both, so that the film pushes them apart with equal forces. */
+static inline void filtration__film_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
+                                         int z, int j) {
+    const int n[3] = {l->nx, l->ny, l->nz};
+    int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
+    double d[3];
+    for (int a = 0; a < 3; a++) d[a] = s[a] + 0.5 * l->c[j][a] - b->centre[a];
+    if (!filtration__inside(l, s, &mirrored) || mirrored || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
+    double density = filtration__density_at(b, d);
+    if (filtration__inside(l, p, &mirrored)) {
+        const int32_t owner = l->owner[filtration__node(l, p[0], p[1], p[2])];
+        if (mirrored || owner == FILTRATION__FLUID) return;
+        if (owner >= 0) {
+            const filtration__ball *other = &l->balls[owner];
+            double away[3];
+            for (int a = 0; a < 3; a++) {
+                away[a] = p[a] - other->centre[a];
+                if (filtration__repeats(l, a)) away[a] -= n[a] * floor(away[a] / n[a] + 0.5);
+                away[a] -= 0.5 * l->c[j][a];
+            }
+            density = 0.5 * (density + filtration__density_at(other, away));
+        }
+    }
+    (void)sum;
+    for (int a = 0; a < 3; a++) {
+        b->force[0][a] -= 2.0 * l->w[j] * l->c[j][a] * density;
+        b->hull[a] -= l->c[j][a] * l->whole_weight[j];
+    }
+}
+
+/* Adds the pressure of films. What leaves the surface open (mirrors, spheres that overlap) has the density at the centre, so that a
+   constant pressure moves no sphere. */
+static void filtration__film_task(void *context, int task) {
+    filtration__lattice *l = (filtration__lattice *)context;
+    for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
+        filtration__ball *b = &l->balls[n];
+        if (!(b->radius > 0.0)) continue;
+        if (b->films) filtration__ball_links(l, (int32_t)n, b, NULL, filtration__film_link);
+        for (int a = 0; a < 3; a++) b->force[0][a] -= 2.0 / 72.0 * (double)b->hull[a] * b->density;
+    }
+}
+
+/* Computes the force of the last step on the solid at rest, in lattice units: the momentum exchanged over its links (Ladd 1994), and the
+   pressure of films under spheres. */
+static inline void filtration__solid_force(const filtration__lattice *l, double force[3]) {
+    force[0] = force[1] = force[2] = 0.0;
+    for (ptrdiff_t n = 0; n < l->link_count; n++) {
+        const filtration__cut k = filtration__link_cut(&l->links[n]);
+        const int at[3] = {k.x, k.y, k.z}, size[3] = {l->nx, l->ny, l->nz};
+        const int32_t owner = l->owner[filtration__node(l, k.x, k.y, k.z)];
+        double h, d[3];
+        if (owner == FILTRATION__FLUID) {
+            h = filtration__get(l, filtration__outgoing(l, k.x, k.y, k.z, k.i)) +
+                filtration__get(l, filtration__incoming(l, k.x, k.y, k.z, filtration__opposite(k.i)));
+        } else if (owner >= 0) {
+            const filtration__ball *b = &l->balls[owner];
+            for (int a = 0; a < 3; a++) {
+                d[a] = at[a] - b->centre[a];
+                if (filtration__repeats(l, a)) d[a] -= size[a] * floor(d[a] / size[a] + 0.5);
+                d[a] += 0.5 * l->c[k.i][a];
+            }
+            h = 2.0 * l->w[k.i] * filtration__density_at(b, d);
+        } else {
+            continue;
+        }
+        for (int a = 0; a < 3; a++) force[a] += l->c[k.i][a] * h;
+    }
 }
 
 /* shear.h: the paper's force on a sphere, for comparison: shear over a layer of one voxel, no pressure.
@@ -3152,8 +3351,7 @@ static inline int filtration__in_box(const filtration__lattice *l, const double 
     const int n[3] = {l->nx, l->ny, l->nz};
     for (int a = 0; a < 3; a++) {
         const double x = centre[a] + d[a];
-        if (x < -0.5 && l->face[2 * a] != FILTRATION_PERIODIC) return 0;
-        if (x > n[a] - 0.5 && l->face[2 * a + 1] != FILTRATION_PERIODIC) return 0;
+        if ((x < -0.5 || x > n[a] - 0.5) && !filtration__repeats(l, a)) return 0;
     }
     return 1;
 }
@@ -3235,7 +3433,6 @@ static inline double filtration__find_units(const filtration_fluid_def *d, filtr
     l->rates.limit = d->speed_limit * d->speed_limit;
     for (int a = 0; a < 3; a++) l->rates.force[a] = d->body_force[a] * d->voxel / l->to_pressure;
     for (int f = 0; f < 6; f++) {
-        l->face[f] = d->face[f];
         l->face_density[f] = 3.0 * d->face_pressure[f] / l->to_pressure;
         for (int a = 0; a < 3; a++) l->face_velocity[f][a] = d->face_velocity[f][a] / l->to_velocity;
     }
@@ -3267,9 +3464,10 @@ static inline int filtration__is_property(double x) { return x >= 1e-15 && x <= 
 
 static inline const char *filtration__bad_face(const filtration_fluid_def *d) {
     for (int f = 0; f < 6; f++) {
-        if ((int)d->face[f] < 0 || d->face[f] > FILTRATION_SYMMETRY) return "face";
-        if ((d->face[f] == FILTRATION_PERIODIC) != (d->face[f ^ 1] == FILTRATION_PERIODIC)) return "face";
-        if (d->face_velocity[f][f / 2] != 0.0) return "face_velocity";
+        const filtration__face_kind *kind = filtration__kind_of(d->face[f]), *opposite = filtration__kind_of(d->face[f ^ 1]);
+        if (!kind || !opposite) return "face";
+        if ((kind->beyond == FILTRATION__REPEATED) != (opposite->beyond == FILTRATION__REPEATED)) return "face";
+        if (kind->has_velocity < 2 && d->face_velocity[f][f / 2] != 0.0) return "face_velocity";
     }
     return NULL;
 }
@@ -3311,8 +3509,9 @@ static inline void filtration__wake_sources(filtration_fluid *fluid) {
     filtration__lattice *l = fluid->lattice;
     int all = !fluid->def.skip || filtration__forced(&l->rates);
     for (int f = 0; f < 6; f++) {
-        int moves = (l->face[f] == FILTRATION_PRESSURE && l->face_density[f] != 0.0) || l->face_velocity[f][0] != 0.0 ||
-                    l->face_velocity[f][1] != 0.0 || l->face_velocity[f][2] != 0.0;
+        const double *v = l->face_velocity[f];
+        const int moves = (l->face[f]->has_pressure && l->face_density[f] != 0.0) ||
+                          (l->face[f]->has_velocity && (v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0));
         if (moves && f < 4) all = 1;
         if (moves && f >= 4) l->slab_active[f == 4 ? 0 : l->nz - 1] = 1;
     }
@@ -3330,14 +3529,17 @@ static inline void filtration__set_shape(const filtration_fluid_def *d, filtrati
                              : (cc == 0   ? 1.0 / 3.0
                                 : cc == 1 ? 1.0 / 18.0
                                           : 1.0 / 36.0);
+        l->whole_weight[i] = (int)(72.0 * l->w[i] + 0.5);
     }
     l->single = d->precision == FILTRATION_FLOAT;
     l->half_way = d->boundary == FILTRATION_HALF_WAY;
     l->refill = (int)d->refill;
     l->nx = d->nodes[0], l->ny = d->nodes[1], l->nz = d->nodes[2];
-    l->periodic_x = d->face[FILTRATION_LOW_X] == FILTRATION_PERIODIC;
-    l->ghost_y = d->face[FILTRATION_LOW_Y] != FILTRATION_PERIODIC;
-    l->ghost_z = d->face[FILTRATION_LOW_Z] != FILTRATION_PERIODIC;
+    for (int f = 0; f < 6; f++) l->face[f] = filtration__kind_of(d->face[f]);
+    l->periodic_x = filtration__repeats(l, 0);
+    l->ghost_y = !filtration__repeats(l, 1);
+    l->ghost_z = !filtration__repeats(l, 2);
+    filtration__list_entries(l);
     int line = FILTRATION__LINE / (l->single ? (int)sizeof(float) : (int)sizeof(double));
     l->lead = line;
     l->stride = line + ((ptrdiff_t)l->nx + line - 1) / line * line;
@@ -3420,7 +3622,7 @@ static inline int filtration__read_ball(const filtration_fluid *fluid, const fil
         b->spin[a] = s->spin[3 * n + a] * fluid->dt;
         good = good && fabs(x) < 1e6 && fabs(b->velocity[a]) < 0.5 && fabs(b->spin[a]) * b->radius < 0.5;
         if (!good) return 0;
-        if (l->face[2 * a] == FILTRATION_PERIODIC) { /* the image nearest to its last place, or in the box */
+        if (filtration__repeats(l, a)) { /* the image nearest to its last place, or in the box */
             double home = b->steps ? b->centre[a] : 0.5 * (nodes[a] - 1);
             x -= nodes[a] * floor((x - home) / nodes[a] + 0.5);
             good = 2.0 * b->radius < nodes[a] - 2.0;
@@ -3535,7 +3737,10 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
     }
     if (!l->periodic_x || l->ghost_y || l->ghost_z) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__face_task, l);
     if (l->link_count) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__link_task, l);
-    if (l->ball_count) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__ball_task, l);
+    if (l->ball_count) {
+        filtration__for_each(p, threads, FILTRATION__TASKS, filtration__ball_task, l);
+        filtration__for_each(p, threads, FILTRATION__TASKS, filtration__film_task, l);
+    }
     if (fluid->def.force == FILTRATION_SHEAR_LAYER) filtration__shear_forces(fluid);
     filtration__give_forces(fluid, spheres);
     return FILTRATION_OK;
@@ -3672,7 +3877,7 @@ FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_flui
 FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure) {
     if (!fluid) return FILTRATION_BAD_ARGUMENT;
     filtration_fluid_def def = fluid->def;
-    if (face < 0 || face > 5 || def.face[face] != FILTRATION_PRESSURE) return FILTRATION_BAD_ARGUMENT;
+    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_pressure) return FILTRATION_BAD_ARGUMENT;
     def.face_pressure[face] = pressure;
     return filtration__change(fluid, &def);
 }
@@ -3680,7 +3885,7 @@ FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_f
 FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]) {
     if (!fluid || !velocity) return FILTRATION_BAD_ARGUMENT;
     filtration_fluid_def def = fluid->def;
-    if (face < 0 || face > 5 || def.face[face] != FILTRATION_WALL) return FILTRATION_BAD_ARGUMENT;
+    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_velocity) return FILTRATION_BAD_ARGUMENT;
     memcpy(def.face_velocity[face], velocity, sizeof def.face_velocity[face]);
     return filtration__change(fluid, &def);
 }
@@ -3734,9 +3939,14 @@ FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *flui
     const filtration__new_flow flow = {filtration__rescale, s, s * tau / def.tau, NULL, NULL};
     def.tau = tau;
     if (filtration_fluid_check_def(&def, NULL) != FILTRATION_OK || !filtration__set_nodes(fluid, &flow)) return FILTRATION_BAD_ARGUMENT;
-    for (ptrdiff_t n = 0; n < l->ball_count; n++)
-        for (int k = 0; k < 2; k++)
-            for (int a = 0; a < 3; a++) l->balls[n].force[k][a] *= s * s, l->balls[n].torque[k][a] *= s * s;
+    for (ptrdiff_t n = 0; n < l->ball_count; n++) {
+        filtration__ball *b = &l->balls[n];
+        b->density *= s * s;
+        for (int a = 0; a < 3; a++) {
+            b->slope[a] *= s * s;
+            for (int k = 0; k < 2; k++) b->force[k][a] *= s * s, b->torque[k][a] *= s * s;
+        }
+    }
     return filtration__change(fluid, &def);
 }
 
@@ -3812,7 +4022,7 @@ typedef struct filtration__header {
     double tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel, density, viscosity;
 } filtration__header;
 
-#define FILTRATION__MAGIC UINT64_C(0x316c6966656c6472) /* changes with the format */
+#define FILTRATION__MAGIC UINT64_C(0x326c6966656c6472) /* changes with the format */
 
 static inline uint64_t filtration__checksum(uint64_t sum, const void *data, size_t bytes) {
     const unsigned char *p = (const unsigned char *)data;
@@ -4087,7 +4297,7 @@ static inline int filtration__near_solid(const filtration_fluid *fluid, const do
     double step = 0.02 * fluid->def.voxel, length = 0.0, box[3], p[3];
     for (int a = 0; a < 3; a++) {
         box[a] = fluid->def.nodes[a] * fluid->def.voxel;
-        p[a] = fluid->def.face[2 * a] == FILTRATION_PERIODIC ? centre[a] - box[a] * floor(centre[a] / box[a]) : centre[a];
+        p[a] = filtration__repeats(fluid->lattice, a) ? centre[a] - box[a] * floor(centre[a] / box[a]) : centre[a];
     }
     t->gap = solid->distance(solid->self, p) - radius;
     if (!(t->gap < reach)) return 0;
@@ -4111,7 +4321,7 @@ static inline void filtration__touch_walls(const filtration_motion_def *def, con
     if (fluid->def.solid.distance && filtration__near_solid(fluid, x, s->radius[n], reach, &t))
         filtration__collide_pair(def, fluid, s, n, -1, h, damping, &t, contact);
     for (int f = 0; f < 6; f++) {
-        if (fluid->def.face[f] != FILTRATION_WALL) continue;
+        if (!fluid->lattice->face[f]->is_touched) continue;
         int a = f / 2, high = f & 1;
         t.gap = (high ? fluid->def.nodes[a] * fluid->def.voxel - x[a] : x[a]) - s->radius[n];
         if (!(t.gap < reach)) continue;
@@ -4129,7 +4339,7 @@ static inline void filtration__touch_pairs(const filtration_motion_def *def, con
         if (!(s->radius[k] > 0.0)) continue;
         for (int a = 0; a < 3; a++) {
             double d = s->centre[3 * k + a] - s->centre[3 * n + a], box = fluid->def.nodes[a] * fluid->def.voxel;
-            if (fluid->def.face[2 * a] == FILTRATION_PERIODIC) d -= box * floor(d / box + 0.5);
+            if (filtration__repeats(fluid->lattice, a)) d -= box * floor(d / box + 0.5);
             t.normal[a] = d;
             dd += d * d;
         }
@@ -4222,7 +4432,7 @@ FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid 
                                                                filtration_permeability_result *result) {
     if (!fluid || !fluid->lattice || !result || axis < 0 || axis > 2 || !(pressure_drop > 0.0 && pressure_drop < HUGE_VAL))
         return FILTRATION_BAD_ARGUMENT;
-    if (!(tolerance >= 0.0 && tolerance < 1.0) || fluid->def.face[2 * axis] != FILTRATION_PERIODIC) return FILTRATION_BAD_ARGUMENT;
+    if (!(tolerance >= 0.0 && tolerance < 1.0) || !filtration__repeats(fluid->lattice, axis)) return FILTRATION_BAD_ARGUMENT;
     memset(result, 0, sizeof *result);
     double length = fluid->def.nodes[axis] * fluid->def.voxel, force[3] = {0, 0, 0}, velocity[3], before = 0.0;
     int64_t start = fluid->steps, interval = filtration__interval(fluid);

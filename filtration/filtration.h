@@ -40,7 +40,7 @@
 #include "process_api.h"
 #include "solids_api.h"
 #include "api.h"
-#include "../tests/portable_math.h"
+#include "../base/portable_math.h"
 #include "process_laws.h"
 #include "settling_laws.h"
 #ifdef FILTRATION__BODIES
@@ -63,6 +63,7 @@
 #include "faces.h"
 #include "links.h"
 #include "spheres.h"
+#include "films.h"
 #include "shear.h"
 #include "fluid.h"
 #include "flow.h"

@@ -94,6 +94,104 @@ static void test_pressure_and_mirror(void **state) {
     assert_true(fabs(half / whole - 1.0) < 1e-9);
 }
 
+/* ---- the level of the pressure ---- */
+
+static void level_flow(void *user, const double point[3], double velocity[3], double *pressure) {
+    (void)point;
+    velocity[0] = velocity[1] = velocity[2] = 0.0, *pressure = *(const double *)user;
+}
+
+/* Three spheres in a liquid at rest at p0: two with a gap [voxels], the third at one of them or cut by a face. Largest force over p0 pi R^2,
+   torque over p0 pi R^3. */
+static double level_force(double p0, double gap, filtration_face side, int cut) {
+    const double voxel = 7.5e-6, R = 40e-6, z = 16 * voxel, h = R + 0.5 * gap * voxel,
+                 x = (side == FILTRATION_SYMMETRY ? 0.0 : 10.5) * voxel;
+    filtration_fluid_def def = filtration_fluid_default_def();
+    filtration_fluid fluid;
+    def.voxel = voxel, def.tau = 0.6, def.bulk_ratio = 10.0;
+    def.nodes[0] = def.nodes[1] = 21, def.nodes[2] = 32;
+    def.face[0] = def.face[1] = side;
+    def.face[4] = def.face[5] = FILTRATION_PRESSURE, def.face_pressure[4] = def.face_pressure[5] = p0;
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_set_flow(&fluid, level_flow, &p0), FILTRATION_OK);
+    double centre[9] = {x, 10.5 * voxel, z - h, x, 10.5 * voxel, z + h, x + 2.0 * h, 10.1 * voxel, cut ? 2.3 * voxel : z - h};
+    double zero[9] = {0}, radius[3] = {R, R, R}, force[9], torque[9], worst = 0.0;
+    const filtration_spheres s = {3, centre, zero, zero, radius, force, torque};
+    assert_int_equal(filtration_fluid_run(&fluid, 6, &s), FILTRATION_OK);
+    for (int k = 0; k < 9; k++) worst = fmax(worst, fmax(fabs(force[k]), fabs(torque[k]) / R) / (fabs(p0) * 3.14159265358979 * R * R));
+    filtration_fluid_free(&fluid);
+    return worst;
+}
+
+/* Spheres on two wires, one of them cut by a face, in a flow between faces at low and low + 100 Pa: forces and places after a while. */
+static void level_of_cake(double low, int moves, double out[36]) {
+    enum { N = 6 };
+    const double voxel = 10e-6, R = 40e-6;
+    double start = low + 50.0;
+    static const double box[3] = {160e-6, 160e-6, 300e-6}, a[6] = {0, 50e-6, 60e-6, 0, 130e-6, 60e-6},
+                        b[6] = {160e-6, 50e-6, 60e-6, 160e-6, 130e-6, 60e-6}, wire[2] = {20e-6, 20e-6};
+    static const int periodic[3] = {1, 1, 0};
+    filtration_bed bed;
+    filtration_fluid_def def = filtration_fluid_default_def();
+    filtration_motion_def motion = filtration_motion_default_def();
+    filtration_fluid fluid;
+    assert_int_equal(filtration_bed_init(&bed, 2, a, b, wire, box, periodic, 40e-6, NULL), FILTRATION_OK);
+    def.voxel = voxel, def.tau = 0.6, def.bulk_ratio = 10.0;
+    def.nodes[0] = def.nodes[1] = 16, def.nodes[2] = 30;
+    def.face[4] = def.face[5] = FILTRATION_PRESSURE, def.face_pressure[4] = low, def.face_pressure[5] = low + 100.0;
+    def.solid = filtration_bed_solid(&bed);
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_set_flow(&fluid, level_flow, &start), FILTRATION_OK);
+    double centre[3 * N] = {40e-6,  90e-6, 108e-6, 120e-6, 90e-6, 108e-6, 40e-6, 10e-6, 107e-6,
+                            120e-6, 10e-6, 110e-6, 80e-6,  80e-6, 178e-6, 20e-6, 20e-6, 281e-6};
+    double velocity[3 * N] = {0}, spin[3 * N] = {0}, radius[N] = {R, R, R, R, R, 25e-6}, force[3 * N], torque[3 * N];
+    const filtration_spheres s = {N, centre, velocity, spin, radius, force, torque};
+    filtration_spheres moved = s;
+    for (int k = 0; k < 400; k++) {
+        assert_int_equal(filtration_fluid_step(&fluid, &s), FILTRATION_OK);
+        if (moves) assert_int_equal(filtration_move(&motion, &fluid, &moved, 1.0, NULL), FILTRATION_OK);
+    }
+    for (int k = 0; k < 3 * N; k++) out[k] = moves ? centre[k] : force[k], out[18 + k] = moves ? velocity[k] : torque[k] / R;
+    filtration_fluid_free(&fluid);
+    filtration_bed_free(&bed);
+}
+
+static void test_pressure_has_no_level(void **state) {
+    (void)state;
+    static const double gaps[] = {-0.1, 0.0, 0.1, 0.7, 3.0}, levels[] = {500.0, -500.0, 5e4};
+    for (int g = 0; g < 5; g++)
+        for (int p = 0; p < 3; p++) assert_true(level_force(levels[p], gaps[g], FILTRATION_PERIODIC, 0) < 1e-10);
+    for (int p = 0; p < 3; p++) {
+        assert_true(level_force(levels[p], 0.1, FILTRATION_WALL, 1) < 1e-10);
+        assert_true(level_force(levels[p], 0.1, FILTRATION_SYMMETRY, 1) < 1e-10);
+    }
+    double about[36], above[36];
+    for (int moves = 0; moves < 2; moves++) {
+        double largest[2] = {0, 0};
+        level_of_cake(-50.0, moves, about);
+        level_of_cake(0.0, moves, above);
+        for (int k = 0; k < 36; k++) largest[k / 18] = fmax(largest[k / 18], fabs(about[k]));
+        for (int k = 0; k < 36; k++) assert_true(fabs(about[k] - above[k]) < 1e-9 * largest[k / 18]);
+    }
+}
+
+/* What a liquid is driven by in a periodic box, touching spheres take up: films push both with equal forces. */
+static void test_films_keep_momentum(void **state) {
+    (void)state;
+    filtration_fluid_def def = small_box(20);
+    filtration_fluid fluid;
+    def.tau = 2.0;
+    def.body_force[0] = 1e3, def.body_force[2] = 2e3;
+    double centre[9] = {6.2e-6, 6.1e-6, 6.3e-6, 14.2e-6, 6.1e-6, 6.3e-6, 10.2e-6, 12.4e-6, 9.0e-6}, zero[9] = {0};
+    double radius[3] = {4e-6, 4e-6, 3.9e-6}, force[9], torque[9];
+    const filtration_spheres s = {3, centre, zero, zero, radius, force, torque};
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_run(&fluid, 1500, &s), FILTRATION_OK);
+    const double liquid = filtration_fluid_porosity(&fluid) * 8000e-18;
+    for (int a = 0; a < 3; a += 2) assert_true(fabs((force[a] + force[3 + a] + force[6 + a]) / (def.body_force[a] * liquid) - 1.0) < 1e-6);
+    filtration_fluid_free(&fluid);
+}
+
 /* ---- Taylor-Green ---- */
 
 typedef struct vortex {
@@ -626,6 +724,8 @@ static void test_bad_input(void **state) {
     REFUSED(bad.tau = 0.5, "tau");
     REFUSED(bad.viscosity = HUGE_VAL, "viscosity");
     REFUSED(bad.face[0] = FILTRATION_WALL, "face");
+    REFUSED(bad.face[4] = bad.face[5] = (filtration_face)17, "face");
+    REFUSED(bad.face[4] = FILTRATION_WALL; bad.face[5] = (filtration_face)-1, "face");
     REFUSED(bad.face_velocity[4][2] = 1.0, "face_velocity");
     REFUSED(bad.body_force[2] = (double)NAN, "body_force");
     REFUSED(bad.precision = FILTRATION_FLOAT; bad.lattice = FILTRATION_D3Q15, "precision");
@@ -759,6 +859,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_plates),
         cmocka_unit_test(test_pressure_and_mirror),
+        cmocka_unit_test(test_pressure_has_no_level),
+        cmocka_unit_test(test_films_keep_momentum),
         cmocka_unit_test(test_vortex_is_second_order),
         cmocka_unit_test(test_zick_homsy),
         cmocka_unit_test(test_fine_arrays),
