@@ -272,7 +272,7 @@ typedef struct dem_pair_def {
     double restitution;        /* coefficient of restitution e [-] 0 < e <= 1; default 0.8 */
     double friction;           /* Coulomb coefficient [-] >= 0; default 0.3 */
     double rolling;            /* lever arm of rolling resistance [m] >= 0; default 0. On a slope below this limit a ball creeps at 5 g
-                                  sin(slope) dt; the law contact_epsd in examples/contact_laws.h holds it by a spring */
+                                  sin(slope) dt; the law contact_epsd in dem_laws.h holds it by a spring */
     double tangential_damping; /* tangential dashpot over the normal one [-] >= 0; default 0 */
     dem_restitution mode;      /* DEM_LINEAR only; default DEM_CLIPPED */
     int given;                 /* 1: the pair counts as set; dem_pair() and dem_set_pair() set it; default 0 */
@@ -1149,7 +1149,7 @@ DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape); /* o
 DEM_API int64_t dem_core_overlaps(const dem_world *world);
 
 /* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
-   Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
+   Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
    stated; NaN outside the domain. */
 /* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
@@ -7667,7 +7667,7 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
 
 /* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the sizes only. Conditions
    on features are constant where the loop is compiled. */
-enum { DEM__OF_LINKS = 1 << 20 };
+#define DEM__OF_LINKS (1 << 20) /* no enum: C++20 warns where numbers of two enums are combined */
 DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n, const dem__columns *old,
                                const dem__columns *at, const dem_law *law, double h, double rate, int features) {
     const void *user = w->user;

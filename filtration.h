@@ -703,7 +703,7 @@ FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid 
                                                                filtration_permeability_result *result);
 
 /* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
-   Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
+   Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
    stated; NaN outside the domain. */
 /* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
@@ -2075,6 +2075,12 @@ typedef struct filtration__link {
     float fraction; /* q [-] */
 } filtration__link;
 
+/* A population that enters a node through a face, the opposite of direction i, which leaves. It follows from the population that leaves the
+   node at `offset` along `along`. */
+typedef struct filtration__entry {
+    signed char i, face, offset[3], along;
+} filtration__entry;
+
 /* A sphere in lattice units, as in the owner map. */
 typedef struct filtration__ball {
     double centre[3], velocity[3], spin[3], radius; /* radius 0: no sphere */
@@ -2100,7 +2106,7 @@ typedef struct filtration__lattice {
     void *block;              /* allocated block that contains f */
     size_t block_bytes;
     const signed char (*c)[3];
-    filtration_face face[6];
+    const struct filtration__face_kind *face[6];
     double face_velocity[6][3], face_density[6]; /* lattice units [-] */
     double w[FILTRATION__Q];
     filtration__rates rates;
@@ -2111,6 +2117,8 @@ typedef struct filtration__lattice {
     unsigned char *slab_active; /* [nz]: 0: at exact rest */
     filtration__link *links;
     ptrdiff_t link_count;
+    int entry_count[64]; /* of nodes beside faces: low and high of an axis have a bit each */
+    filtration__entry entries[64][FILTRATION__Q];
     filtration__ball *balls;
     ptrdiff_t ball_count, ball_room;
     ptrdiff_t fluid_nodes, solid_nodes;
@@ -2657,23 +2665,63 @@ static inline int filtration__find_problem(filtration__lattice *l, filtration_pr
 
 /* ==== >>faces ==== */
 
-#define FILTRATION__BLOCK 64
+#define FILTRATION__BLOCK 64 /* nodes that a face processes together */
 
-/* Finds the face by which a population leaves; a wall takes precedence over an open face, that over a mirror. crossed: the axes, as bits.
-   Returns 3 for a wall, 2 for an open face, 1 for a mirror, 0 if it does not leave. */
-static inline int filtration__crossing(const filtration__lattice *l, int x, int y, int z, int i, int *face, int *crossed) {
-    const int at[3] = {x, y, z}, n[3] = {l->nx, l->ny, l->nz};
-    int found = 0;
-    *crossed = 0;
-    for (int a = 0; a < 3; a++) {
-        int to = at[a] + l->c[i][a], f = 2 * a + (to > 0);
-        if ((to >= 0 && to < n[a]) || l->face[f] == FILTRATION_PERIODIC) continue;
-        *crossed |= 1 << a;
-        int rank = l->face[f] == FILTRATION_WALL ? 3 : l->face[f] == FILTRATION_PRESSURE ? 2 : 1;
-        if (rank > found) found = rank, *face = f;
-    }
-    return found;
+/* What lies beyond a face. */
+enum { FILTRATION__NOTHING, FILTRATION__REPEATED, FILTRATION__MIRRORED };
+
+/* A kind of face; filtration__face_kinds has a row for each. */
+typedef struct filtration__face_kind {
+    filtration_face kind;
+    int beyond;
+    int rank;         /* at an edge of the box a population belongs to the face of the highest rank */
+    int is_touched;   /* 1: spheres touch it */
+    int has_velocity; /* 1: along the face, 2: through it, too */
+    int has_pressure;
+    int reads_flow;   /* 1: enter needs the velocity of the nodes */
+    /* Computes what enters n nodes from what leaves, h. u: their velocity, or 0. NULL: what leaves is what enters. */
+    void (*enter)(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK], double *h);
+} filtration__face_kind;
+
+/* Bounce-back half way from a surface that moves. */
+static void filtration__enter_wall(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK],
+                                   double *h) {
+    const signed char *c = l->c[e->i];
+    const double *v = l->face_velocity[e->face], push = 6.0 * l->w[e->i] * (c[0] * v[0] + c[1] * v[1] + c[2] * v[2]);
+    (void)u;
+    for (int k = 0; k < n; k++) h[k] -= push;
 }
+
+/* A given pressure by anti-bounce-back (Ginzburg et al. 2008). */
+static void filtration__enter_open(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK],
+                                   double *h) {
+    const signed char *c = l->c[e->i];
+    const double r = l->face_density[e->face];
+    for (int k = 0; k < n; k++) {
+        double cu = c[0] * u[0][k] + c[1] * u[1][k] + c[2] * u[2][k];
+        double uu = u[0][k] * u[0][k] + u[1][k] * u[1][k] + u[2][k] * u[2][k];
+        h[k] = 2.0 * l->w[e->i] * (r + 4.5 * cu * cu - 1.5 * uu) - h[k];
+    }
+}
+
+/* clang-format off */
+static const filtration__face_kind filtration__face_kinds[] = {
+    /* kind                 beyond                 rank  touched velocity pressure reads flow  enter */
+    {FILTRATION_PERIODIC, FILTRATION__REPEATED, 0, 0, 0, 0, 0, NULL},
+    {FILTRATION_WALL,     FILTRATION__NOTHING,  3, 1, 1, 0, 0, filtration__enter_wall},
+    {FILTRATION_PRESSURE, FILTRATION__NOTHING,  2, 0, 0, 1, 1, filtration__enter_open},
+    {FILTRATION_SYMMETRY, FILTRATION__MIRRORED, 1, 0, 0, 0, 0, NULL},
+};
+/* clang-format on */
+
+/* Returns the row of a kind, or NULL. */
+static inline const filtration__face_kind *filtration__kind_of(filtration_face kind) {
+    for (size_t k = 0; k < sizeof filtration__face_kinds / sizeof *filtration__face_kinds; k++)
+        if (filtration__face_kinds[k].kind == kind) return &filtration__face_kinds[k];
+    return NULL;
+}
+
+static inline int filtration__repeats(const filtration__lattice *l, int axis) { return l->face[2 * axis]->beyond == FILTRATION__REPEATED; }
 
 /* Returns the direction with the signs of some axes (as bits) reversed. */
 static inline int filtration__turned(const filtration__lattice *l, int i, int axes) {
@@ -2692,11 +2740,11 @@ static inline int filtration__inside(const filtration__lattice *l, int p[3], int
     *mirrored = 0;
     for (int a = 0; a < 3; a++) {
         if (p[a] >= 0 && p[a] < n[a]) continue;
-        filtration_face kind = l->face[2 * a + (p[a] > 0)];
-        if (kind == FILTRATION_PERIODIC) {
+        const int beyond = l->face[2 * a + (p[a] > 0)]->beyond;
+        if (beyond == FILTRATION__REPEATED) {
             p[a] %= n[a];
             if (p[a] < 0) p[a] += n[a];
-        } else if (kind == FILTRATION_SYMMETRY && p[a] >= -1 && p[a] <= n[a]) {
+        } else if (beyond == FILTRATION__MIRRORED && p[a] >= -1 && p[a] <= n[a]) {
             p[a] = p[a] < 0 ? -1 - p[a] : 2 * n[a] - 1 - p[a];
             *mirrored |= 1 << a;
         } else {
@@ -2730,42 +2778,50 @@ static inline void filtration__row_velocity(const filtration__lattice *l, int x,
     }
 }
 
-/* Applies a given pressure by anti-bounce-back (Ginzburg et al. 2008). */
-static inline void filtration__open(const filtration__lattice *l, int i, double r, int n, double u[3][FILTRATION__BLOCK], double *h) {
-    for (int k = 0; k < n; k++) {
-        double cu = l->c[i][0] * u[0][k] + l->c[i][1] * u[1][k] + l->c[i][2] * u[2][k];
-        double uu = u[0][k] * u[0][k] + u[1][k] * u[1][k] + u[2][k] * u[2][k];
-        h[k] = 2.0 * l->w[i] * (r + 4.5 * cu * cu - 1.5 * uu) - h[k];
+/* Finds how the opposite of direction i enters a node with that many faces beside it (2 bits an axis: low, high). Returns 0 if it does not
+   enter through a face. */
+static inline int filtration__find_entry(const filtration__lattice *l, int beside, int i, filtration__entry *e) {
+    int rank = 0, crossed = 0;
+    memset(e, 0, sizeof *e);
+    for (int a = 0; a < 3; a++) {
+        const int c = l->c[i][a], f = 2 * a + (c > 0);
+        if (c == 0 || !(beside >> f & 1) || l->face[f]->beyond == FILTRATION__REPEATED) continue;
+        crossed |= 1 << a;
+        if (l->face[f]->rank > rank) rank = l->face[f]->rank, e->face = (signed char)f;
+    }
+    if (!crossed) return 0;
+    e->i = e->along = (signed char)i;
+    if (l->face[e->face]->beyond != FILTRATION__MIRRORED) return 1;
+    for (int a = 0; a < 3; a++) e->offset[a] = (crossed >> a & 1) ? (signed char)0 : l->c[i][a];
+    e->along = (signed char)filtration__turned(l, i, 7 & ~crossed);
+    return 1;
+}
+
+/* Lists the populations that enter through faces, for nodes beside any of them. */
+static inline void filtration__list_entries(filtration__lattice *l) {
+    for (int beside = 0; beside < 64; beside++) {
+        l->entry_count[beside] = 0;
+        for (int i = 1; i < l->q; i++)
+            l->entry_count[beside] += filtration__find_entry(l, beside, i, &l->entries[beside][l->entry_count[beside]]);
     }
 }
 
-/* Processes n nodes of a row, at most FILTRATION__BLOCK, of one kind: all or none at an end of the row. */
+static inline int filtration__beside(int i, int n) { return (i == 0) + 2 * (i == n - 1); }
+
+/* Processes n nodes of a row, at most FILTRATION__BLOCK, beside the same faces. */
 static inline void filtration__face_block(filtration__lattice *l, int x, int n, int y, int z) {
     double u[3][FILTRATION__BLOCK] = {{0.0}}, h[FILTRATION__BLOCK];
+    const int beside = filtration__beside(x, l->nx) + 4 * filtration__beside(y, l->ny) + 16 * filtration__beside(z, l->nz);
     int have_velocity = 0;
-    for (int i = 1; i < l->q; i++) {
-        int face = 0, crossed, kind = filtration__crossing(l, x, y, z, i, &face, &crossed), back = filtration__opposite(i);
-        if (!kind) continue;
-        if (kind == 1) { /* a mirror: the incoming population is the one that left the mirrored neighbour */
-            int m[3] = {x, y, z}, none;
-            for (int a = 0; a < 3; a++)
-                if (!(crossed >> a & 1)) m[a] += l->c[i][a];
-            filtration__inside(l, m, &none);
-            filtration__load(l, filtration__outgoing(l, m[0], m[1], m[2], filtration__turned(l, i, 7 & ~crossed)), n, h);
-        } else {
-            filtration__load(l, filtration__outgoing(l, x, y, z, i), n, h);
-        }
-        if (kind == 2) {
-            if (!have_velocity) filtration__row_velocity(l, x, n, y, z, u);
-            have_velocity = 1;
-            filtration__open(l, i, l->face_density[face], n, u, h);
-        }
-        if (kind == 3) {
-            const double *v = l->face_velocity[face];
-            double push = 6.0 * l->w[i] * (l->c[i][0] * v[0] + l->c[i][1] * v[1] + l->c[i][2] * v[2]);
-            for (int k = 0; k < n; k++) h[k] -= push;
-        }
-        filtration__store(l, filtration__incoming(l, x, y, z, back), n, h);
+    for (int k = 0; k < l->entry_count[beside]; k++) {
+        const filtration__entry *e = &l->entries[beside][k];
+        const filtration__face_kind *kind = l->face[e->face];
+        int m[3] = {x + e->offset[0], y + e->offset[1], z + e->offset[2]}, none;
+        filtration__inside(l, m, &none);
+        filtration__load(l, filtration__outgoing(l, m[0], m[1], m[2], e->along), n, h);
+        if (kind->reads_flow && !have_velocity) filtration__row_velocity(l, x, n, y, z, u), have_velocity = 1;
+        if (kind->enter) kind->enter(l, e, n, u, h);
+        filtration__store(l, filtration__incoming(l, x, y, z, filtration__opposite(e->i)), n, h);
     }
 }
 
@@ -2938,7 +2994,7 @@ static inline int32_t filtration__cover(const filtration__lattice *l, const int 
         double rr = 0.0;
         for (int a = 0; a < 3; a++) {
             double d = p[a] - b->centre[a];
-            if (l->face[2 * a] == FILTRATION_PERIODIC) d -= n[a] * floor(d / n[a] + 0.5);
+            if (filtration__repeats(l, a)) d -= n[a] * floor(d / n[a] + 0.5);
             rr += d * d;
         }
         if (rr < b->radius * b->radius) return (int32_t)k;
@@ -3152,8 +3208,7 @@ static inline int filtration__in_box(const filtration__lattice *l, const double 
     const int n[3] = {l->nx, l->ny, l->nz};
     for (int a = 0; a < 3; a++) {
         const double x = centre[a] + d[a];
-        if (x < -0.5 && l->face[2 * a] != FILTRATION_PERIODIC) return 0;
-        if (x > n[a] - 0.5 && l->face[2 * a + 1] != FILTRATION_PERIODIC) return 0;
+        if ((x < -0.5 || x > n[a] - 0.5) && !filtration__repeats(l, a)) return 0;
     }
     return 1;
 }
@@ -3235,7 +3290,6 @@ static inline double filtration__find_units(const filtration_fluid_def *d, filtr
     l->rates.limit = d->speed_limit * d->speed_limit;
     for (int a = 0; a < 3; a++) l->rates.force[a] = d->body_force[a] * d->voxel / l->to_pressure;
     for (int f = 0; f < 6; f++) {
-        l->face[f] = d->face[f];
         l->face_density[f] = 3.0 * d->face_pressure[f] / l->to_pressure;
         for (int a = 0; a < 3; a++) l->face_velocity[f][a] = d->face_velocity[f][a] / l->to_velocity;
     }
@@ -3267,9 +3321,10 @@ static inline int filtration__is_property(double x) { return x >= 1e-15 && x <= 
 
 static inline const char *filtration__bad_face(const filtration_fluid_def *d) {
     for (int f = 0; f < 6; f++) {
-        if ((int)d->face[f] < 0 || d->face[f] > FILTRATION_SYMMETRY) return "face";
-        if ((d->face[f] == FILTRATION_PERIODIC) != (d->face[f ^ 1] == FILTRATION_PERIODIC)) return "face";
-        if (d->face_velocity[f][f / 2] != 0.0) return "face_velocity";
+        const filtration__face_kind *kind = filtration__kind_of(d->face[f]), *opposite = filtration__kind_of(d->face[f ^ 1]);
+        if (!kind || !opposite) return "face";
+        if ((kind->beyond == FILTRATION__REPEATED) != (opposite->beyond == FILTRATION__REPEATED)) return "face";
+        if (kind->has_velocity < 2 && d->face_velocity[f][f / 2] != 0.0) return "face_velocity";
     }
     return NULL;
 }
@@ -3311,8 +3366,9 @@ static inline void filtration__wake_sources(filtration_fluid *fluid) {
     filtration__lattice *l = fluid->lattice;
     int all = !fluid->def.skip || filtration__forced(&l->rates);
     for (int f = 0; f < 6; f++) {
-        int moves = (l->face[f] == FILTRATION_PRESSURE && l->face_density[f] != 0.0) || l->face_velocity[f][0] != 0.0 ||
-                    l->face_velocity[f][1] != 0.0 || l->face_velocity[f][2] != 0.0;
+        const double *v = l->face_velocity[f];
+        const int moves = (l->face[f]->has_pressure && l->face_density[f] != 0.0) ||
+                          (l->face[f]->has_velocity && (v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0));
         if (moves && f < 4) all = 1;
         if (moves && f >= 4) l->slab_active[f == 4 ? 0 : l->nz - 1] = 1;
     }
@@ -3335,9 +3391,11 @@ static inline void filtration__set_shape(const filtration_fluid_def *d, filtrati
     l->half_way = d->boundary == FILTRATION_HALF_WAY;
     l->refill = (int)d->refill;
     l->nx = d->nodes[0], l->ny = d->nodes[1], l->nz = d->nodes[2];
-    l->periodic_x = d->face[FILTRATION_LOW_X] == FILTRATION_PERIODIC;
-    l->ghost_y = d->face[FILTRATION_LOW_Y] != FILTRATION_PERIODIC;
-    l->ghost_z = d->face[FILTRATION_LOW_Z] != FILTRATION_PERIODIC;
+    for (int f = 0; f < 6; f++) l->face[f] = filtration__kind_of(d->face[f]);
+    l->periodic_x = filtration__repeats(l, 0);
+    l->ghost_y = !filtration__repeats(l, 1);
+    l->ghost_z = !filtration__repeats(l, 2);
+    filtration__list_entries(l);
     int line = FILTRATION__LINE / (l->single ? (int)sizeof(float) : (int)sizeof(double));
     l->lead = line;
     l->stride = line + ((ptrdiff_t)l->nx + line - 1) / line * line;
@@ -3420,7 +3478,7 @@ static inline int filtration__read_ball(const filtration_fluid *fluid, const fil
         b->spin[a] = s->spin[3 * n + a] * fluid->dt;
         good = good && fabs(x) < 1e6 && fabs(b->velocity[a]) < 0.5 && fabs(b->spin[a]) * b->radius < 0.5;
         if (!good) return 0;
-        if (l->face[2 * a] == FILTRATION_PERIODIC) { /* the image nearest to its last place, or in the box */
+        if (filtration__repeats(l, a)) { /* the image nearest to its last place, or in the box */
             double home = b->steps ? b->centre[a] : 0.5 * (nodes[a] - 1);
             x -= nodes[a] * floor((x - home) / nodes[a] + 0.5);
             good = 2.0 * b->radius < nodes[a] - 2.0;
@@ -3672,7 +3730,7 @@ FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_flui
 FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure) {
     if (!fluid) return FILTRATION_BAD_ARGUMENT;
     filtration_fluid_def def = fluid->def;
-    if (face < 0 || face > 5 || def.face[face] != FILTRATION_PRESSURE) return FILTRATION_BAD_ARGUMENT;
+    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_pressure) return FILTRATION_BAD_ARGUMENT;
     def.face_pressure[face] = pressure;
     return filtration__change(fluid, &def);
 }
@@ -3680,7 +3738,7 @@ FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_f
 FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]) {
     if (!fluid || !velocity) return FILTRATION_BAD_ARGUMENT;
     filtration_fluid_def def = fluid->def;
-    if (face < 0 || face > 5 || def.face[face] != FILTRATION_WALL) return FILTRATION_BAD_ARGUMENT;
+    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_velocity) return FILTRATION_BAD_ARGUMENT;
     memcpy(def.face_velocity[face], velocity, sizeof def.face_velocity[face]);
     return filtration__change(fluid, &def);
 }
@@ -4087,7 +4145,7 @@ static inline int filtration__near_solid(const filtration_fluid *fluid, const do
     double step = 0.02 * fluid->def.voxel, length = 0.0, box[3], p[3];
     for (int a = 0; a < 3; a++) {
         box[a] = fluid->def.nodes[a] * fluid->def.voxel;
-        p[a] = fluid->def.face[2 * a] == FILTRATION_PERIODIC ? centre[a] - box[a] * floor(centre[a] / box[a]) : centre[a];
+        p[a] = filtration__repeats(fluid->lattice, a) ? centre[a] - box[a] * floor(centre[a] / box[a]) : centre[a];
     }
     t->gap = solid->distance(solid->self, p) - radius;
     if (!(t->gap < reach)) return 0;
@@ -4111,7 +4169,7 @@ static inline void filtration__touch_walls(const filtration_motion_def *def, con
     if (fluid->def.solid.distance && filtration__near_solid(fluid, x, s->radius[n], reach, &t))
         filtration__collide_pair(def, fluid, s, n, -1, h, damping, &t, contact);
     for (int f = 0; f < 6; f++) {
-        if (fluid->def.face[f] != FILTRATION_WALL) continue;
+        if (!fluid->lattice->face[f]->is_touched) continue;
         int a = f / 2, high = f & 1;
         t.gap = (high ? fluid->def.nodes[a] * fluid->def.voxel - x[a] : x[a]) - s->radius[n];
         if (!(t.gap < reach)) continue;
@@ -4129,7 +4187,7 @@ static inline void filtration__touch_pairs(const filtration_motion_def *def, con
         if (!(s->radius[k] > 0.0)) continue;
         for (int a = 0; a < 3; a++) {
             double d = s->centre[3 * k + a] - s->centre[3 * n + a], box = fluid->def.nodes[a] * fluid->def.voxel;
-            if (fluid->def.face[2 * a] == FILTRATION_PERIODIC) d -= box * floor(d / box + 0.5);
+            if (filtration__repeats(fluid->lattice, a)) d -= box * floor(d / box + 0.5);
             t.normal[a] = d;
             dd += d * d;
         }
@@ -4222,7 +4280,7 @@ FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid 
                                                                filtration_permeability_result *result) {
     if (!fluid || !fluid->lattice || !result || axis < 0 || axis > 2 || !(pressure_drop > 0.0 && pressure_drop < HUGE_VAL))
         return FILTRATION_BAD_ARGUMENT;
-    if (!(tolerance >= 0.0 && tolerance < 1.0) || fluid->def.face[2 * axis] != FILTRATION_PERIODIC) return FILTRATION_BAD_ARGUMENT;
+    if (!(tolerance >= 0.0 && tolerance < 1.0) || !filtration__repeats(fluid->lattice, axis)) return FILTRATION_BAD_ARGUMENT;
     memset(result, 0, sizeof *result);
     double length = fluid->def.nodes[axis] * fluid->def.voxel, force[3] = {0, 0, 0}, velocity[3], before = 0.0;
     int64_t start = fluid->steps, interval = filtration__interval(fluid);

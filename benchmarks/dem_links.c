@@ -1,4 +1,4 @@
-/* dem.h with examples/wet_contact.h: error of the interval between evaluations of liquid bridges.
+/* dem.h with dem_wet.h: error of the interval between evaluations of liquid bridges.
 
    Pairs of wet spheres of 5 mm, those of the batch screen, collide at all angles (as often as in a gas: sin 2 theta) and phases of the
    interval, and rebound or stay together. After 30 ms they are compared with pairs whose bridges are evaluated in every step: error of
@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "common.h"
-#include "examples/wet_contact.h"
+#include "dem_wet.h"
 
 enum { ANGLES = 9, SPEEDS = 4, LEVELS = 6 };
 static const double speeds[SPEEDS] = {0.1, 0.2, 0.4, 0.8};                              /* [m/s] */

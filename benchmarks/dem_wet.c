@@ -1,5 +1,5 @@
 /* dem.h with liquid_bridge.h: what liquid bridges cost. The bed of 20 000 spheres at rest and over a vibrating floor, dry; with bridges
-   that only attract; and with their viscous resistance, as examples/wet_contact.h composes them (films, formation at contact, rupture,
+   that only attract; and with their viscous resistance, as dem_wet.h composes them (films, formation at contact, rupture,
    neck split). Water; contact angle 15 degrees on the spheres, 45 on the floor; moisture 1 % of the spheres' mass.
 
    Figure of merit: particle-steps per second of processor time, wet over dry. Checks: liquid is conserved exactly, the same hash in every
@@ -13,7 +13,7 @@
 
 #include "bed.h"
 #include "common.h"
-#include "examples/wet_contact.h"
+#include "dem_wet.h"
 
 enum { DRY, CAPILLARY, WET, STATES, SCENES = 2, REPEATS_MAX = 99, CODES = 4 };
 static const char *const state_names[STATES] = {"dry", "capillary", "wet"};

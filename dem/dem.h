@@ -55,7 +55,7 @@
 #include "types.h"
 #include "api.h"
 #include "convex_api.h"
-#include "../tests/portable_math.h"
+#include "../base/portable_math.h"
 #include "laws.h"
 #include "shapes.h"
 #include "mesh_shapes.h"

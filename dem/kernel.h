@@ -164,7 +164,7 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
 
 /* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the sizes only. Conditions
    on features are constant where the loop is compiled. */
-enum { DEM__OF_LINKS = 1 << 20 };
+#define DEM__OF_LINKS (1 << 20) /* no enum: C++20 warns where numbers of two enums are combined */
 DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n, const dem__columns *old,
                                const dem__columns *at, const dem_law *law, double h, double rate, int features) {
     const void *user = w->user;

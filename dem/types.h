@@ -108,7 +108,7 @@ typedef struct dem_pair_def {
     double restitution;        /* coefficient of restitution e [-] 0 < e <= 1; default 0.8 */
     double friction;           /* Coulomb coefficient [-] >= 0; default 0.3 */
     double rolling;            /* lever arm of rolling resistance [m] >= 0; default 0. On a slope below this limit a ball creeps at 5 g
-                                  sin(slope) dt; the law contact_epsd in examples/contact_laws.h holds it by a spring */
+                                  sin(slope) dt; the law contact_epsd in dem_laws.h holds it by a spring */
     double tangential_damping; /* tangential dashpot over the normal one [-] >= 0; default 0 */
     dem_restitution mode;      /* DEM_LINEAR only; default DEM_CLIPPED */
     int given;                 /* 1: the pair counts as set; dem_pair() and dem_set_pair() set it; default 0 */

@@ -30,9 +30,9 @@
 #include <string.h>
 
 #include "blocking.h"
-#include "blocking_tests.h"
+#include "sieve_blocking/blocking_tests.h"
 #include "common.h"
-#include "screen_lab.h"
+#include "screen_fit/screen_lab.h"
 #include "screen_models.h"
 
 enum { MODELS = 3, CLASSES = 8, SAMPLES = 1000, MAP = 25, AREAS = 25, MOST_STEPS = 4000 };

@@ -40,7 +40,7 @@
 #include "process_api.h"
 #include "solids_api.h"
 #include "api.h"
-#include "../tests/portable_math.h"
+#include "../base/portable_math.h"
 #include "process_laws.h"
 #include "settling_laws.h"
 #ifdef FILTRATION__BODIES

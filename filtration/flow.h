@@ -122,7 +122,7 @@ FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_flui
 FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure) {
     if (!fluid) return FILTRATION_BAD_ARGUMENT;
     filtration_fluid_def def = fluid->def;
-    if (face < 0 || face > 5 || def.face[face] != FILTRATION_PRESSURE) return FILTRATION_BAD_ARGUMENT;
+    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_pressure) return FILTRATION_BAD_ARGUMENT;
     def.face_pressure[face] = pressure;
     return filtration__change(fluid, &def);
 }
@@ -130,7 +130,7 @@ FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_f
 FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]) {
     if (!fluid || !velocity) return FILTRATION_BAD_ARGUMENT;
     filtration_fluid_def def = fluid->def;
-    if (face < 0 || face > 5 || def.face[face] != FILTRATION_WALL) return FILTRATION_BAD_ARGUMENT;
+    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_velocity) return FILTRATION_BAD_ARGUMENT;
     memcpy(def.face_velocity[face], velocity, sizeof def.face_velocity[face]);
     return filtration__change(fluid, &def);
 }

@@ -27,6 +27,12 @@ typedef struct filtration__link {
     float fraction; /* q [-] */
 } filtration__link;
 
+/* A population that enters a node through a face, the opposite of direction i, which leaves. It follows from the population that leaves the
+   node at `offset` along `along`. */
+typedef struct filtration__entry {
+    signed char i, face, offset[3], along;
+} filtration__entry;
+
 /* A sphere in lattice units, as in the owner map. */
 typedef struct filtration__ball {
     double centre[3], velocity[3], spin[3], radius; /* radius 0: no sphere */
@@ -52,7 +58,7 @@ typedef struct filtration__lattice {
     void *block;              /* allocated block that contains f */
     size_t block_bytes;
     const signed char (*c)[3];
-    filtration_face face[6];
+    const struct filtration__face_kind *face[6];
     double face_velocity[6][3], face_density[6]; /* lattice units [-] */
     double w[FILTRATION__Q];
     filtration__rates rates;
@@ -63,6 +69,8 @@ typedef struct filtration__lattice {
     unsigned char *slab_active; /* [nz]: 0: at exact rest */
     filtration__link *links;
     ptrdiff_t link_count;
+    int entry_count[64]; /* of nodes beside faces: low and high of an axis have a bit each */
+    filtration__entry entries[64][FILTRATION__Q];
     filtration__ball *balls;
     ptrdiff_t ball_count, ball_room;
     ptrdiff_t fluid_nodes, solid_nodes;

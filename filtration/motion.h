@@ -139,7 +139,7 @@ static inline int filtration__near_solid(const filtration_fluid *fluid, const do
     double step = 0.02 * fluid->def.voxel, length = 0.0, box[3], p[3];
     for (int a = 0; a < 3; a++) {
         box[a] = fluid->def.nodes[a] * fluid->def.voxel;
-        p[a] = fluid->def.face[2 * a] == FILTRATION_PERIODIC ? centre[a] - box[a] * floor(centre[a] / box[a]) : centre[a];
+        p[a] = filtration__repeats(fluid->lattice, a) ? centre[a] - box[a] * floor(centre[a] / box[a]) : centre[a];
     }
     t->gap = solid->distance(solid->self, p) - radius;
     if (!(t->gap < reach)) return 0;
@@ -163,7 +163,7 @@ static inline void filtration__touch_walls(const filtration_motion_def *def, con
     if (fluid->def.solid.distance && filtration__near_solid(fluid, x, s->radius[n], reach, &t))
         filtration__collide_pair(def, fluid, s, n, -1, h, damping, &t, contact);
     for (int f = 0; f < 6; f++) {
-        if (fluid->def.face[f] != FILTRATION_WALL) continue;
+        if (!fluid->lattice->face[f]->is_touched) continue;
         int a = f / 2, high = f & 1;
         t.gap = (high ? fluid->def.nodes[a] * fluid->def.voxel - x[a] : x[a]) - s->radius[n];
         if (!(t.gap < reach)) continue;
@@ -181,7 +181,7 @@ static inline void filtration__touch_pairs(const filtration_motion_def *def, con
         if (!(s->radius[k] > 0.0)) continue;
         for (int a = 0; a < 3; a++) {
             double d = s->centre[3 * k + a] - s->centre[3 * n + a], box = fluid->def.nodes[a] * fluid->def.voxel;
-            if (fluid->def.face[2 * a] == FILTRATION_PERIODIC) d -= box * floor(d / box + 0.5);
+            if (filtration__repeats(fluid->lattice, a)) d -= box * floor(d / box + 0.5);
             t.normal[a] = d;
             dd += d * d;
         }

@@ -28,7 +28,7 @@ static inline int32_t filtration__cover(const filtration__lattice *l, const int 
         double rr = 0.0;
         for (int a = 0; a < 3; a++) {
             double d = p[a] - b->centre[a];
-            if (l->face[2 * a] == FILTRATION_PERIODIC) d -= n[a] * floor(d / n[a] + 0.5);
+            if (filtration__repeats(l, a)) d -= n[a] * floor(d / n[a] + 0.5);
             rr += d * d;
         }
         if (rr < b->radius * b->radius) return (int32_t)k;

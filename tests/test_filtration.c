@@ -626,6 +626,8 @@ static void test_bad_input(void **state) {
     REFUSED(bad.tau = 0.5, "tau");
     REFUSED(bad.viscosity = HUGE_VAL, "viscosity");
     REFUSED(bad.face[0] = FILTRATION_WALL, "face");
+    REFUSED(bad.face[4] = bad.face[5] = (filtration_face)17, "face");
+    REFUSED(bad.face[4] = FILTRATION_WALL; bad.face[5] = (filtration_face)-1, "face");
     REFUSED(bad.face_velocity[4][2] = 1.0, "face_velocity");
     REFUSED(bad.body_force[2] = (double)NAN, "body_force");
     REFUSED(bad.precision = FILTRATION_FLOAT; bad.lattice = FILTRATION_D3Q15, "precision");

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "common.h"
-#include "examples/wet_contact.h"
+#include "dem_wet.h"
 
 static const double water_density = 1000.0, sphere_density = 2534.0;
 
@@ -119,7 +119,7 @@ static int wet(wet_scene *wet, dem_world *world, const start *s, const int *grou
     double mass = 0.0;
     screen.centre = dem_vec3(0.0, 0.0, -50.0);
     for (int i = 0; i < s->n; i++) mass += RIDDLE_PI / 6.0 * sphere_density * s->diameter[i] * s->diameter[i] * s->diameter[i];
-    const int deck = dem_add_screen(world, 1, &screen); /* the books of wet_contact.h want one; it is out of the way */
+    const int deck = dem_add_screen(world, 1, &screen); /* the books of dem_wet.h want one; it is out of the way */
     if (deck < 0 || dem_enable_wall(world, deck, 0) != DEM_OK) return -1;
     if (wet_init(wet, s->n, group, s->diameter, classes, moisture * 1000.0 / water_density, mass, deck, world, false, WET_STEEL) !=
         BRIDGE_OK)

@@ -1,4 +1,4 @@
-/* wet_contact.h - composes dem.h and liquid_bridge.h: the dry linear law with friction and rolling, and liquid bridges.
+/* dem_wet.h - composes dem.h and liquid_bridge.h: the dry linear law with friction and rolling, and liquid bridges.
    A bridge forms when two bodies touch and is a link until its gap is beyond dynamic rupture: capillary force and viscous resistance
    change little in 0.2 ms, so that links are evaluated once in many steps. What changes faster, the resistance below `near`, which grows
    as 1/S, belongs to the contact. Films and books are the scene's. */

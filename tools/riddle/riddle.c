@@ -56,7 +56,7 @@ static int write_template(const char *name) {
         return 2;
     }
     char original[100];
-    snprintf(original, sizeof original, "examples/riddle/%s", target);
+    snprintf(original, sizeof original, "tools/riddle/%s", target);
     char *text = input_read(output_find(path, sizeof path, original), &size, message, sizeof message);
     if (!text) return common_fail("%s", message), 1;
     output *file = output_open(NULL, target);

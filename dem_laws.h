@@ -1,6 +1,6 @@
-/* contact_laws.h - more contact laws for dem.h, each written as a user law:
+/* dem_laws.h - more contact laws for dem.h, each written as a user law:
 
-       #include "contact_laws.h"
+       #include "dem_laws.h"
        DEM_KERNEL(kernel, contact_jkr, DEM_HERTZ | DEM_FRICTION)            // once, outside of functions: compiles the law's loop
        ...
        contact_laws laws = contact_default_laws();

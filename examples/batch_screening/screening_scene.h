@@ -12,7 +12,7 @@
 
 #include "common.h"
 #include "world_picture.h"
-#include "wet_contact.h"
+#include "dem_wet.h"
 
 enum { SMALL, NEAR_MESH, LARGE, CLASSES, UNDERSIZE = 2 };
 static const double class_diameter[CLASSES] = {0.005, 0.007, 0.010};

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../world_picture.h"
+#include "world_picture.h"
 #include "scene_feed.h"
 #include "scene_shapes.h"
 #include "scene_wet.h"

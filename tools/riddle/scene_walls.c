@@ -232,7 +232,7 @@ static int add_wall(scene *s, int number) {
     return move_wall(s, w, wall);
 }
 
-/* Screens come first, as the books of the liquid want decks side by side (wet_contact.h). */
+/* Screens come first, as the books of the liquid want decks side by side (dem_wet.h). */
 int scene_add_walls(scene *s) {
     const wall_def *w = s->def->walls.item;
     for (int pass = 0; pass < 2; pass++)

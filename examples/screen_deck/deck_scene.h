@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "machine.h"
-#include "wet_contact.h"
+#include "dem_wet.h"
 
 enum { DECKS_MAX = 3 };
 typedef enum deck_mesh { DECK_SQUARE, DECK_SLOTS_ALONG, DECK_SLOTS_ACROSS } deck_mesh;

@@ -1,4 +1,4 @@
-/* world_picture.h - a dem_world as a picture and as a movie, for the programs of this folder.
+/* world_picture.h - a dem_world as a picture and as a movie, for programs.
 
        picture_def look = {{"small", "large"}, 2, 0.0, {0.3, 1.0, -0.4}};
        draw_world(&world, &look, self.out, "scene.png");

@@ -1,5 +1,5 @@
 /* scene_wet.c: see scene_wet.h */
-#include "../wet_contact.h"
+#include "dem_wet.h"
 
 #include <math.h>
 #include <stdlib.h>
