@@ -7,7 +7,7 @@
 
    A heading is words and a unit: "Size [mm]", "size_mm", "Siebweite in mm", "Zeit t / s". The words that name a column are in
    sheet_words.h, in English and German. A column with a word that is unknown is not read; a column that is needed and is not there
-   is refused in one line that lists the columns that are. Without a unit numbers are SI; shares that exceed 1.5 are in per cent.
+   is refused in one line that lists the columns that are. Without a unit numbers are SI; amounts of sieves that exceed 1.5 are in per cent.
 
    Sizes (sheet_read_sizes): sieves in any order, by their width, by phi, or by mesh number (ASTM E11 or Tyler); classes ("63-125", "< 63",
    or two columns low and high); amounts as what passes, what is coarser, what is on each sieve (share or mass, also gross and tare),
@@ -21,15 +21,21 @@ enum { SHEET_COLUMNS = 64, SHEET_HOW = 700, SHEET_AMOUNTS = 8 };
 
 /* A column that a program reads. */
 typedef struct sheet_column {
-    const char *name;     /* a row of the words in sheet_words.h */
-    char dimension;       /* as in csv.h: 'L' 'T' 'M' 'V' 'P' 'W' 'v' 'f' 'a'; 's' share; '#' number; 't' text, any cell */
-    bool needed;          /* else it may be missing */
-    const double *value;  /* out: [rows] in SI, NaN for an empty cell and for text; NULL: the column is not there */
-    const char *heading;  /* out: as it stood */
-    const char *unit;     /* out: "mm", "%"; "" without one */
-    int index;            /* out: of the file's columns; -1: not there */
-    double factor;        /* out: by which numbers of cells without a unit of their own are multiplied */
+    const char *name;    /* a row of the words in sheet_words.h */
+    char dimension;      /* as in csv.h: 'L' 'T' 'M' 'V' 'P' 'W' 'v' 'f' 'a'; 's' share; '%' a share that is in per cent where
+                             one exceeds 1.5; '#' number; 't' text, any cell */
+    bool needed;         /* else it may be missing */
+    const double *value; /* out: [rows] in SI, NaN for an empty cell and for text; NULL: the column is not there */
+    const char *heading; /* out: as it stood */
+    const char *unit;    /* out: "mm", "%"; "" without one */
+    int index;           /* out: of the file's columns; -1: not there */
+    double factor;       /* out: by which numbers of cells without a unit of their own are multiplied */
 } sheet_column;
+
+static inline sheet_column sheet_want(const char *name, char dimension, bool needed) {
+    sheet_column column = {name, dimension, needed, 0, 0, 0, -1, 1.0};
+    return column;
+}
 
 typedef struct sheet {
     int rows, columns;
@@ -51,7 +57,7 @@ typedef struct sheet_sizes {
     int by_number;                 /* 1: shares of number, 0: of mass or volume, -1: the heading does not say */
     double *size;                  /* [n] [m], above 0 */
     double *amount[SHEET_AMOUNTS]; /* [n] share that passes the size; single: share of the size; of a name that ends with _sd: deviation of
-                                      the share between this size and the one below. NULL: the column is not there */
+                                      the share between this size and the one below, NaN where none is given. NULL: the column is not there */
     double *above;                 /* [1 a name] share coarser than the last size */
     int *line;                     /* [n] of the file */
     char how[SHEET_HOW];

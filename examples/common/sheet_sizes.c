@@ -27,8 +27,21 @@ typedef enum column_kind {
     DEVIATION
 } column_kind;
 
-static const char *const kind_text[] = {"",           "",           "",     "",     "", "", "share finer", "share coarser", "share on each sieve",
-                                        "share of each size", "mass on each sieve", "gross less tare", "", "cumulative share", ""};
+static const char *const kind_text[] = {"",
+                                        "",
+                                        "",
+                                        "",
+                                        "",
+                                        "",
+                                        "share finer",
+                                        "share coarser",
+                                        "share on each sieve",
+                                        "share of each size",
+                                        "mass on each sieve",
+                                        "gross less tare",
+                                        "",
+                                        "cumulative share",
+                                        ""};
 
 typedef struct amount {
     column_kind kind;
@@ -45,6 +58,7 @@ typedef struct layout {
     bool size_is_class;
     amount amount[SHEET_AMOUNTS];
     int amounts;
+    char twice[40]; /* what several columns may be */
 } layout;
 
 /* A row: a sieve (low == high) or a class. */
@@ -69,8 +83,10 @@ static unsigned bits_of(const sheet_heading *h, const char *skip) {
 }
 
 static column_kind kind_of(const sheet_heading *h, unsigned b) {
-    const bool of_mass = h->dimension == 'M' || ((b & WORD_MASS) && h->dimension != 's' && !(b & (WORD_PERCENT | WORD_SHARE | WORD_FRACTION)));
-    const bool share = h->dimension == 's' || (b & (WORD_SHARE | WORD_PERCENT)) || ((b & WORD_FRACTION) && (b & (WORD_MASS | WORD_VOLUME | WORD_NUMBER)));
+    const bool of_mass =
+        h->dimension == 'M' || ((b & WORD_MASS) && h->dimension != 's' && !(b & (WORD_PERCENT | WORD_SHARE | WORD_FRACTION)));
+    const bool share =
+        h->dimension == 's' || (b & (WORD_SHARE | WORD_PERCENT)) || ((b & WORD_FRACTION) && (b & (WORD_MASS | WORD_VOLUME | WORD_NUMBER)));
     if ((b & WORD_UNKNOWN) || (h->dimension && !strchr("sLM", h->dimension))) return NONE;
     if (b & WORD_PHI) return PHI;
     if (h->dimension == 'L') return b & WORD_LOW ? LOW : b & WORD_HIGH ? HIGH : SIZE;
@@ -94,12 +110,6 @@ static column_kind kind_of(const sheet_heading *h, unsigned b) {
     return NONE;
 }
 
-static const char *words_of(const char *name) {
-    for (size_t k = 0; k < sizeof sheet_names / sizeof *sheet_names; k++)
-        if (strcmp(sheet_names[k].name, name) == 0) return sheet_names[k].words;
-    return name;
-}
-
 /* Is the heading that of amounts "feed" or of their deviations "feed_sd"? */
 static bool is_amount_of(const char *name, const sheet_heading *h, column_kind *kind) {
     char base[40], skip[200];
@@ -107,9 +117,9 @@ static bool is_amount_of(const char *name, const sheet_heading *h, column_kind *
     const bool wanted = n > 3 && strcmp(name + n - 3, "_sd") == 0;
     bool named = false, deviates = false;
     snprintf(base, sizeof base, "%.*s", (int)(wanted ? n - 3 : n), name);
-    snprintf(skip, sizeof skip, "%.150s sd stdev standardabweichung", words_of(base));
+    snprintf(skip, sizeof skip, "%.150s sd stdev standardabweichung", sheet_words_of(base));
     for (int k = 0; k < h->n; k++) {
-        named |= sheet_is_word(words_of(base), h->words[k]);
+        named |= sheet_is_word(sheet_words_of(base), h->words[k]);
         deviates |= sheet_is_word("sd stdev standardabweichung", h->words[k]);
     }
     const unsigned bits = bits_of(h, skip);
@@ -136,7 +146,8 @@ static const char *find_layout(const char *const *names, int n, const char *cons
     *l = empty;
     l->size = l->low = l->high = l->phi = l->mesh = -1;
     l->amounts = wanted ? wants : 1;
-    for (int j = 0; j < SHEET_AMOUNTS; j++) l->amount[j].column = l->amount[j].tare = -1, l->amount[j].name = wanted && j < wants ? wanted[j] : "";
+    for (int j = 0; j < SHEET_AMOUNTS; j++)
+        l->amount[j].column = l->amount[j].tare = -1, l->amount[j].name = wanted && j < wants ? wanted[j] : "";
     for (int k = 0; k <= DEVIATION; k++) by_kind[k] = -1;
     for (int k = 0; k < n; k++) {
         sheet_heading h;
@@ -190,7 +201,8 @@ static const char *find_layout(const char *const *names, int n, const char *cons
     }
     for (int j = 0; j < l->amounts; j++)
         if (l->amount[j].column < 0 && !(wanted && strstr(wanted[j], "_sd"))) return wanted[j];
-    return twice ? "*" : NULL;
+    if (twice) snprintf(l->twice, sizeof l->twice, "%s", twice);
+    return twice ? l->twice : NULL;
 }
 
 /* ---- cells ---- */
@@ -308,11 +320,11 @@ typedef struct reader {
     const char *names[SHEET_COLUMNS];
     int columns, n;
     sieve_row *row;
-    double total;       /* of the row "total"; NaN */
-    bool pan, classes;  /* some row is the pan, a class */
-    bool bare;          /* some size has no unit */
+    double total;               /* of the row "total"; NaN */
+    bool pan, classes;          /* some row is the pan, a class */
+    bool bare;                  /* some size has no unit */
     bool scaled[SHEET_AMOUNTS]; /* per cent was said */
-    bool single;
+    double all[SHEET_AMOUNTS];  /* by which shares are divided */
     char *message;
     int message_size;
 } reader;
@@ -417,7 +429,9 @@ static int find_unit(reader *r, double (*width)(double)) {
     for (int k = 0; k < r->n && r->l.mesh >= 0; k++) {
         double number;
         if (r->row[k].pan || !read_mesh(cell_of(r, r->row[k].row, r->l.mesh), &r->marks, &number) || !(width(number) > 0.0)) continue;
-        const double ratio = width(number) / r->row[k].low, here = fabs(ratio / 1e-3 - 1.0) < 0.06 ? 1e-3 : fabs(ratio / 1e-6 - 1.0) < 0.06 ? 1e-6 : -1.0;
+        const double ratio = width(number) / r->row[k].low, here = fabs(ratio / 1e-3 - 1.0) < 0.06   ? 1e-3
+                                                                   : fabs(ratio / 1e-6 - 1.0) < 0.06 ? 1e-6
+                                                                                                     : -1.0;
         factor = factor == 0.0 || factor == here ? here : -1.0;
     }
     if (factor > 0.0) {
@@ -452,7 +466,8 @@ static int read_rows(reader *r, int from) {
             double tare = 0.0;
             if (l->amount[j].column < 0) continue;
             if (total && !*cell_of(r, k, l->amount[j].column)) continue;
-            if (read_amount(r, k, l->amount[j].column, j, &row->value[j]) || (l->amount[j].tare >= 0 && read_amount(r, k, l->amount[j].tare, j, &tare)))
+            if (read_amount(r, k, l->amount[j].column, j, &row->value[j]) ||
+                (l->amount[j].tare >= 0 && read_amount(r, k, l->amount[j].tare, j, &tare)))
                 return -1;
             row->value[j] -= tare;
             if (row->value[j] < 0.0) return refuse_cell(r, k, l->amount[j].column, "less than the empty sieve");
@@ -503,7 +518,9 @@ static int settle_kind(reader *r, int j) {
     double sum = 0.0, most = 0.0;
     for (int k = 0; k < r->n; k++) sum += r->row[k].value[j], most = fmax(most, r->row[k].value[j]);
     if (a->kind == NONE) /* feed, coarse, fine without a word */
-        a->kind = r->classes || r->pan ? RETAINED : rises(r, j) && most > 0.0 && fabs(r->row[r->n - 1].value[j] / (most > 1.5 ? 100.0 : 1.0) - 1.0) < 0.01 ? FINER : SHARE;
+        a->kind = r->classes || r->pan                                                                                     ? RETAINED
+                  : rises(r, j) && most > 0.0 && fabs(r->row[r->n - 1].value[j] / (most > 1.5 ? 100.0 : 1.0) - 1.0) < 0.01 ? FINER
+                                                                                                                           : SHARE;
     if (a->kind == SHARE && (r->classes || r->pan)) a->kind = RETAINED;
     if (a->kind == CUM) {
         if (rises(r, j) == falls(r, j)) return refuse_amount(r, j, "cumulated, but it neither rises nor falls with the size");
@@ -523,8 +540,30 @@ static int settle_kind(reader *r, int j) {
         return 0;
     }
     if (!falls(r, j) && sum < 1.0) return 0; /* the rest is in the pan, which is not there */
-    return refuse_amount(r, j, falls(r, j) ? "on each sieve, or cumulated? The heading must say cumulative, or there must be a row for the pan"
-                                           : "neither adds up to 100 % nor falls as sizes rise; masses need a unit, such as retained_g");
+    return refuse_amount(r, j,
+                         falls(r, j) ? "on each sieve, or cumulated? The heading must say cumulative, or there must be a row for the pan"
+                                     : "neither adds up to 100 % nor falls as sizes rise; masses need a unit, such as retained_g");
+}
+
+/* Deviations of shares stand at the upper end of their class. */
+static void place_deviations(const reader *r, int j, sheet_sizes *out) {
+    const amount *a = &r->l.amount[j];
+    const size_t n = strlen(a->name) - 3;
+    double factor = 1.0;
+    for (int q = 0; q < r->l.amounts; q++) {
+        const amount *b = &r->l.amount[q];
+        if (b->column < 0 || strncmp(b->name, a->name, n) != 0 || strlen(b->name) != n) continue;
+        factor = (a->heading.dimension ? 1.0 : b->heading.si) / r->all[q];
+    }
+    for (int k = 0; k < out->n; k++) out->amount[j][k] = (double)NAN;
+    for (int k = 0; k < r->n; k++)
+        for (int i = 0; i < out->n; i++) {
+            const bool here = r->classes      ? out->size[i] == r->row[k].high
+                              : r->row[k].pan ? i == 0
+                                              : i > 0 && out->size[i - 1] == r->row[k].low;
+            if (here) out->amount[j][i] = factor * r->row[k].value[j];
+        }
+    out->above[j] = 0.0;
 }
 
 /* The amount of a row in what passes the sizes above it. */
@@ -532,32 +571,38 @@ static int sum_up(reader *r, int j, sheet_sizes *out) {
     const amount *a = &r->l.amount[j];
     double all = 0.0, *passing = out->amount[j], sum = 0.0;
     int n = 0;
-    const bool shares = a->kind == RETAINED || a->kind == MASS || a->kind == GROSS || a->kind == DEVIATION;
+    const bool shares = a->kind == RETAINED || a->kind == MASS || a->kind == GROSS;
     for (int k = 0; k < r->n; k++) all += r->row[k].value[j];
-    if (shares && a->kind != DEVIATION) {
+    if (a->kind == DEVIATION) {
+        place_deviations(r, j, out);
+        return 0;
+    }
+    if (shares) {
         if (!(all > 0.0)) return refuse_amount(r, j, "all amounts are 0");
         if (a->kind == MASS && fabs(all - r->total) > 0.02 * all)
-            return sheet_refuse(r->message, r->message_size, "%s: the rows of '%.60s' add up to %g kg, the row of the total says %g kg", r->path,
-                                r->names[a->column], all, r->total);
+            return sheet_refuse(r->message, r->message_size, "%s: the rows of '%.60s' add up to %g kg, the row of the total says %g kg",
+                                r->path, r->names[a->column], all, r->total);
         if (a->kind == RETAINED && r->classes && a->heading.percent && !(fabs(all - 1.0) <= 0.03))
-            return sheet_refuse(r->message, r->message_size, "%s: column '%.60s' adds up to %.4g %%, not to 100", r->path, r->names[a->column],
-                                100.0 * all);
+            return sheet_refuse(r->message, r->message_size, "%s: column '%.60s' adds up to %.4g %%, not to 100", r->path,
+                                r->names[a->column], 100.0 * all);
         if (a->kind == RETAINED && !r->pan && all < 0.99 && !r->classes) sum = 1.0 - all, all = 1.0;
     }
     if (a->kind == COARSER && a->heading.dimension == 'M') {
         if (!r->pan) return refuse_amount(r, j, "cumulated masses need a row for the pan");
         all = r->row[0].value[j];
     } else if (!shares) all = 1.0;
+    r->all[j] = all;
     for (int k = 0; k < r->n; k++) {
         const sieve_row *row = &r->row[k];
         const double v = row->value[j];
         if (a->kind == FINER || a->kind == COARSER) {
+            if (row->pan && v > 0.0 && a->kind == FINER) return refuse_amount(r, j, "something is finer than 0");
             if (row->pan) continue;
             passing[n++] = a->kind == FINER ? v : 1.0 - v / all;
             continue;
         }
-        if (a->kind == SHARE || a->kind == DEVIATION) {
-            if (!row->pan || a->kind == DEVIATION) passing[n++] = v;
+        if (a->kind == SHARE) {
+            passing[n++] = v;
             continue;
         }
         if (r->classes) {
@@ -569,17 +614,19 @@ static int sum_up(reader *r, int j, sheet_sizes *out) {
             sum += v;
         }
     }
-    out->above[j] = a->kind == SHARE || a->kind == DEVIATION ? 0.0 : 1.0 - passing[out->n - 1];
+    out->above[j] = a->kind == SHARE ? 0.0 : 1.0 - passing[out->n - 1];
     if (fabs(out->above[j]) < 1e-12) out->above[j] = 0.0;
-    if (shares && a->kind != DEVIATION && out->above[j] == 0.0) passing[out->n - 1] = 1.0;
-    if (a->kind == SHARE || a->kind == DEVIATION) return 0;
+    if (shares && out->above[j] == 0.0) passing[out->n - 1] = 1.0;
+    if (a->kind == SHARE) return 0;
     for (int k = 0; k < out->n; k++) {
         if (!(passing[k] >= -1e-9 && passing[k] <= 1.0 + 1e-3))
-            return sheet_refuse(r->message, r->message_size, "%s:%d: column '%.60s': %g of the whole is finer than %g mm; it is 0 to 1, or 0 to 100 %%",
-                                r->path, out->line[k], r->names[a->column], passing[k], 1e3 * out->size[k]);
+            return sheet_refuse(r->message, r->message_size,
+                                "%s:%d: column '%.60s': %g of the whole is finer than %g mm; it is 0 to 1, or 0 to 100 %%", r->path,
+                                out->line[k], r->names[a->column], passing[k], 1e3 * out->size[k]);
         if (k > 0 && passing[k] < passing[k - 1] - 1e-9)
-            return sheet_refuse(r->message, r->message_size, "%s:%d: column '%.60s': less is finer than %g mm (%g) than %g mm (%g)", r->path,
-                                out->line[k], r->names[a->column], 1e3 * out->size[k], passing[k], 1e3 * out->size[k - 1], passing[k - 1]);
+            return sheet_refuse(r->message, r->message_size, "%s:%d: column '%.60s': less is finer than %g mm (%g) than %g mm (%g)",
+                                r->path, out->line[k], r->names[a->column], 1e3 * out->size[k], passing[k], 1e3 * out->size[k - 1],
+                                passing[k - 1]);
     }
     return 0;
 }
@@ -595,11 +642,13 @@ static int find_sizes(reader *r, sheet_sizes *out) {
         if (r->classes && !cumulated) {
             const double before = k ? r->row[k - 1].high : row->low;
             if (fabs(row->low - before) > 1e-6 * before)
-                return sheet_refuse(r->message, r->message_size, "%s:%d: the class from %g mm does not begin where the one below ends, at %g mm",
-                                    r->path, row->line, 1e3 * row->low, 1e3 * before);
+                return sheet_refuse(r->message, r->message_size,
+                                    "%s:%d: the class from %g mm does not begin where the one below ends, at %g mm", r->path, row->line,
+                                    1e3 * row->low, 1e3 * before);
             if (k == 0 && row->low > 0.0) out->line[out->n] = row->line, out->size[out->n++] = row->low;
             if (row->high < HUGE_VAL) out->line[out->n] = row->line, out->size[out->n++] = row->high;
-            else if (k < r->n - 1) return sheet_refuse(r->message, r->message_size, "%s:%d: two classes without an upper limit", r->path, row->line);
+            else if (k < r->n - 1)
+                return sheet_refuse(r->message, r->message_size, "%s:%d: two classes without an upper limit", r->path, row->line);
             continue;
         }
         const double x = kind == COARSER ? row->low : row->high;
@@ -635,7 +684,8 @@ static void say_how(const reader *r, bool top_down, sheet_sizes *out) {
     const int size = (int)sizeof out->how, place = l->low >= 0 ? l->low : l->size >= 0 ? l->size : l->phi >= 0 ? l->phi : l->mesh;
     const char *what = out->single ? "share" : "finer";
     int at = snprintf(out->how, (size_t)size, "%.150s: %s%s of '%.40s' by '%.40s', %s%s", r->path, sheet_marks_text(r->text, &r->marks),
-                      kind_text[a->kind], r->names[a->column], r->names[place], r->classes ? "classes, " : "", top_down ? "top-down" : "bottom-up");
+                      kind_text[a->kind], r->names[a->column], r->names[place], r->classes ? "classes, " : "",
+                      top_down ? "top-down" : "bottom-up");
     for (int j = 1; j < l->amounts && at >= 0 && at < size; j++)
         if (l->amount[j].column >= 0) at += snprintf(out->how + at, (size_t)(size - at), ", '%.40s'", r->names[l->amount[j].column]);
     if (at >= 0 && at < size)
@@ -658,7 +708,8 @@ static bool make_room(reader *r, sheet_sizes *out, int rows) {
     out->memory = d;
     if (!d || !r->row) return false;
     out->size = d, out->above = d + n * (SHEET_AMOUNTS + 1), out->line = (int *)(void *)(out->above + SHEET_AMOUNTS);
-    for (int j = 0; j < SHEET_AMOUNTS; j++) out->amount[j] = j < r->l.amounts && r->l.amount[j].column >= 0 ? d + n * (size_t)(j + 1) : NULL;
+    for (int j = 0; j < SHEET_AMOUNTS; j++)
+        out->amount[j] = j < r->l.amounts && r->l.amount[j].column >= 0 ? d + n * (size_t)(j + 1) : NULL;
     return true;
 }
 
@@ -669,6 +720,7 @@ static int read_body(reader *r, int from, sheet_sizes *out) {
         char text[40];
         sheet_fold(cell_of(r, k, l->size), text, sizeof text);
         if (text[0] != '#' && !is_any(" no nr ", text) && !strstr(text, "mesh")) continue;
+        if (!strstr(text, "mesh")) l->mesh_bits |= WORD_ASTM;
         l->mesh = l->size, l->size = -1;
     }
     for (int j = 0; j < l->amounts; j++) column[used++] = l->amount[j].column, column[used++] = l->amount[j].tare;
@@ -716,14 +768,17 @@ int sheet_parse_sizes(const char *bytes, long size, const char *path, const char
             missing = find_layout(r.names, r.columns, names, n, &r.l);
             head = row;
             if (first_text < 0 && r.columns > 1) first_text = row;
-            if (!missing || *missing == '*') break;
+            if (!missing || missing == r.l.twice) break;
         }
     int failed = 0;
     if (missing) {
-        if (*missing != '*') r.columns = sheet_headings(&text, first_text < 0 ? 0 : first_text, 1, r.names, room, sizeof room);
-        if (*missing != '*') missing = find_layout(r.names, r.columns, names, n, &r.l);
-        failed = sheet_refuse_columns(message, message_size, path, *missing == '*' ? "two columns of the same kind" : "no column ",
-                                      *missing == '*' ? "" : missing, r.names, r.columns);
+        if (missing != r.l.twice) {
+            r.columns = sheet_headings(&text, first_text < 0 ? 0 : first_text, 1, r.names, room, sizeof room);
+            missing = find_layout(r.names, r.columns, names, n, &r.l);
+            if (!missing) missing = "size";
+        }
+        failed = sheet_refuse_columns(message, message_size, path, missing == r.l.twice ? "several columns are " : "no column ", missing,
+                                      r.names, r.columns);
     } else if (!make_room(&r, out, text.rows)) failed = sheet_refuse(message, message_size, "%s: out of memory", path);
     else failed = read_body(&r, head + (lines > 1 ? 2 : 1), out);
     free(r.row);

@@ -83,9 +83,10 @@ typedef struct sheet_word {
 } sheet_word;
 static const sheet_word sheet_sieve_words[] = {
     {WORD_SIEVE, " sieve sieves sieb siebe tamis screen "},
-    {WORD_SIZE, " size sizes opening openings aperture apertures diameter diameters dia width weite groesse siebweite maschenweite korngroesse "
-                "korndurchmesser siebgroesse lochweite durchmesser maschengroesse nennweite siebnennweite oeffnung siebmaschenweite "
-                "partikelgroesse partikeldurchmesser d x w dp "},
+    {WORD_SIZE,
+     " size sizes opening openings aperture apertures diameter diameters dia width weite groesse siebweite maschenweite korngroesse "
+     "korndurchmesser siebgroesse lochweite durchmesser maschengroesse nennweite siebnennweite oeffnung siebmaschenweite "
+     "partikelgroesse partikeldurchmesser d x w dp "},
     {WORD_GRAIN, " grain grains particle particles korn koerner partikel equivalent aequivalent nominal limit limits grenze klassengrenze "
                  "boundary edge korngrenze "},
     {WORD_LOW, " low lower from von untere unterer min minimum "},
@@ -93,8 +94,8 @@ static const sheet_word sheet_sieve_words[] = {
     {WORD_CLASS, " class classes interval range klasse kornklasse kornfraktion bereich bin korngroessenklasse siebklasse "},
     {WORD_FRACTION, " fraction fractions fraktion "},
     {WORD_PHI, " phi "},
-    {WORD_MESH, " mesh meshes no nr "},
-    {WORD_ASTM, " astm us std standard e11 "},
+    {WORD_MESH, " mesh meshes "},
+    {WORD_ASTM, " astm us std standard e11 no nr "}, /* sieves with a "No." are those of ASTM */
     {WORD_TYLER, " tyler "},
     {WORD_FINER, " passing passed finer undersize durchgang siebdurchgang durchgangssumme durchgaenge less below smaller than kleiner "
                  "unterkorn cpft tamisat passant "},
@@ -111,25 +112,28 @@ static const sheet_word sheet_sieve_words[] = {
     {WORD_NET, " net netto nettomasse "},
     {WORD_PERCENT, " percent percentage prozent pct perc "},
     {WORD_NUMBER, " number anzahl zahl nummer "},
-    {WORD_NOTHING, " the of in by a an at der des die das dem den im am mean measured gemessen each per je individual einzeln test wt total "},
+    {WORD_NOTHING,
+     " the of in by a an at der des die das dem den im am mean measured gemessen each per je individual einzeln test wt total "},
 };
 
-static const char sheet_pan_words[] = " pan boden bodenpfanne siebboden auffangschale auffang schale receiver bottom fond bodensatz pfanne ";
+static const char sheet_pan_words[] =
+    " pan boden bodenpfanne siebboden auffangschale auffang schale receiver bottom fond bodensatz pfanne ";
 static const char sheet_total_words[] = " total sum summe gesamt gesamtsumme totals insgesamt somme ";
 
 /* Nominal widths of sieves [mm]: ASTM E11 (also ISO 3310-1), Tyler. */
 typedef struct sheet_mesh {
     double number, width;
 } sheet_mesh;
-static const sheet_mesh sheet_astm[] = {
-    {3.5, 5.6},   {4, 4.75},    {5, 4.0},     {6, 3.35},    {7, 2.8},     {8, 2.36},    {10, 2.0},    {12, 1.7},    {14, 1.4},    {16, 1.18},
-    {18, 1.0},    {20, 0.85},   {25, 0.71},   {30, 0.6},    {35, 0.5},    {40, 0.425},  {45, 0.355},  {50, 0.3},    {60, 0.25},   {70, 0.212},
-    {80, 0.18},   {100, 0.15},  {120, 0.125}, {140, 0.106}, {170, 0.09},  {200, 0.075}, {230, 0.063}, {270, 0.053}, {325, 0.045}, {400, 0.038},
-    {450, 0.032}, {500, 0.025}, {635, 0.02}};
-static const sheet_mesh sheet_tyler[] = {
-    {3.5, 5.6},  {4, 4.75},   {5, 4.0},     {6, 3.35},    {7, 2.8},    {8, 2.36},    {9, 2.0},     {10, 1.7},    {12, 1.4},    {14, 1.18}, {16, 1.0},
-    {20, 0.85},  {24, 0.71},  {28, 0.6},    {32, 0.5},    {35, 0.425}, {42, 0.355},  {48, 0.3},    {60, 0.25},   {65, 0.212},  {80, 0.18},
-    {100, 0.15}, {115, 0.125}, {150, 0.106}, {170, 0.09}, {200, 0.075}, {250, 0.063}, {270, 0.053}, {325, 0.045}, {400, 0.038}, {500, 0.025}};
+static const sheet_mesh sheet_astm[] = {{3.5, 5.6},   {4, 4.75},    {5, 4.0},     {6, 3.35},    {7, 2.8},     {8, 2.36},    {10, 2.0},
+                                        {12, 1.7},    {14, 1.4},    {16, 1.18},   {18, 1.0},    {20, 0.85},   {25, 0.71},   {30, 0.6},
+                                        {35, 0.5},    {40, 0.425},  {45, 0.355},  {50, 0.3},    {60, 0.25},   {70, 0.212},  {80, 0.18},
+                                        {100, 0.15},  {120, 0.125}, {140, 0.106}, {170, 0.09},  {200, 0.075}, {230, 0.063}, {270, 0.053},
+                                        {325, 0.045}, {400, 0.038}, {450, 0.032}, {500, 0.025}, {635, 0.02}};
+static const sheet_mesh sheet_tyler[] = {{3.5, 5.6},   {4, 4.75},    {5, 4.0},     {6, 3.35},   {7, 2.8},     {8, 2.36},    {9, 2.0},
+                                         {10, 1.7},    {12, 1.4},    {14, 1.18},   {16, 1.0},   {20, 0.85},   {24, 0.71},   {28, 0.6},
+                                         {32, 0.5},    {35, 0.425},  {42, 0.355},  {48, 0.3},   {60, 0.25},   {65, 0.212},  {80, 0.18},
+                                         {100, 0.15},  {115, 0.125}, {150, 0.106}, {170, 0.09}, {200, 0.075}, {250, 0.063}, {270, 0.053},
+                                         {325, 0.045}, {400, 0.038}, {500, 0.025}};
 
 /* ---- shared by the two files ---- */
 
@@ -156,6 +160,7 @@ typedef struct sheet_text {
     void *memory[4];
 } sheet_text;
 
+const char *sheet_words_of(const char *name); /* the other names of a column */
 void sheet_fold(const char *text, char *out, size_t size);
 void sheet_read_heading(const char *text, sheet_heading *h);
 bool sheet_is_word(const char *words, const char *word); /* between blanks */
