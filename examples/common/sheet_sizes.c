@@ -623,6 +623,7 @@ static int sum_up(reader *r, int j, sheet_sizes *out) {
             return sheet_refuse(r->message, r->message_size,
                                 "%s:%d: column '%.60s': %g of the whole is finer than %g mm; it is 0 to 1, or 0 to 100 %%", r->path,
                                 out->line[k], r->names[a->column], passing[k], 1e3 * out->size[k]);
+        passing[k] = fmin(fmax(passing[k], 0.0), 1.0); /* what per cents were rounded to */
         if (k > 0 && passing[k] < passing[k - 1] - 1e-9)
             return sheet_refuse(r->message, r->message_size, "%s:%d: column '%.60s': less is finer than %g mm (%g) than %g mm (%g)",
                                 r->path, out->line[k], r->names[a->column], 1e3 * out->size[k], passing[k], 1e3 * out->size[k - 1],

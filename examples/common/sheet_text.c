@@ -137,7 +137,7 @@ static int split_lines(char *text, char **lines, int *number, char *separator) {
         *end = '\0';
         at++;
         while (is_space(*line)) line++;
-        if (strncmp(line, "sep=", 4) == 0 && line[4] && (!line[5] || line[5] == '\r')) {
+        if (strncmp(line, "sep=", 4) == 0 && line[4] && !line[5 + strspn(line + 5, " ")]) {
             *separator = line[4];
             continue;
         }

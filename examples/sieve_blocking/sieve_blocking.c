@@ -102,7 +102,7 @@ static void draw_table2(const program *self, json *report) {
 /* ---- readings ---- */
 
 static const char *const counts_file = "a file with the columns time_s,free_holes,holes or time_s,free_fraction";
-static const char *const sizes_file = "a file with the columns size_mm,passing";
+static const char *const sizes_file = "a sieve curve about the opening";
 
 typedef struct readings {
     double t[MOST_READINGS], f[MOST_READINGS], sigma[MOST_READINGS];
