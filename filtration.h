@@ -37,6 +37,7 @@
 #ifndef RIDDLE_FILTRATION_H
 #define RIDDLE_FILTRATION_H
 
+/* ---------------------------------------------------------------------------------------------------- >>compiler.h */
 /* compiler.h: what compilers call differently, and the switch between static inline and one shared copy.
    Relies on nothing.
    May be changed here alone: everything that leaves the macros' meaning. */
@@ -121,6 +122,7 @@
 extern "C" {
 #endif
 
+/* -------------------------------------------------------------------------------------------------------- >>base.h */
 /* base.h: what every part of filtration.h uses: status codes, memory, parallel loops.
    Relies on nothing.
    May be changed here alone: texts of statuses, the order of statuses after FILTRATION_OK. */
@@ -187,6 +189,7 @@ static inline void filtration__for_each(const filtration_parallel *p, int thread
     for (int i = 0; i < tasks; i++) task(context, i);
 }
 
+/* ------------------------------------------------------------------------------------------------- >>process_api.h */
 /* process_api.h: the filtration equation as its user sees it: laws, an operation, the evaluation of a measured curve, prediction.
    Relies on base.h.
    May be changed here alone: comments, defaults (in process.h: filtration_curve_default_def, filtration_operation_default). */
@@ -376,11 +379,18 @@ enum filtration_outside_flag { FILTRATION_OUTSIDES(FILTRATION__OUTSIDE) FILTRATI
 FILTRATION_API unsigned filtration_outside(const filtration_curve *curve, double pressure, double area, double V);
 FILTRATION_API const char *filtration_outside_text(unsigned flag); /* of one flag; never NULL; static storage */
 
+/* -------------------------------------------------------------------------------------------------- >>solids_api.h */
 /* solids_api.h: solids at rest as a signed distance: woven wire cloth, beds of spheres and fibres, voxel images.
    Relies on base.h.
    May be changed here alone: comments. */
 
 /* ==== >>solids: solids at rest in the fluid ==== */
+
+/* A place at which a solid is near to a sphere. */
+typedef struct filtration_near {
+    double gap;       /* [m], < 0: overlap */
+    double normal[3]; /* unit vector from the sphere's centre to the surface */
+} filtration_near;
 
 /* A solid at rest, described by functions of the caller, which are called in filtration_fluid_init and when spheres touch it. */
 typedef struct filtration_solid {
@@ -390,6 +400,9 @@ typedef struct filtration_solid {
     /* Fraction of the way from a fluid point to a solid one at which the surface lies [-], above 0 .. 1. NULL: computed from `distance`. */
     double (*cut)(const void *self, const double fluid[3], const double solid[3]);
     const void *self;
+    /* Lists at most `most` places with a gap below `reach` to a sphere, one for each wire or body that it may touch; returns their number.
+       For filtration_move. NULL: the nearest place, from differences of `distance`. */
+    int (*touch)(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near);
 } filtration_solid;
 
 /* The solids below keep their own data. filtration_..._solid() returns a filtration_solid that points to these data, which must outlive the
@@ -473,6 +486,7 @@ FILTRATION_API filtration_status filtration_image_check(const filtration_image *
 FILTRATION_API double filtration_image_distance(const filtration_image *image, const double point[3]); /* as above [m] */
 FILTRATION_API filtration_solid filtration_image_solid(const filtration_image *image);
 
+/* --------------------------------------------------------------------------------------------------------- >>api.h */
 /* api.h: the resolved fluid as its user sees it: definition, spheres, solid, state, steps, measuring, saving. Relies on base.h,
    solids_api.h (filtration_solid).
    May be changed here alone: comments, defaults (in fluid.h: filtration_fluid_default_def). */
@@ -510,7 +524,7 @@ typedef enum filtration_face {
     FILTRATION_WALL,     /* no slip; at the face, which may move within its plane */
     FILTRATION_PRESSURE, /* open, at a given pressure */
     FILTRATION_SYMMETRY  /* a mirror: no flow through it, no shear on it. The force on a sphere that it cuts is that on the part inside the
-                            box */
+                            box, without that of a constant pressure */
 } filtration_face;
 enum { FILTRATION_LOW_X, FILTRATION_HIGH_X, FILTRATION_LOW_Y, FILTRATION_HIGH_Y, FILTRATION_LOW_Z, FILTRATION_HIGH_Z };
 
@@ -553,7 +567,8 @@ typedef struct filtration_spheres {
     double *velocity; /* [n][3] [m/s] */
     double *spin;     /* [n][3] angular velocity [rad/s] */
     double *radius;   /* [n] [m] > 0; 0: no sphere at this index */
-    double *force;    /* [n][3] force of the fluid on the sphere [N], without buoyancy (pressure is dynamic) */
+    double *force;    /* [n][3] force of the fluid on the sphere [N], without buoyancy (pressure is dynamic); a constant pressure exerts
+                         none */
     double *torque;   /* [n][3] about the centre [N m] */
 } filtration_spheres;
 
@@ -702,6 +717,7 @@ FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid 
                                                                double pressure_drop, double tolerance, int64_t max_steps,
                                                                filtration_permeability_result *result);
 
+/* ------------------------------------------------------------------------------------------ >>base/portable_math.h */
 /* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
    Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
    stated; NaN outside the domain. */
@@ -869,6 +885,7 @@ static inline double riddle_asin(double x) {
 /* clang-format on */
 /* <<portable-math */
 
+/* ------------------------------------------------------------------------------------------------ >>process_laws.h */
 /* process_laws.h: the laws of the filtration equation: pure functions of scalars. Relies on base.h, process_api.h, the portable
    mathematics.
    May be changed here alone: how a law is computed, not what it returns. */
@@ -1040,6 +1057,7 @@ static inline double filtration_student(double confidence, double freedom) {
     return t;
 }
 
+/* ----------------------------------------------------------------------------------------------- >>settling_laws.h */
 /* settling_laws.h: settling of a single sphere: Stokes' law, inertia, side walls, bottom; for comparison with a resolved simulation. Relies
    on base.h, the portable mathematics.
    May be changed here alone: how a law is computed, not what it returns. */
@@ -1095,6 +1113,7 @@ static inline double filtration_wall_brenner(double gap_over_radius) {
 }
 #ifdef FILTRATION__BODIES
 
+/* ----------------------------------------------------------------------------------------------------- >>process.h */
 /* process.h: size distributions, operations at constant rate and pressure, the evaluation of filter curves.
    Relies on base.h, process_api.h, process_laws.h.
    May be changed here alone: how a stretch is searched, how integrals and roots are found. */
@@ -1315,6 +1334,7 @@ FILTRATION_API filtration_status filtration_at_time(const filtration_operation *
     return filtration__is_finite(volume) && volume > 0.0 && filtration__is_finite(point->flow) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
 }
 
+/* ---------------------------------------------------------------------------------------------------- >>evaluate.h */
 /* evaluate.h: a measured filter curve: the straight line of t / V over V, its longest straight stretch, intervals, prediction.
    Relies on base.h, process_api.h, process_laws.h, process.h.
    May be changed here alone: how a stretch is searched. */
@@ -1680,6 +1700,7 @@ FILTRATION_API const char *filtration_outside_text(unsigned flag) {
     return "unknown flag";
 }
 
+/* ------------------------------------------------------------------------------------------------------ >>solids.h */
 /* solids.h: signed distances of woven cloth, beds and voxel images. Relies on base.h, solids_api.h, process.h (filtration__is_finite), the
    portable mathematics.
    May be changed here alone: how a distance is computed. */
@@ -1754,8 +1775,25 @@ static inline double filtration__axis_distance(const filtration_cloth *cloth, in
     return way * way + aside * aside + away * away;
 }
 
-/* Returns the distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined by
-   Newton's method. */
+/* Moves a place s along a wire's axis, whose squared distance is `least`, to the nearest one by Newton's method. */
+static inline void filtration__nearest_place(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
+                                             double *s, double *least) {
+    double slope, curve, ignored[2];
+    for (int i = 0; i < 20; i++) {
+        const double before = *least;
+        filtration__axis_distance(cloth, warp, own, aside, along, z, *s, &slope, &curve);
+        double move = curve > 0.1 ? -slope / curve : -slope;
+        for (int half = 0; half < 8; half++, move *= 0.5) {
+            const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, *s + move, &ignored[0], &ignored[1]);
+            if (!(square < *least)) continue;
+            *least = square, *s += move;
+            break;
+        }
+        if (!(*least < before * (1.0 - 1e-14))) break;
+    }
+}
+
+/* Returns the distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined. */
 static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z) {
     double slope, curve, best = along;
     double least = filtration__axis_distance(cloth, warp, own, aside, along, z, along, &slope, &curve);
@@ -1766,18 +1804,7 @@ static inline double filtration__wire_distance(const filtration_cloth *cloth, in
         const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, at, &slope, &curve);
         if (square < least) least = square, best = at;
     }
-    for (int i = 0; i < 20; i++) {
-        const double before = least;
-        filtration__axis_distance(cloth, warp, own, aside, along, z, best, &slope, &curve);
-        double move = curve > 0.1 ? -slope / curve : -slope;
-        for (int half = 0; half < 8; half++, move *= 0.5) {
-            const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, best + move, &slope, &curve);
-            if (!(square < least)) continue;
-            least = square, best += move;
-            break;
-        }
-        if (!(least < before * (1.0 - 1e-14))) break;
-    }
+    filtration__nearest_place(cloth, warp, own, aside, along, z, &best, &least);
     return sqrt(least) - 0.5 * cloth->wire;
 }
 
@@ -1813,9 +1840,50 @@ static inline double filtration__cloth_at(const void *self, const double point[3
     return filtration_cloth_distance((const filtration_cloth *)self, point);
 }
 
+/* Lists the places of a wire that are near to a sphere: at each place where its axis comes no nearer on either side. A wire in a bend may
+   touch a sphere twice. */
+static inline int filtration__wire_touch(const filtration_cloth *cloth, int warp, int own, const double centre[3], double radius,
+                                         double reach, int most, filtration_near *near) {
+    const double along = centre[warp ? 1 : 0], aside = centre[warp ? 0 : 1] - (own + 0.5) * (cloth->wire + cloth->opening);
+    const double z = centre[2] - cloth->centre, limit = radius + reach + 0.5 * cloth->wire, span = limit * limit - aside * aside;
+    double slope, curve, square[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    int found = 0;
+    if (!(span > 0.0)) return 0;
+    const double half = sqrt(span);
+    const int samples = (int)(half / (cloth->wire + cloth->opening) * 8.0) + 4;
+    for (int i = -samples; i <= samples + 1 && found < most; i++) {
+        square[0] = square[1], square[1] = square[2];
+        square[2] = filtration__axis_distance(cloth, warp, own, aside, along, z, along + half * i / samples, &slope, &curve);
+        if (i == -samples || !(square[1] <= square[0] && square[1] < square[2])) continue;
+        double s = along + half * (i - 1) / samples, least = square[1];
+        filtration__nearest_place(cloth, warp, own, aside, along, z, &s, &least);
+        const double distance = sqrt(least);
+        if (!(distance < limit) || !(distance > 0.0)) continue;
+        filtration_near *n = &near[found++];
+        n->gap = distance - 0.5 * cloth->wire - radius;
+        n->normal[warp ? 0 : 1] = -aside / distance, n->normal[warp ? 1 : 0] = (s - along) / distance;
+        n->normal[2] = (filtration__cloth_axis(cloth, warp, own, s, &slope, &curve) - z) / distance;
+    }
+    return found;
+}
+
+static int filtration__cloth_touch(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near) {
+    const filtration_cloth *cloth = (const filtration_cloth *)self;
+    const double pitch = cloth->wire + cloth->opening, wide = radius + reach + 0.5 * cloth->wire;
+    int found = 0;
+    if (!(fabs(centre[2] - cloth->centre) < wide + 0.5 * cloth->wire)) return 0;
+    for (int warp = 0; warp < 2; warp++) {
+        const double across = centre[warp ? 0 : 1];
+        const int first = (int)floor((across - wide) / pitch), last = (int)floor((across + wide) / pitch);
+        for (int own = first; own <= last; own++)
+            found += filtration__wire_touch(cloth, warp, own, centre, radius, reach, most - found, near + found);
+    }
+    return found;
+}
+
 FILTRATION_API filtration_solid filtration_cloth_solid(const filtration_cloth *cloth) {
     filtration_solid solid;
-    solid.distance = filtration__cloth_at, solid.cut = NULL, solid.self = cloth;
+    solid.distance = filtration__cloth_at, solid.cut = NULL, solid.self = cloth, solid.touch = filtration__cloth_touch;
     return solid;
 }
 
@@ -1826,7 +1894,8 @@ typedef struct filtration__bed_entry {
     int image[3]; /* in multiples of the box's edges */
 } filtration__bed_entry;
 
-static inline double filtration__capsule_distance(const double point[3], const double *a, const double *b, double radius) {
+/* Returns the distance from a point to the axis of a fibre, or to the centre of a sphere (b NULL), and the way there. */
+static inline double filtration__axis_way(const double point[3], const double *a, const double *b, double way[3]) {
     double along = 0.0, length = 0.0, square = 0.0;
     for (int k = 0; k < 3 && b; k++) along += (point[k] - a[k]) * (b[k] - a[k]), length += (b[k] - a[k]) * (b[k] - a[k]);
     double share = length > 0.0 ? along / length : 0.0;
@@ -1834,9 +1903,10 @@ static inline double filtration__capsule_distance(const double point[3], const d
     if (share > 1.0) share = 1.0;
     for (int k = 0; k < 3; k++) {
         const double away = point[k] - a[k] - (b ? share * (b[k] - a[k]) : 0.0);
+        way[k] = -away;
         square += away * away;
     }
-    return sqrt(square) - radius;
+    return sqrt(square);
 }
 
 /* Finds the range of cells that object i, moved by an image, can be near to. Returns 0 if there are none. */
@@ -1951,26 +2021,52 @@ FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdif
     return FILTRATION_OK;
 }
 
-FILTRATION_API double filtration_bed_distance(const filtration_bed *bed, const double point[3]) {
-    if (!bed || !point) return (double)NAN;
-    double inside[3], nearest = bed->reach;
+/* Finds the cell of a point, which is moved into the box along periodic axes. */
+static inline size_t filtration__bed_cell(const filtration_bed *bed, const double point[3], double inside[3]) {
     int cell[3];
-    if (!bed->entry) return nearest;
     for (int k = 0; k < 3; k++) {
         inside[k] = bed->periodic[k] ? point[k] - bed->box[k] * floor(point[k] / bed->box[k]) : point[k];
         const double place = inside[k] / bed->box[k] * bed->cells[k];
         cell[k] = place >= 1.0 ? (place < bed->cells[k] ? (int)place : bed->cells[k] - 1) : 0;
     }
-    const size_t c = (size_t)((cell[2] * bed->cells[1] + cell[1]) * bed->cells[0] + cell[0]);
+    return (size_t)((cell[2] * bed->cells[1] + cell[1]) * bed->cells[0] + cell[0]);
+}
+
+/* Returns the distance from a point (inside the box) to the surface of an object of a cell, and the way to its axis. */
+static inline double filtration__bed_way(const filtration_bed *bed, const filtration__bed_entry *entry, const double inside[3],
+                                         double way[3]) {
+    double moved[3];
+    for (int k = 0; k < 3; k++) moved[k] = inside[k] - entry->image[k] * bed->box[k];
+    const double *b = bed->b ? bed->b + 3 * entry->index : NULL;
+    return filtration__axis_way(moved, bed->a + 3 * entry->index, b, way) - bed->radius[entry->index];
+}
+
+FILTRATION_API double filtration_bed_distance(const filtration_bed *bed, const double point[3]) {
+    if (!bed || !point) return (double)NAN;
+    double inside[3], way[3], nearest = bed->reach;
+    if (!bed->entry) return nearest;
+    const size_t c = filtration__bed_cell(bed, point, inside);
     for (size_t e = bed->start[c]; e < bed->start[c + 1]; e++) {
-        const filtration__bed_entry *entry = &bed->entry[e];
-        double moved[3];
-        for (int k = 0; k < 3; k++) moved[k] = inside[k] - entry->image[k] * bed->box[k];
-        const double *b = bed->b ? bed->b + 3 * entry->index : NULL;
-        const double distance = filtration__capsule_distance(moved, bed->a + 3 * entry->index, b, bed->radius[entry->index]);
+        const double distance = filtration__bed_way(bed, &bed->entry[e], inside, way);
         if (distance < nearest) nearest = distance;
     }
     return nearest;
+}
+
+static int filtration__bed_touch(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near) {
+    const filtration_bed *bed = (const filtration_bed *)self;
+    double inside[3], way[3];
+    int found = 0;
+    if (!bed->entry) return 0;
+    const size_t c = filtration__bed_cell(bed, centre, inside);
+    for (size_t e = bed->start[c]; e < bed->start[c + 1] && found < most; e++) {
+        const double distance = filtration__bed_way(bed, &bed->entry[e], inside, way), axis = distance + bed->radius[bed->entry[e].index];
+        if (!(distance - radius < reach) || !(axis > 0.0)) continue;
+        near[found].gap = distance - radius;
+        for (int k = 0; k < 3; k++) near[found].normal[k] = way[k] / axis;
+        found++;
+    }
+    return found;
 }
 
 static inline double filtration__bed_at(const void *self, const double point[3]) {
@@ -1979,7 +2075,7 @@ static inline double filtration__bed_at(const void *self, const double point[3])
 
 FILTRATION_API filtration_solid filtration_bed_solid(const filtration_bed *bed) {
     filtration_solid solid;
-    solid.distance = filtration__bed_at, solid.cut = NULL, solid.self = bed;
+    solid.distance = filtration__bed_at, solid.cut = NULL, solid.self = bed, solid.touch = filtration__bed_touch;
     return solid;
 }
 
@@ -2042,10 +2138,11 @@ static inline double filtration__image_at(const void *self, const double point[3
 
 FILTRATION_API filtration_solid filtration_image_solid(const filtration_image *image) {
     filtration_solid solid;
-    solid.distance = filtration__image_at, solid.cut = NULL, solid.self = image;
+    solid.distance = filtration__image_at, solid.cut = NULL, solid.self = image, solid.touch = NULL;
     return solid;
 }
 
+/* ----------------------------------------------------------------------------------------------------- >>lattice.h */
 /* lattice.h: the two sets of directions, the layout of populations in memory, and where a step finds them. Relies on base.h and api.h.
    May be changed here alone: nothing; every later part addresses populations through the functions here. */
 
@@ -2085,7 +2182,10 @@ typedef struct filtration__entry {
 typedef struct filtration__ball {
     double centre[3], velocity[3], spin[3], radius; /* radius 0: no sphere */
     double force[2][3], torque[2][3];               /* of this step and the one before */
+    double density, slope[3];                       /* at its surface: deviation density + slope . d, d from the centre */
     int64_t steps;                                  /* number of steps since it was added */
+    int64_t films;                                  /* number of links to other solids and through faces */
+    int64_t hull[3];                                /* sum over its links of 72 w c [-]: 0 where its surface is closed */
 } filtration__ball;
 
 /* Relaxation and forcing of one step, of the kernel's precision. */
@@ -2109,6 +2209,7 @@ typedef struct filtration__lattice {
     const struct filtration__face_kind *face[6];
     double face_velocity[6][3], face_density[6]; /* lattice units [-] */
     double w[FILTRATION__Q];
+    int whole_weight[FILTRATION__Q]; /* 72 w */
     filtration__rates rates;
     int periodic_x, half_way, refill;
     int odd;                    /* which step of the pair comes next */
@@ -2127,6 +2228,13 @@ typedef struct filtration__lattice {
     int bad[FILTRATION__TASKS];                /* 1: a row of the task is FILTRATION__ROW_BAD */
     int64_t updated[FILTRATION__TASKS];        /* nodes */
 } filtration__lattice;
+
+static inline double filtration__dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* Returns the deviation of density at a sphere's surface, or in a film beside it; d: from its centre. */
+static inline double filtration__density_at(const filtration__ball *b, const double d[3]) {
+    return b->density + filtration__dot(b->slope, d);
+}
 
 /* Returns a coordinate on an axis of n nodes, wrapped; i is at most n beyond. */
 static inline int filtration__wrap(int i, int n) { return i < 0 ? i + n : i >= n ? i - n : i; }
@@ -2193,6 +2301,7 @@ static inline double filtration__equilibrium(const filtration__lattice *l, int i
 #define FILTRATION__FLAG int64_t
 #define FILTRATION__OF(name) name##d
 
+/* ------------------------------------------------------------------------------------------------------ >>kernel.h */
 /* kernel.h: collision of the nodes of a row; read once for doubles and once for floats.
    Relies on lattice.h, and on FILTRATION__REAL, FILTRATION__FLAG (an integer of its size) and FILTRATION__OF(name).
    May be changed here alone: the order of arithmetic (the bits change). */
@@ -2347,6 +2456,7 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const
 #define FILTRATION__FLAG int32_t
 #define FILTRATION__OF(name) name##f
 
+/* ------------------------------------------------------------------------------------------------------ >>kernel.h */
 /* kernel.h: collision of the nodes of a row; read once for doubles and once for floats.
    Relies on lattice.h, and on FILTRATION__REAL, FILTRATION__FLAG (an integer of its size) and FILTRATION__OF(name).
    May be changed here alone: the order of arithmetic (the bits change). */
@@ -2495,6 +2605,7 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const
 #undef FILTRATION__SETUP
 #undef FILTRATION__ROW
 
+/* ----------------------------------------------------------------------------------------------------- >>collide.h */
 /* collide.h: one step of a pair over all rows: halos of periodic rows, collision, skipped slabs, detection of divergence. Relies on
    lattice.h and kernel.h.
    May be changed here alone: everything. */
@@ -2619,6 +2730,16 @@ static inline int filtration__in_film(const filtration__lattice *l, int x, int y
     return 2 * fluid < l->q;
 }
 
+/* Returns the density that a film has beside a sphere, or the mean where there is none. */
+static inline double filtration__film_density(const filtration__lattice *l, int x, int y, int z) {
+    for (int i = 1; i < l->q; i++) {
+        const int32_t owner = l->owner[filtration__node(l, filtration__wrap(x + l->c[i][0], l->nx), filtration__wrap(y + l->c[i][1], l->ny),
+                                                        filtration__wrap(z + l->c[i][2], l->nz))];
+        if (owner >= 0) return l->balls[owner].density;
+    }
+    return 0.0;
+}
+
 /* Finds the first node of a row that is too fast or not a number. Solids and films do not count; they are put to rest. Returns 0 if there
    is none. */
 static inline int filtration__bad_node(filtration__lattice *l, int y, int z, filtration_problem *problem) {
@@ -2634,7 +2755,8 @@ static inline int filtration__bad_node(filtration__lattice *l, int y, int z, fil
         double uu = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
         if (uu < l->rates.limit && fabs(r) < 1e30) continue;
         if (!fluid || filtration__in_film(l, x, y, z)) {
-            for (int i = 0; i < l->q; i++) filtration__put(l, filtration__outgoing(l, x, y, z, i), 0.0);
+            const double rest = fluid ? filtration__film_density(l, x, y, z) : 0.0;
+            for (int i = 0; i < l->q; i++) filtration__put(l, filtration__outgoing(l, x, y, z, i), l->w[i] * rest);
             continue;
         }
         problem->cause = uu < HUGE_VAL ? FILTRATION_SPEED : FILTRATION_NOT_FINITE;
@@ -2659,6 +2781,7 @@ static inline int filtration__find_problem(filtration__lattice *l, filtration_pr
     return 0;
 }
 
+/* ------------------------------------------------------------------------------------------------------- >>faces.h */
 /* faces.h: populations that enter through non-periodic faces of the box: walls, given pressure, symmetry. Relies on lattice.h, collide.h
    (task_range).
    May be changed here alone: everything. */
@@ -2678,7 +2801,7 @@ typedef struct filtration__face_kind {
     int is_touched;   /* 1: spheres touch it */
     int has_velocity; /* 1: along the face, 2: through it, too */
     int has_pressure;
-    int reads_flow;   /* 1: enter needs the velocity of the nodes */
+    int reads_flow; /* 1: enter needs the velocity of the nodes */
     /* Computes what enters n nodes from what leaves, h. u: their velocity, or 0. NULL: what leaves is what enters. */
     void (*enter)(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK], double *h);
 } filtration__face_kind;
@@ -2844,6 +2967,7 @@ static void filtration__face_task(void *context, int task) {
     }
 }
 
+/* ------------------------------------------------------------------------------------------------------- >>links.h */
 /* links.h: lattice links that a surface cuts: the boundary law, the links of the solid at rest. Relies on faces.h.
    May be changed here alone: the law (filtration__bounce). */
 
@@ -2952,18 +3076,7 @@ static inline void filtration__mark_solid(const filtration_fluid_def *def, filtr
         }
 }
 
-/* Computes the force of the last step on the solid at rest, in lattice units: the momentum exchanged over its links (Ladd 1994). */
-static inline void filtration__solid_force(const filtration__lattice *l, double force[3]) {
-    force[0] = force[1] = force[2] = 0.0;
-    for (ptrdiff_t n = 0; n < l->link_count; n++) {
-        filtration__cut k = filtration__link_cut(&l->links[n]);
-        if (l->owner[filtration__node(l, k.x, k.y, k.z)] != FILTRATION__FLUID) continue;
-        double h = filtration__get(l, filtration__outgoing(l, k.x, k.y, k.z, k.i)) +
-                   filtration__get(l, filtration__incoming(l, k.x, k.y, k.z, filtration__opposite(k.i)));
-        for (int a = 0; a < 3; a++) force[a] += l->c[k.i][a] * h;
-    }
-}
-
+/* ----------------------------------------------------------------------------------------------------- >>spheres.h */
 /* spheres.h: moving spheres on the lattice: the nodes that they cover, their links, the force on them, nodes that they leave. Relies on
    links.h.
    May be changed here alone: everything but the meaning of owner. Coordinates: lattice units, node i at i. */
@@ -3033,28 +3146,72 @@ static inline void filtration__surface_velocity(const filtration__ball *b, const
     u[2] = b->velocity[2] + b->spin[0] * d[1] - b->spin[1] * d[0];
 }
 
-/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Populations are deviations, so that a film too thin for nodes
-   has the mean pressure. */
-static inline void filtration__exchange(const filtration__lattice *l, filtration__ball *b, int i, const double d[3], const double u[3],
-                                        double out, double back) {
+/* Sums over the links of a sphere, weighted as the lattice is: of the density at its surface and of places, for a line fitted to it. */
+typedef struct filtration__surface {
+    double weight, density, place[3], rise[3]; /* sums of w, w r, w d, w r d */
+    double spread[6];                          /* of w d d: xx, yy, zz, yz, zx, xy */
+    double arm[3];                             /* of w (d x c) */
+} filtration__surface;
+
+/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Half of what goes and comes is w times the density there. */
+static inline void filtration__exchange(const filtration__lattice *l, filtration__ball *b, filtration__surface *s, int i, const double d[3],
+                                        const double u[3], double out, double back) {
+    const double w = l->w[i], c[3] = {(double)l->c[i][0], (double)l->c[i][1], (double)l->c[i][2]}, wr = 0.5 * (out + back);
     double f[3];
     for (int a = 0; a < 3; a++) {
-        f[a] = l->c[i][a] * (out + back) - u[a] * (out - back);
+        const int y = (a + 1) % 3, z = (a + 2) % 3;
+        f[a] = c[a] * (out + back) - u[a] * (out - back);
         b->force[0][a] += f[a];
+        b->hull[a] += l->c[i][a] * l->whole_weight[i];
+        s->place[a] += w * d[a], s->rise[a] += wr * d[a];
+        s->spread[a] += w * d[a] * d[a], s->spread[3 + a] += w * d[y] * d[z];
+        s->arm[a] += w * (d[y] * c[z] - d[z] * c[y]);
     }
+    s->weight += w, s->density += wr;
     b->torque[0][0] += d[1] * f[2] - d[2] * f[1];
     b->torque[0][1] += d[2] * f[0] - d[0] * f[2];
     b->torque[0][2] += d[0] * f[1] - d[1] * f[0];
 }
 
-/* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one. */
-static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b, int x, int y, int z, int j) {
+/* Fits density + slope . d to the density at a sphere's links, by least squares; the more of the surface is hidden, the more the slope is
+   held down. A constant density is met exactly. */
+static inline void filtration__fit_density(filtration__ball *b, const filtration__surface *s) {
+    double mean[3], m[6], right[3], minor[3];
+    b->density = b->slope[0] = b->slope[1] = b->slope[2] = 0.0;
+    if (!(s->weight > 0.0)) return;
+    for (int a = 0; a < 3; a++) mean[a] = s->place[a] / s->weight, right[a] = s->rise[a] - s->density * mean[a];
+    for (int a = 0; a < 3; a++) {
+        const int y = (a + 1) % 3, z = (a + 2) % 3;
+        m[a] = s->spread[a] - s->weight * mean[a] * mean[a] + 0.01 * s->weight * b->radius * b->radius;
+        m[3 + a] = s->spread[3 + a] - s->weight * mean[y] * mean[z];
+    }
+    minor[0] = m[1] * m[2] - m[3] * m[3], minor[1] = m[3] * m[4] - m[5] * m[2], minor[2] = m[5] * m[3] - m[1] * m[4];
+    const double whole = m[0] * minor[0] + m[5] * minor[1] + m[4] * minor[2];
+    if (whole > 0.0) {
+        b->slope[0] = (right[0] * minor[0] + right[1] * minor[1] + right[2] * minor[2]) / whole;
+        b->slope[1] = (right[0] * minor[1] + right[1] * (m[0] * m[2] - m[4] * m[4]) + right[2] * (m[4] * m[5] - m[0] * m[3])) / whole;
+        b->slope[2] = (right[0] * minor[2] + right[1] * (m[4] * m[5] - m[0] * m[3]) + right[2] * (m[0] * m[1] - m[5] * m[5])) / whole;
+    }
+    b->density = s->density / s->weight - filtration__dot(b->slope, mean);
+}
+
+/* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one; otherwise counts a film. */
+static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
+                                         int z, int j) {
     int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
     double d[3], e[3], u[3], back, cd = 0.0, dd = 0.0, cc = 0.0;
     for (int a = 0; a < 3; a++) d[a] = p[a] - b->centre[a];
-    if (!filtration__inside(l, p, &mirrored) || mirrored) return;
-    if (l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) return;
     if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
+    const int from_image = mirrored;
+    if (!filtration__inside(l, p, &mirrored)) {
+        b->films += !from_image;
+        return;
+    }
+    if (mirrored) return;
+    if (l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) {
+        b->films += !from_image;
+        return;
+    }
     for (int a = 0; a < 3; a++) cd -= d[a] * l->c[j][a], dd += d[a] * d[a], cc += (double)(l->c[j][a] * l->c[j][a]);
     double root = cd * cd - cc * (dd - b->radius * b->radius);
     filtration__cut k = {p[0], p[1], p[2], filtration__opposite(j), l->half_way ? 0.5 : (-cd - sqrt(root > 0.0 ? root : 0.0)) / cc};
@@ -3062,11 +3219,16 @@ static inline void filtration__ball_link(filtration__lattice *l, int32_t index, 
     filtration__surface_velocity(b, e, u);
     double cu = -(l->c[j][0] * u[0] + l->c[j][1] * u[1] + l->c[j][2] * u[2]);
     double out = filtration__bounce(l, &k, cu, &back);
-    filtration__exchange(l, b, k.i, e, u, out, back);
+    filtration__exchange(l, b, sum, k.i, e, u, out, back);
 }
 
-/* Applies all links of a sphere: in every row those of its nodes whose neighbour along j is outside. */
-static inline void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b) {
+/* What is done with a link of a sphere, from its node (x, y, z) along j. */
+typedef void (*filtration__link_fn)(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
+                                    int z, int j);
+
+/* Visits all links of a sphere: in every row those of its nodes whose neighbour along j is outside. */
+FILTRATION__INLINE void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum,
+                                               const filtration__link_fn link) {
     int y0, y1, z0, z1;
     filtration__extent(b, 1, &y0, &y1);
     filtration__extent(b, 2, &z0, &z1);
@@ -3083,14 +3245,15 @@ static inline void filtration__ball_links(filtration__lattice *l, int32_t index,
             for (int j = 1; j < l->q; j++) {
                 const signed char *c = l->c[j];
                 int in = from[c[2] + 1][c[1] + 1] - c[0], out = to[c[2] + 1][c[1] + 1] - c[0];
-                for (int x = first; x <= end && x < in; x++) filtration__ball_link(l, index, b, x, y, z, j);
-                for (int x = out + 1 > first ? out + 1 : first; x <= end; x++) filtration__ball_link(l, index, b, x, y, z, j);
+                for (int x = first; x <= end && x < in; x++) link(l, index, b, sum, x, y, z, j);
+                for (int x = out + 1 > first ? out + 1 : first; x <= end; x++) link(l, index, b, sum, x, y, z, j);
             }
         }
 }
 
 static void filtration__ball_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
+    filtration__surface sum;
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
         filtration__ball *b = &l->balls[n];
         if (!(b->radius > 0.0)) continue;
@@ -3098,7 +3261,11 @@ static void filtration__ball_task(void *context, int task) {
         memcpy(b->torque[1], b->torque[0], sizeof b->torque[0]);
         memset(b->force[0], 0, sizeof b->force[0]);
         memset(b->torque[0], 0, sizeof b->torque[0]);
-        filtration__ball_links(l, (int32_t)n, b);
+        memset(&sum, 0, sizeof sum);
+        b->films = b->hull[0] = b->hull[1] = b->hull[2] = 0;
+        filtration__ball_links(l, (int32_t)n, b, &sum, filtration__ball_link);
+        filtration__fit_density(b, &sum);
+        for (int a = 0; a < 3; a++) b->torque[0][a] -= 2.0 * b->density * sum.arm[a]; /* a constant pressure turns no sphere */
         b->steps++;
     }
 }
@@ -3115,7 +3282,8 @@ static inline double filtration__moments(const filtration__lattice *l, int x, in
     return r;
 }
 
-/* Sets the populations of a node that a sphere has left. d: from the sphere's centre. */
+/* Sets the populations of a node that a sphere has left. d: from the sphere's centre. Without a fluid neighbour: the density at the
+   sphere's surface. */
 static inline void filtration__fill(filtration__lattice *l, const filtration__ball *b, int x, int y, int z, const double d[3]) {
     double r = 0.0, u[3], near_u[3] = {0, 0, 0}, best = -HUGE_VAL, near_r = 0.0, mean[FILTRATION__Q] = {0};
     int count = 0, from[3] = {0, 0, 0}, mirrored;
@@ -3134,7 +3302,7 @@ static inline void filtration__fill(filtration__lattice *l, const filtration__ba
         memcpy(from, p, sizeof from);
         memcpy(near_u, v, sizeof near_u);
     }
-    if (count) r /= count;
+    r = count ? r / count : filtration__density_at(b, d);
     filtration__surface_velocity(b, d, u);
     for (int i = 0; i < l->q; i++) {
         double h = filtration__equilibrium(l, i, r, u);
@@ -3169,6 +3337,85 @@ static inline void filtration__fill_left(filtration__lattice *l, const filtratio
         }
 }
 
+/* ------------------------------------------------------------------------------------------------------- >>films.h */
+/* films.h: pressure in films that are too thin for nodes, between spheres, at the solid and at faces; the force on the solid at rest. A
+   pressure has no level: a constant added to it changes no force.
+   Relies on spheres.h.
+   May be changed here alone: everything. */
+
+/* ==== >>films ==== */
+
+/* Adds the pressure on a link between two solids, or through a face, from node (x, y, z) of the sphere along j. There the mean of the
+   densities that the two spheres would have counts for both, so that the film pushes them apart with equal forces. */
+static inline void filtration__film_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
+                                         int z, int j) {
+    const int n[3] = {l->nx, l->ny, l->nz};
+    int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
+    double d[3];
+    for (int a = 0; a < 3; a++) d[a] = s[a] + 0.5 * l->c[j][a] - b->centre[a];
+    if (!filtration__inside(l, s, &mirrored) || mirrored || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
+    double density = filtration__density_at(b, d);
+    if (filtration__inside(l, p, &mirrored)) {
+        const int32_t owner = l->owner[filtration__node(l, p[0], p[1], p[2])];
+        if (mirrored || owner == FILTRATION__FLUID) return;
+        if (owner >= 0) {
+            const filtration__ball *other = &l->balls[owner];
+            double away[3];
+            for (int a = 0; a < 3; a++) {
+                away[a] = p[a] - other->centre[a];
+                if (filtration__repeats(l, a)) away[a] -= n[a] * floor(away[a] / n[a] + 0.5);
+                away[a] -= 0.5 * l->c[j][a];
+            }
+            density = 0.5 * (density + filtration__density_at(other, away));
+        }
+    }
+    (void)sum;
+    for (int a = 0; a < 3; a++) {
+        b->force[0][a] -= 2.0 * l->w[j] * l->c[j][a] * density;
+        b->hull[a] -= l->c[j][a] * l->whole_weight[j];
+    }
+}
+
+/* Adds the pressure of films. What leaves the surface open (mirrors, spheres that overlap) has the density at the centre, so that a
+   constant pressure moves no sphere. */
+static void filtration__film_task(void *context, int task) {
+    filtration__lattice *l = (filtration__lattice *)context;
+    for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
+        filtration__ball *b = &l->balls[n];
+        if (!(b->radius > 0.0)) continue;
+        if (b->films) filtration__ball_links(l, (int32_t)n, b, NULL, filtration__film_link);
+        for (int a = 0; a < 3; a++) b->force[0][a] -= 2.0 / 72.0 * (double)b->hull[a] * b->density;
+    }
+}
+
+/* Computes the force of the last step on the solid at rest, in lattice units: the momentum exchanged over its links (Ladd 1994), and the
+   pressure of films under spheres. */
+static inline void filtration__solid_force(const filtration__lattice *l, double force[3]) {
+    force[0] = force[1] = force[2] = 0.0;
+    for (ptrdiff_t n = 0; n < l->link_count; n++) {
+        const filtration__cut k = filtration__link_cut(&l->links[n]);
+        const int at[3] = {k.x, k.y, k.z}, size[3] = {l->nx, l->ny, l->nz};
+        const int32_t owner = l->owner[filtration__node(l, k.x, k.y, k.z)];
+        double h, d[3];
+        if (owner == FILTRATION__FLUID) {
+            h = filtration__get(l, filtration__outgoing(l, k.x, k.y, k.z, k.i)) +
+                filtration__get(l, filtration__incoming(l, k.x, k.y, k.z, filtration__opposite(k.i)));
+        } else if (owner >= 0) {
+            const filtration__ball *b = &l->balls[owner];
+            for (int a = 0; a < 3; a++) {
+                d[a] = at[a] - b->centre[a];
+                if (filtration__repeats(l, a)) d[a] -= size[a] * floor(d[a] / size[a] + 0.5);
+                d[a] += 0.5 * l->c[k.i][a];
+            }
+            h = 2.0 * l->w[k.i] * filtration__density_at(b, d);
+        } else {
+            continue;
+        }
+        for (int a = 0; a < 3; a++) force[a] += l->c[k.i][a] * h;
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------- >>shear.h */
 /* shear.h: the paper's force on a sphere, for comparison: shear over a layer of one voxel, no pressure.
    Relies on spheres.h.
    May be changed here alone: everything. */
@@ -3248,6 +3495,7 @@ static inline void filtration__shear_forces(const filtration_fluid *fluid) {
     }
 }
 
+/* ------------------------------------------------------------------------------------------------------- >>fluid.h */
 /* fluid.h: definition, setting up, the step.
    Relies on spheres.h.
    May be changed here alone: defaults, checks. */
@@ -3386,6 +3634,7 @@ static inline void filtration__set_shape(const filtration_fluid_def *d, filtrati
                              : (cc == 0   ? 1.0 / 3.0
                                 : cc == 1 ? 1.0 / 18.0
                                           : 1.0 / 36.0);
+        l->whole_weight[i] = (int)(72.0 * l->w[i] + 0.5);
     }
     l->single = d->precision == FILTRATION_FLOAT;
     l->half_way = d->boundary == FILTRATION_HALF_WAY;
@@ -3593,7 +3842,10 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
     }
     if (!l->periodic_x || l->ghost_y || l->ghost_z) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__face_task, l);
     if (l->link_count) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__link_task, l);
-    if (l->ball_count) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__ball_task, l);
+    if (l->ball_count) {
+        filtration__for_each(p, threads, FILTRATION__TASKS, filtration__ball_task, l);
+        filtration__for_each(p, threads, FILTRATION__TASKS, filtration__film_task, l);
+    }
     if (fluid->def.force == FILTRATION_SHEAR_LAYER) filtration__shear_forces(fluid);
     filtration__give_forces(fluid, spheres);
     return FILTRATION_OK;
@@ -3606,6 +3858,7 @@ FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, i
     return status;
 }
 
+/* -------------------------------------------------------------------------------------------------------- >>flow.h */
 /* flow.h: reads and changes the flow between steps: samples, fields, sums, another time step, a flow to start from. Relies on fluid.h.
    May be changed here alone: everything. */
 
@@ -3792,9 +4045,14 @@ FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *flui
     const filtration__new_flow flow = {filtration__rescale, s, s * tau / def.tau, NULL, NULL};
     def.tau = tau;
     if (filtration_fluid_check_def(&def, NULL) != FILTRATION_OK || !filtration__set_nodes(fluid, &flow)) return FILTRATION_BAD_ARGUMENT;
-    for (ptrdiff_t n = 0; n < l->ball_count; n++)
-        for (int k = 0; k < 2; k++)
-            for (int a = 0; a < 3; a++) l->balls[n].force[k][a] *= s * s, l->balls[n].torque[k][a] *= s * s;
+    for (ptrdiff_t n = 0; n < l->ball_count; n++) {
+        filtration__ball *b = &l->balls[n];
+        b->density *= s * s;
+        for (int a = 0; a < 3; a++) {
+            b->slope[a] *= s * s;
+            for (int k = 0; k < 2; k++) b->force[k][a] *= s * s, b->torque[k][a] *= s * s;
+        }
+    }
     return filtration__change(fluid, &def);
 }
 
@@ -3858,6 +4116,7 @@ FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fl
     return FILTRATION_OK;
 }
 
+/* -------------------------------------------------------------------------------------------------------- >>save.h */
 /* save.h: writes a fluid as bytes and reads it back, bit for bit. Relies on flow.h.
    May be changed here alone: the format, with its version. */
 
@@ -3870,7 +4129,7 @@ typedef struct filtration__header {
     double tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel, density, viscosity;
 } filtration__header;
 
-#define FILTRATION__MAGIC UINT64_C(0x316c6966656c6472) /* changes with the format */
+#define FILTRATION__MAGIC UINT64_C(0x326c6966656c6472) /* changes with the format */
 
 static inline uint64_t filtration__checksum(uint64_t sum, const void *data, size_t bytes) {
     const unsigned char *p = (const unsigned char *)data;
@@ -4004,6 +4263,7 @@ FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, 
     return FILTRATION_OK;
 }
 
+/* ------------------------------------------------------------------------------------------------------ >>motion.h */
 /* motion.h: spheres moved through one step of the fluid: weight, the fluid's force, contacts, lubrication.
    Relies on fluid.h.
    May be changed here alone: everything. */
@@ -4076,27 +4336,37 @@ typedef struct filtration__touch {
     double force[3];                     /* on the first [N] */
 } filtration__touch;
 
-/* Computes the force of a contact: Hertz with Tsuji's damping, Coulomb friction that at most stops sliding within a sub-step, lubrication
-   implicit in the closing velocity. */
+/* Computes the force along the normal: Hertz with Tsuji's damping (which pulls at the end of a contact: a push clipped at 0 would need another
+   damping for the same restitution); returns it without lubrication, which is implicit in the closing velocity. */
+static inline double filtration__touch_normal(const filtration_motion_def *def, const filtration_fluid *fluid, double h, double damping,
+                                              double closing, filtration__touch *t) {
+    double push = 0.0, film = 0.0;
+    if (t->gap < 0.0) {
+        const double r = t->r2 < HUGE_VAL ? t->r1 * t->r2 / (t->r1 + t->r2) : t->r1, root = sqrt(-r * t->gap);
+        const double stiffness = 2.0 * def->modulus * root;
+        push = -2.0 / 3.0 * stiffness * t->gap + 2.0 * 0.91287092917527686 * damping * sqrt(stiffness * t->mass) * closing;
+    }
+    if (def->lubrication) {
+        const double least = def->least_gap * 2.0 * t->r1, cutoff = fluid->def.voxel * (2.0 / 3.0);
+        const double rate = filtration_lubrication_force(t->r1, t->r2, t->gap, 1.0, fluid->def.viscosity, cutoff, least);
+        film = rate * closing / (1.0 + rate * h / t->mass);
+    }
+    for (int a = 0; a < 3; a++) t->force[a] = -(push + film) * t->normal[a];
+    return push;
+}
+
+/* Computes the force of a contact: along the normal, or the friction (Coulomb's, which at most stops sliding within a sub-step). Friction comes
+   after all normal forces, so that it sees no velocity that another contact takes away: spheres come to rest. */
 static inline void filtration__touch_force(const filtration_motion_def *def, const filtration_fluid *fluid, double h, double damping,
-                                           filtration__touch *t) {
-    double closing = 0.0, push = 0.0, slide = 0.0, tangential[3];
-    for (int a = 0; a < 3; a++) closing += t->velocity[a] * t->normal[a];
+                                           int friction, filtration__touch *t) {
+    const double closing = filtration__dot(t->velocity, t->normal), push = filtration__touch_normal(def, fluid, h, damping, closing, t);
+    double slide = 0.0, tangential[3];
+    if (!friction) return;
     for (int a = 0; a < 3; a++) tangential[a] = t->velocity[a] - closing * t->normal[a], slide += tangential[a] * tangential[a];
     slide = sqrt(slide);
-    if (t->gap < 0.0) {
-        double r = t->r2 < HUGE_VAL ? t->r1 * t->r2 / (t->r1 + t->r2) : t->r1, root = sqrt(-r * t->gap),
-               stiffness = 2.0 * def->modulus * root;
-        push = -2.0 / 3.0 * stiffness * t->gap + 2.0 * 0.91287092917527686 * damping * sqrt(stiffness * t->mass) * closing;
-        if (push < 0.0) push = 0.0;
-    }
-    double cap = t->mass * slide / (2.0 * h), grip = def->friction * push < cap ? def->friction * push : cap;
-    if (def->lubrication) {
-        double least = def->least_gap * 2.0 * t->r1;
-        double rate = filtration_lubrication_force(t->r1, t->r2, t->gap, 1.0, fluid->def.viscosity, fluid->def.voxel * (2.0 / 3.0), least);
-        push += rate * closing / (1.0 + rate * h / t->mass);
-    }
-    for (int a = 0; a < 3; a++) t->force[a] = -push * t->normal[a] - (slide > 0.0 ? grip / slide * tangential[a] : 0.0);
+    const double cap = t->mass * slide / ((def->spin ? 3.5 : 1.0) * h), most = def->friction * push;
+    const double grip = most < cap ? most : cap;
+    for (int a = 0; a < 3; a++) t->force[a] = slide > 0.0 && grip > 0.0 ? -grip / slide * tangential[a] : 0.0;
 }
 
 /* Computes the velocity of the surface of sphere n towards `normal`. */
@@ -4125,49 +4395,65 @@ static inline void filtration__kick(const filtration_motion_def *def, filtration
 
 /* Applies the contact of sphere n with sphere k, or with a wall (k < 0) whose gap and normal are in t. */
 static inline void filtration__collide_pair(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                            ptrdiff_t n, ptrdiff_t k, double h, double damping, filtration__touch *t, double *contact) {
+                                            ptrdiff_t n, ptrdiff_t k, double h, double damping, int friction, filtration__touch *t,
+                                            double *contact) {
     double u[3] = {0, 0, 0}, back[3];
     double m1 = filtration__sphere_mass(def, s->radius[n]), m2 = k >= 0 ? filtration__sphere_mass(def, s->radius[k]) : 0.0;
     t->r1 = s->radius[n], t->r2 = k >= 0 ? s->radius[k] : HUGE_VAL, t->mass = k >= 0 ? m1 * m2 / (m1 + m2) : m1;
     filtration__rim_velocity(s, n, t->normal, 1.0, t->velocity);
     if (k >= 0) filtration__rim_velocity(s, k, t->normal, -1.0, u);
     for (int a = 0; a < 3; a++) t->velocity[a] -= u[a];
-    filtration__touch_force(def, fluid, h, damping, t);
+    filtration__touch_force(def, fluid, h, damping, friction, t);
     filtration__kick(def, s, n, t->normal, 1.0, t->force, h, contact);
     for (int a = 0; a < 3; a++) back[a] = -t->force[a];
     if (k >= 0) filtration__kick(def, s, k, t->normal, -1.0, back, h, contact);
 }
 
-/* Computes the gap to the solid at rest and the direction towards it, by differences of the signed distance. Returns 0 beyond reach. */
-static inline int filtration__near_solid(const filtration_fluid *fluid, const double centre[3], double radius, double reach,
-                                         filtration__touch *t) {
+#define FILTRATION__TOUCHES 32 /* most places at which a sphere touches the solid */
+
+/* Finds the nearest place of a solid by differences of its distance. Returns their number, 0 or 1. */
+static inline int filtration__touch_nearest(const filtration_solid *solid, const double centre[3], double radius, double reach, double step,
+                                            filtration_near *near) {
+    double length = 0.0;
+    near->gap = solid->distance(solid->self, centre) - radius;
+    if (!(near->gap < reach)) return 0;
+    for (int a = 0; a < 3; a++) {
+        double q[3] = {centre[0], centre[1], centre[2]};
+        q[a] = centre[a] + step;
+        near->normal[a] = -solid->distance(solid->self, q);
+        q[a] = centre[a] - step;
+        near->normal[a] += solid->distance(solid->self, q);
+        length += near->normal[a] * near->normal[a];
+    }
+    length = sqrt(length);
+    for (int a = 0; a < 3 && length > 0.0; a++) near->normal[a] /= length;
+    return length > 0.0;
+}
+
+static inline int filtration__touch_solid(const filtration_fluid *fluid, const double centre[3], double radius, double reach,
+                                          filtration_near *near) {
     const filtration_solid *solid = &fluid->def.solid;
-    double step = 0.02 * fluid->def.voxel, length = 0.0, box[3], p[3];
+    double box[3], p[3];
     for (int a = 0; a < 3; a++) {
         box[a] = fluid->def.nodes[a] * fluid->def.voxel;
         p[a] = filtration__repeats(fluid->lattice, a) ? centre[a] - box[a] * floor(centre[a] / box[a]) : centre[a];
     }
-    t->gap = solid->distance(solid->self, p) - radius;
-    if (!(t->gap < reach)) return 0;
-    for (int a = 0; a < 3; a++) {
-        double q[3] = {p[0], p[1], p[2]};
-        q[a] = p[a] + step;
-        t->normal[a] = -solid->distance(solid->self, q);
-        q[a] = p[a] - step;
-        t->normal[a] += solid->distance(solid->self, q);
-        length += t->normal[a] * t->normal[a];
-    }
-    length = sqrt(length);
-    for (int a = 0; a < 3 && length > 0.0; a++) t->normal[a] /= length;
-    return length > 0.0;
+    if (!solid->touch) return filtration__touch_nearest(solid, p, radius, reach, 0.02 * fluid->def.voxel, near);
+    const int n = solid->touch(solid->self, p, radius, reach, FILTRATION__TOUCHES, near);
+    return n < 0 ? 0 : n < FILTRATION__TOUCHES ? n : FILTRATION__TOUCHES;
 }
 
 static inline void filtration__touch_walls(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                           ptrdiff_t n, double h, double damping, double reach, double *contact) {
+                                           ptrdiff_t n, double h, double damping, double reach, int friction, double *contact) {
     filtration__touch t;
     const double *x = s->centre + 3 * n;
-    if (fluid->def.solid.distance && filtration__near_solid(fluid, x, s->radius[n], reach, &t))
-        filtration__collide_pair(def, fluid, s, n, -1, h, damping, &t, contact);
+    filtration_near near[FILTRATION__TOUCHES];
+    const int places = fluid->def.solid.distance ? filtration__touch_solid(fluid, x, s->radius[n], reach, near) : 0;
+    for (int k = 0; k < places; k++) {
+        t.gap = near[k].gap;
+        memcpy(t.normal, near[k].normal, sizeof t.normal);
+        filtration__collide_pair(def, fluid, s, n, -1, h, damping, friction, &t, contact);
+    }
     for (int f = 0; f < 6; f++) {
         if (!fluid->lattice->face[f]->is_touched) continue;
         int a = f / 2, high = f & 1;
@@ -4175,12 +4461,12 @@ static inline void filtration__touch_walls(const filtration_motion_def *def, con
         if (!(t.gap < reach)) continue;
         t.normal[0] = t.normal[1] = t.normal[2] = 0.0;
         t.normal[a] = high ? 1.0 : -1.0;
-        filtration__collide_pair(def, fluid, s, n, -1, h, damping, &t, contact);
+        filtration__collide_pair(def, fluid, s, n, -1, h, damping, friction, &t, contact);
     }
 }
 
 static inline void filtration__touch_pairs(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                           ptrdiff_t n, double h, double damping, double reach, double *contact) {
+                                           ptrdiff_t n, double h, double damping, double reach, int friction, double *contact) {
     for (ptrdiff_t k = n + 1; k < s->n; k++) {
         filtration__touch t;
         double dd = 0.0, sum = s->radius[n] + s->radius[k];
@@ -4195,7 +4481,7 @@ static inline void filtration__touch_pairs(const filtration_motion_def *def, con
         double distance = sqrt(dd);
         for (int a = 0; a < 3; a++) t.normal[a] /= distance;
         t.gap = distance - sum;
-        filtration__collide_pair(def, fluid, s, n, k, h, damping, &t, contact);
+        filtration__collide_pair(def, fluid, s, n, k, h, damping, friction, &t, contact);
     }
 }
 
@@ -4248,9 +4534,14 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
         for (ptrdiff_t n = 0; n < spheres->n; n++) {
             if (!(spheres->radius[n] > 0.0)) continue;
             filtration__push(def, fluid, spheres, n, share, h);
-            filtration__touch_walls(def, fluid, spheres, n, h, damping, reach, contact);
-            filtration__touch_pairs(def, fluid, spheres, n, h, damping, reach, contact);
         }
+        for (int friction = 0; friction < (def->friction > 0.0 ? 2 : 1); friction++)
+            for (ptrdiff_t n = 0; n < spheres->n; n++) {
+                if (!(spheres->radius[n] > 0.0)) continue;
+                const double near = friction ? 0.0 : reach;
+                filtration__touch_walls(def, fluid, spheres, n, h, damping, near, friction, contact);
+                filtration__touch_pairs(def, fluid, spheres, n, h, damping, near, friction, contact);
+            }
         for (ptrdiff_t n = 0; n < spheres->n; n++)
             for (int a = 0; a < 3; a++)
                 if (spheres->radius[n] > 0.0 && !def->fixed_axes[a]) spheres->centre[3 * n + a] += h * spheres->velocity[3 * n + a];
@@ -4260,6 +4551,7 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
     return FILTRATION_OK;
 }
 
+/* ------------------------------------------------------------------------------------------------ >>permeability.h */
 /* permeability.h: steady flow through what stands in the box.
    Relies on flow.h.
    May be changed here alone: everything. */

@@ -170,8 +170,8 @@ static double density(const classifier_distribution *d, double x, double h) {
 static void draw_rebound_angles(const program *self, const classifier_def *def) {
     double x[GRID], y[GRID], degree = RIDDLE_PI / 180.0;
     char label[80];
-    plot *figure = plot_new("Weers et al. (2022), Fig 7: angular imperfection on a plate at rest", 1, 1);
-    plot_panel(figure, 0, 0, "rebound angle − impact angle [°]", "probability density [1/°]");
+    riddle_plot *figure = riddle_plot_new("Weers et al. (2022), Fig 7: angular imperfection on a plate at rest", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "rebound angle − impact angle [°]", "probability density [1/°]");
     for (int k = 0; k < 3; k++) {
         classifier_distribution d = classifier_paper_def((classifier_material)k, 3000.0, NULL).imperfection;
         for (int i = 0; i < GRID; i++) {
@@ -179,15 +179,15 @@ static void draw_rebound_angles(const program *self, const classifier_def *def) 
             y[i] = degree * density(&d, degree * x[i], degree);
         }
         snprintf(label, sizeof label, "%s, σ = %.0f° (paper)", material_names[k], d.sd / degree);
-        plot_line(figure, label, x, y, GRID);
+        riddle_plot_line(figure, label, x, y, GRID);
     }
     if (def->imperfection.shape == CLASSIFIER_HISTOGRAM) {
         for (int i = 0; i < GRID; i++) y[i] = degree * density(&def->imperfection, degree * x[i], degree);
-        plot_line(figure, "your measurement", x, y, GRID);
-        plot_style(figure, PLOT_STEPS, PLOT_BLACK);
+        riddle_plot_line(figure, "your measurement", x, y, GRID);
+        riddle_plot_style(figure, RIDDLE_PLOT_STEPS, RIDDLE_PLOT_BLACK);
     }
-    plot_range_y(figure, 0.0, 0.026);
-    plot_write(figure, self->out, "fig07_rebound_angle.svg");
+    riddle_plot_range_y(figure, 0.0, 0.026);
+    riddle_plot_write(figure, self->out, "fig07_rebound_angle.svg");
 }
 
 /* What particles do between the rim and the first hit */
@@ -249,9 +249,10 @@ static void sample_approach(const classifier_def *def, int per_axis, approach *a
 
 /* What drag before the hit changes: hit and cut with the straight flight of the paper, and with gas that bends it. */
 static void compare_approach(const program *self, const classifier_def defs[3]) {
-    csv *file = csv_open(self->out, "approach_in_gas.csv",
-                         "rpm,speed_straight,speed_in_gas,angle_straight_deg,angle_in_gas_deg,x50_clean_straight_um,x50_clean_in_gas_um,"
-                         "x50_straight_um,x50_in_gas_um");
+    riddle_io_file *file =
+        csv_open(self->out, "approach_in_gas.csv",
+                 "rpm,speed_straight,speed_in_gas,angle_straight_deg,angle_in_gas_deg,x50_clean_straight_um,x50_clean_in_gas_um,"
+                 "x50_straight_um,x50_in_gas_um");
     const classifier_weights clean = {1.0, 0.0, 0.0};
     for (int k = 0; k < 3; k++) {
         classifier_def def = defs[k];
@@ -272,7 +273,7 @@ static void compare_approach(const program *self, const classifier_def defs[3]) 
         csv_line(file, "%.0f,%.4f,%.4f,%.2f,%.2f,%.3f,%.3f,%.3f,%.3f", def.rpm, a[0].mean_speed / rim, a[1].mean_speed / rim,
                  a[0].mean_angle / degree, a[1].mean_angle / degree, 1e6 * x50[0][0], 1e6 * x50[0][1], 1e6 * x50[1][0], 1e6 * x50[1][1]);
     }
-    csv_close(file);
+    riddle_io_close(file);
 }
 
 static void draw_approach(const program *self, const classifier_def defs[3], json *report, const classifier_def *def) {
@@ -282,34 +283,34 @@ static void draw_approach(const program *self, const classifier_def defs[3], jso
     int n = self->quick ? 16 : 40;
     for (int i = 0; i < 80; i++) r[i] = 23.0 + 0.025 * (i + 0.5);
     for (int i = 0; i < GRID; i++) x[i] = -120.0 + 2.0 * i;
-    plot *radius = plot_new("Weers et al. (2022), Fig 10: where particles meet the paddle", 1, 1),
-         *angle = plot_new("Weers et al. (2022), Fig 8: impact and rebound on the turning wheel", 1, 2);
-    plot_panel(radius, 0, 0, "radius of the hit [mm]", "probability density [1/mm]");
-    plot_range_y(radius, 0.0, 5.0);
+    riddle_plot *radius = riddle_plot_new("Weers et al. (2022), Fig 10: where particles meet the paddle", 1, 1),
+                *angle = riddle_plot_new("Weers et al. (2022), Fig 8: impact and rebound on the turning wheel", 1, 2);
+    riddle_plot_panel(radius, 0, 0, "radius of the hit [mm]", "probability density [1/mm]");
+    riddle_plot_range_y(radius, 0.0, 5.0);
     double impact[GRID];
     for (int i = 0; i < GRID; i++) impact[i] = i - 60;
     for (int k = 0; k < 3; k++) {
         sample_approach(&defs[k], n, &a);
         snprintf(label, sizeof label, "%.0f 1/min, mean %.2f mm", defs[k].rpm, 1e3 * a.mean_radius);
-        plot_line(radius, label, r, a.radius, 80);
-        plot_style(radius, PLOT_STEPS, PLOT_NEXT);
+        riddle_plot_line(radius, label, r, a.radius, 80);
+        riddle_plot_style(radius, RIDDLE_PLOT_STEPS, RIDDLE_PLOT_NEXT);
         snprintf(label, sizeof label, "%.0f 1/min, mean %.1f°", defs[k].rpm, a.mean_angle * 180.0 / RIDDLE_PI);
-        plot_panel(angle, 0, 0, "impact angle, negative: sliding inward [°]", "probability density [1/°]");
-        plot_range_y(angle, 0.0, 0.2);
-        plot_line(angle, label, impact + 30, a.angle + 30, 61);
-        plot_style(angle, 0, k);
+        riddle_plot_panel(angle, 0, 0, "impact angle, negative: sliding inward [°]", "probability density [1/°]");
+        riddle_plot_range_y(angle, 0.0, 0.2);
+        riddle_plot_line(angle, label, impact + 30, a.angle + 30, 61);
+        riddle_plot_style(angle, 0, k);
         snprintf(label, sizeof label, "%.0f 1/min", defs[k].rpm);
-        plot_panel(angle, 0, 1, "rebound angle − impact angle [°]", "probability density [1/°]");
-        plot_line(angle, label, x, a.rebound, GRID);
-        plot_style(angle, k == 1 ? PLOT_DASHED : k == 2 ? PLOT_DOTTED : 0, k);
+        riddle_plot_panel(angle, 0, 1, "rebound angle − impact angle [°]", "probability density [1/°]");
+        riddle_plot_line(angle, label, x, a.rebound, GRID);
+        riddle_plot_style(angle, k == 1 ? RIDDLE_PLOT_DASHED : k == 2 ? RIDDLE_PLOT_DOTTED : 0, k);
     }
     sample_approach(def, n, &a);
     json_number(report, "impact_radius_mean_m", a.mean_radius);
     json_number(report, "impact_angle_mean_rad", a.mean_angle);
     json_number(report, "impact_speed_mean_m_per_s", a.mean_speed);
-    plot_text_share(radius, 0.03, 0.45, "the last bin also holds hits on the paddle's edge");
-    plot_write(radius, self->out, "fig10_impact_radius.svg");
-    plot_write(angle, self->out, "fig08_rebound_on_wheel.svg");
+    riddle_plot_text_share(radius, 0.03, 0.45, "the last bin also holds hits on the paddle's edge");
+    riddle_plot_write(radius, self->out, "fig10_impact_radius.svg");
+    riddle_plot_write(angle, self->out, "fig08_rebound_on_wheel.svg");
 }
 
 static void draw_restitution(const program *self, const classifier_def *def) {
@@ -320,8 +321,8 @@ static void draw_restitution(const program *self, const classifier_def *def) {
     } spheres[] = {{"limestone", 27.1e9, 0.30, 2700.0, 1.2e9}, {"glass", 70e9, 0.22, 2500.0, 5.0e9}};
     double x[GRID], y[GRID], bar_x[2], bar_y[2], top = 0.0;
     char label[120];
-    plot *figure = plot_new("Weers et al. (2022), Fig 9: coefficient of restitution", 1, 1);
-    plot_panel(figure, 0, 0, "coefficient of restitution [-]", "probability density [-]");
+    riddle_plot *figure = riddle_plot_new("Weers et al. (2022), Fig 9: coefficient of restitution", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "coefficient of restitution [-]", "probability density [-]");
     for (int i = 0; i < GRID; i++) x[i] = i / (GRID - 1.0);
     for (int k = 0; k < 3; k += 2) {
         classifier_distribution d = classifier_paper_def((classifier_material)k, 3000.0, NULL).restitution;
@@ -329,15 +330,15 @@ static void draw_restitution(const program *self, const classifier_def *def) {
             y[i] = density(&d, x[i], 1e-3) * (i == 0 || i == GRID - 1 ? 2.0 : 1.0); /* one-sided at the ends */
             if (y[i] > top) top = y[i];
         }
-        plot_line(figure, k ? "beads (stand-in)" : "limestone, ground glass (stand-in)", x, y, GRID);
+        riddle_plot_line(figure, k ? "beads (stand-in)" : "limestone, ground glass (stand-in)", x, y, GRID);
     }
     if (def->restitution.shape == CLASSIFIER_HISTOGRAM) {
         for (int i = 0; i < GRID; i++) {
             y[i] = density(&def->restitution, x[i], 1e-3);
             if (y[i] > top) top = y[i];
         }
-        plot_line(figure, "your measurement", x, y, GRID);
-        plot_style(figure, PLOT_STEPS, PLOT_BLACK);
+        riddle_plot_line(figure, "your measurement", x, y, GRID);
+        riddle_plot_style(figure, RIDDLE_PLOT_STEPS, RIDDLE_PLOT_BLACK);
     }
     for (int k = 0; k < 2; k++) {
         double modulus = classifier_reduced_modulus(spheres[k].modulus, spheres[k].poisson, 210e9, 0.3);
@@ -346,32 +347,32 @@ static void draw_restitution(const program *self, const classifier_def *def) {
         bar_x[1] = classifier_thornton_ning(1.0, yield);
         bar_y[0] = bar_y[1] = top * (1.10 + 0.07 * k);
         snprintf(label, sizeof label, "Thornton & Ning, %s sphere, 40 … 1 m/s", spheres[k].name);
-        plot_line(figure, label, bar_x, bar_y, 2);
-        plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+        riddle_plot_line(figure, label, bar_x, bar_y, 2);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     }
-    plot_range_y(figure, 0.0, 1.75 * top);
-    plot_write(figure, self->out, "fig09_restitution.svg");
+    riddle_plot_range_y(figure, 0.0, 1.75 * top);
+    riddle_plot_write(figure, self->out, "fig09_restitution.svg");
 }
 
 static void draw_contacts(const program *self, const classifier_def *def) {
     double n[12], y[12], q;
-    plot *figure = plot_new("Weers et al. (2022), Fig 11: contacts with other particles", 1, 1);
-    plot_panel(figure, 0, 0, "contacts between the paddles [-]", "share of the particles [-]");
+    riddle_plot *figure = riddle_plot_new("Weers et al. (2022), Fig 11: contacts with other particles", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "contacts between the paddles [-]", "share of the particles [-]");
     for (int k = 0; k < 2; k++) {
         double mean = k ? 0.2 : 1.0, p = 1.0 - (q = mean / (1.0 + mean));
         for (int i = 0; i < 12; i++, p *= q) n[i] = i, y[i] = p;
-        plot_line(figure, k ? "spheres, mean 0.2 (stand-in)" : "bricks, mean 1.0 (stand-in)", n, y, 12);
-        plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+        riddle_plot_line(figure, k ? "spheres, mean 0.2 (stand-in)" : "bricks, mean 1.0 (stand-in)", n, y, 12);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     }
     if (def->contacts.law == CLASSIFIER_COUNTED) {
-        plot_line(figure, "your counts", (double[]){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, def->contacts.share, 12);
-        plot_style(figure, PLOT_MARKED, PLOT_BLACK);
+        riddle_plot_line(figure, "your counts", (double[]){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, def->contacts.share, 12);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_BLACK);
     }
-    plot_write(figure, self->out, "fig11_contacts.svg");
+    riddle_plot_write(figure, self->out, "fig11_contacts.svg");
 
     double a[13], b[13], c[13], x[13];
-    figure = plot_new("Weers et al. (2022), Fig 12: shares of the collision cases", 1, 1);
-    plot_panel(figure, 0, 0, "contacts with other particles [-]", "share [-]");
+    figure = riddle_plot_new("Weers et al. (2022), Fig 12: shares of the collision cases", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "contacts with other particles [-]", "share [-]");
     for (int i = 0; i < 13; i++) {
         classifier_weights w = classifier_weights_of(i);
         x[i] = i;
@@ -379,13 +380,13 @@ static void draw_contacts(const program *self, const classifier_def *def) {
         b[i] = w.thrown;
         c[i] = w.again;
     }
-    plot_line(figure, "A: one clean hit on a paddle", x, a, 13);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_line(figure, "B: thrown out by a particle", x, b, 13);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_line(figure, "C: turned round, hit again", x, c, 13);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_write(figure, self->out, "fig12_case_weights.svg");
+    riddle_plot_line(figure, "A: one clean hit on a paddle", x, a, 13);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_line(figure, "B: thrown out by a particle", x, b, 13);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_line(figure, "C: turned round, hit again", x, c, 13);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_write(figure, self->out, "fig12_case_weights.svg");
 }
 
 /* ---- separation ---- */
@@ -421,10 +422,10 @@ static void draw_separation(const program *self, const classifier_def defs[3], c
     double x[SIZES], um[SIZES], t[SIZES];
     char label[120], title[160];
     snprintf(title, sizeof title, "Weers et al. (2022), Fig 13: separation of %s", name);
-    plot *figure = plot_new(title, 1, 1);
-    plot_panel_size(figure, 600, 380);
-    plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
-    plot_log_x(figure);
+    riddle_plot *figure = riddle_plot_new(title, 1, 1);
+    riddle_plot_panel_size(figure, 600, 380);
+    riddle_plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
+    riddle_plot_log_x(figure);
     size_grid(x, 1e-6, 3e-4);
     for (int i = 0; i < SIZES; i++) um[i] = 1e6 * x[i];
     bool own = true;
@@ -437,41 +438,41 @@ static void draw_separation(const program *self, const classifier_def defs[3], c
         for (int i = 0; i < SIZES; i++) t[i] = classifier_tromp(&model, x[i], NULL);
         snprintf(label, sizeof label, "%.0f 1/min%s: x50 = %.1f µm", d->rpm, d->rpm < 3000.0 || d->rpm > 15000.0 ? " (not measured)" : "",
                  1e6 * classifier_quantile(&model, 0.5));
-        plot_line(figure, label, um, t, SIZES);
-        plot_style(figure, 0, k);
+        riddle_plot_line(figure, label, um, t, SIZES);
+        riddle_plot_style(figure, 0, k);
         double line_x[2], line_y[2] = {0.0, 1.0};
         line_x[0] = line_x[1] = 1e6 * eq6(d, CLASSIFIER_EQUIVALENT, true);
-        plot_line(figure, k == 0 ? "eq 3 (Stokes, undisturbed gas)" : NULL, line_x, line_y, 2);
-        plot_style(figure, PLOT_DOTTED, k);
+        riddle_plot_line(figure, k == 0 ? "eq 3 (Stokes, undisturbed gas)" : NULL, line_x, line_y, 2);
+        riddle_plot_style(figure, RIDDLE_PLOT_DOTTED, k);
         line_x[0] = line_x[1] = 1e6 * eq6(d, CLASSIFIER_EQUIVALENT, false);
-        plot_line(figure, k == 0 ? "eq 6 (shape, undisturbed gas)" : NULL, line_x, line_y, 2);
-        plot_style(figure, PLOT_DASHED | PLOT_THIN, k);
+        riddle_plot_line(figure, k == 0 ? "eq 6 (shape, undisturbed gas)" : NULL, line_x, line_y, 2);
+        riddle_plot_style(figure, RIDDLE_PLOT_DASHED | RIDDLE_PLOT_THIN, k);
         classifier_free(&model);
     }
     if (m->n) {
         double mx[MOST_ROWS];
         for (int i = 0; i < m->n; i++) mx[i] = 1e6 * m->x[i];
-        if (m->has_sd) plot_error_bars(figure, "measured", mx, m->t, m->sd, m->n);
-        else plot_points(figure, "measured", mx, m->t, m->n);
-        plot_style(figure, 0, PLOT_BLACK);
+        if (m->has_sd) riddle_plot_error_bars(figure, "measured", mx, m->t, m->sd, m->n);
+        else riddle_plot_points(figure, "measured", mx, m->t, m->n);
+        riddle_plot_style(figure, 0, RIDDLE_PLOT_BLACK);
         if (fit) {
             for (int i = 0; i < SIZES; i++) t[i] = classifier_curve_value(&fit->curve, x[i]);
-            plot_line(figure, "Plitt curve with bypass, fitted", um, t, SIZES);
-            plot_style(figure, PLOT_THIN, PLOT_GREY);
+            riddle_plot_line(figure, "Plitt curve with bypass, fitted", um, t, SIZES);
+            riddle_plot_style(figure, RIDDLE_PLOT_THIN, RIDDLE_PLOT_GREY);
         }
     }
-    plot_legend_outside(figure);
-    plot_write(figure, self->out, "fig13_separation.svg");
+    riddle_plot_legend_outside(figure);
+    riddle_plot_write(figure, self->out, "fig13_separation.svg");
 }
 
 /* Fig A4, and the three cases alone */
 static void draw_fixed_contacts(const program *self, classifier_model *model) {
     double x[SIZES], um[SIZES], t[SIZES], centre = classifier_quantile(model, 0.5);
     char label[80];
-    plot *figure = plot_new("Weers et al. (2022), Fig A4: fixed numbers of contacts, and the cases alone", 1, 1);
-    plot_panel_size(figure, 600, 380);
-    plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
-    plot_log_x(figure);
+    riddle_plot *figure = riddle_plot_new("Weers et al. (2022), Fig A4: fixed numbers of contacts, and the cases alone", 1, 1);
+    riddle_plot_panel_size(figure, 600, 380);
+    riddle_plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
+    riddle_plot_log_x(figure);
     if (!(centre > 0.0)) centre = 3e-5;
     size_grid(x, 0.4 * centre, 8.0 * centre);
     for (int i = 0; i < SIZES; i++) um[i] = 1e6 * x[i];
@@ -481,12 +482,12 @@ static void draw_fixed_contacts(const program *self, classifier_model *model) {
         model->weights = k < 3 ? classifier_weights_of(k) : k == 3 ? mixed : alone[k - 3];
         for (int i = 0; i < SIZES; i++) t[i] = classifier_tromp(model, x[i], NULL);
         if (k < 3) snprintf(label, sizeof label, "%d contact%s%s", k, k == 1 ? "" : "s", k == 0 ? " (case A alone)" : "");
-        plot_line(figure, k < 3 ? label : k == 3 ? "contacts mixed as in Fig 11" : cases[k - 3], um, t, SIZES);
-        plot_style(figure, k > 3 ? PLOT_DASHED : 0, k == 3 ? PLOT_BLACK : PLOT_NEXT);
+        riddle_plot_line(figure, k < 3 ? label : k == 3 ? "contacts mixed as in Fig 11" : cases[k - 3], um, t, SIZES);
+        riddle_plot_style(figure, k > 3 ? RIDDLE_PLOT_DASHED : 0, k == 3 ? RIDDLE_PLOT_BLACK : RIDDLE_PLOT_NEXT);
     }
     model->weights = mixed;
-    plot_legend_outside(figure);
-    plot_write(figure, self->out, "figA4_contacts_fixed.svg");
+    riddle_plot_legend_outside(figure);
+    riddle_plot_write(figure, self->out, "figA4_contacts_fixed.svg");
 }
 
 /* The fine product goes through a second wheel of the same setting, whose rejects return; or the coarse product does */
@@ -509,17 +510,17 @@ static void draw_circuit(const program *self, const classifier_model *model, jso
         loads[i] = load[0];
         if (load[0] > highest) highest = load[0];
     }
-    plot *figure = plot_new("Two stages with recycle", 1, 1);
-    plot_panel_size(figure, 600, 380);
-    plot_panel(figure, 0, 0, "particle size [µm]", "share in the coarse product; load of stage 1 / feed [-]");
-    plot_log_x(figure);
-    plot_line(figure, "one stage", um, one, SIZES);
-    plot_line(figure, "fines cleaned, rejects return", um, fine, SIZES);
-    plot_line(figure, "coarse cleaned, fines return", um, coarse, SIZES);
-    plot_line(figure, "load of stage 1", um, loads, SIZES);
-    plot_style(figure, PLOT_DASHED, PLOT_GREY);
-    plot_legend_outside(figure);
-    plot_write(figure, self->out, "circuit.svg");
+    riddle_plot *figure = riddle_plot_new("Two stages with recycle", 1, 1);
+    riddle_plot_panel_size(figure, 600, 380);
+    riddle_plot_panel(figure, 0, 0, "particle size [µm]", "share in the coarse product; load of stage 1 / feed [-]");
+    riddle_plot_log_x(figure);
+    riddle_plot_line(figure, "one stage", um, one, SIZES);
+    riddle_plot_line(figure, "fines cleaned, rejects return", um, fine, SIZES);
+    riddle_plot_line(figure, "coarse cleaned, fines return", um, coarse, SIZES);
+    riddle_plot_line(figure, "load of stage 1", um, loads, SIZES);
+    riddle_plot_style(figure, RIDDLE_PLOT_DASHED, RIDDLE_PLOT_GREY);
+    riddle_plot_legend_outside(figure);
+    riddle_plot_write(figure, self->out, "circuit.svg");
     json_number(report, "circuit_largest_load", highest);
 }
 
@@ -537,11 +538,11 @@ static void draw_paths(const program *self, const classifier_def *def, const cla
         um[i] = 1e6 * x[i];
         t[i] = classifier_tromp(model, x[i], NULL);
     }
-    plot *figure = plot_new("Balance at the hit against the path after it", 1, 1);
-    plot_panel_size(figure, 600, 380);
-    plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
-    plot_line(figure, "balance (the model)", um, t, SIZES);
-    plot_style(figure, 0, PLOT_BLACK);
+    riddle_plot *figure = riddle_plot_new("Balance at the hit against the path after it", 1, 1);
+    riddle_plot_panel_size(figure, 600, 380);
+    riddle_plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
+    riddle_plot_line(figure, "balance (the model)", um, t, SIZES);
+    riddle_plot_style(figure, 0, RIDDLE_PLOT_BLACK);
     for (int slip = 0; slip < 2; slip++) {
         int n = 0;
         for (int i = 0; i < PATH_SIZES && !common_interrupted(); i++) {
@@ -549,11 +550,11 @@ static void draw_paths(const program *self, const classifier_def *def, const cla
             if (classifier_trajectory_tromp(&fewer, size, (classifier_slip)slip, &path_t[i], &error[i]) != CLASSIFIER_OK) break;
             path_um[n++] = 1e6 * size;
         }
-        plot_error_bars(figure, names[slip], path_um, path_t, error, n);
-        plot_style(figure, 0, slip);
+        riddle_plot_error_bars(figure, names[slip], path_um, path_t, error, n);
+        riddle_plot_style(figure, 0, slip);
     }
-    plot_legend_outside(figure);
-    plot_write(figure, self->out, "paths.svg");
+    riddle_plot_legend_outside(figure);
+    riddle_plot_write(figure, self->out, "paths.svg");
 }
 
 /* ---- the program ---- */
@@ -603,17 +604,17 @@ static classifier_status evaluate(const classifier_model *model, outcome *o) {
 }
 
 static void write_curve(const program *self, const classifier_model *model, const double *x) {
-    csv *file = csv_open(self->out, "tromp.csv",
-                         "# share of a size that is rejected to the coarse product, half width of its 95 % interval, cases "
-                         "alone\nsize_m,t,t_error,t_a,t_b,t_c");
+    riddle_io_file *file = csv_open(self->out, "tromp.csv",
+                                    "# share of a size that is rejected to the coarse product, half width of its 95 % interval, cases "
+                                    "alone\nsize_m,t,t_error,t_a,t_b,t_c");
     for (int i = 0; i < SIZES; i++) {
         double error;
         const double share = classifier_tromp(model, x[i], &error);
         double line[6] = {x[i], share, error};
         classifier_tromp_cases(model, x[i], line + 3);
-        csv_row(file, line, 6);
+        riddle_io_row(file, line, 6);
     }
-    csv_close(file);
+    riddle_io_close(file);
 }
 
 static void print_outcome(const outcome *o, const char *material) {
@@ -622,17 +623,17 @@ static void print_outcome(const outcome *o, const char *material) {
     const double undisturbed = classifier_radial_velocity(&def->wheel, def->air_flow, def->wheel.outer_radius);
     common_print("%s, %.0f 1/min, %g m3/h, rim %.2f m/s, gas %.2f m/s (undisturbed %.2f)\n\n", material, def->rpm, 3600.0 * def->air_flow,
                  def->rpm * RIDDLE_PI / 30.0 * def->wheel.outer_radius, def->radial_factor * undisturbed, undisturbed);
-    text_table out =
-        table_begin("x25 [um]|x50 [um]|x75 [um]|sharpness [-]|error of T [-]|Re at x50|eq 3 [um]|eq 6 [um]|eq 6, projected [um]");
-    table_cell(&out, "%.2f", 1e6 * r->x25);
-    table_cell(&out, "%.2f", 1e6 * r->x50);
-    table_cell(&out, "%.2f", 1e6 * r->x75);
-    table_cell(&out, "%.3f", r->sharpness);
-    table_cell(&out, "%.1e", r->t_error);
-    table_cell(&out, "%.0f", r->re50);
-    table_cell(&out, "%.2f", 1e6 * o->eq3);
-    table_cell(&out, "%.2f", 1e6 * o->eq6);
-    table_cell(&out, "%.2f", 1e6 * o->eq6_projected);
+    riddle_io_table out =
+        riddle_io_table_begin("x25 [um]|x50 [um]|x75 [um]|sharpness [-]|error of T [-]|Re at x50|eq 3 [um]|eq 6 [um]|eq 6, projected [um]");
+    riddle_io_table_cell(&out, "%.2f", 1e6 * r->x25);
+    riddle_io_table_cell(&out, "%.2f", 1e6 * r->x50);
+    riddle_io_table_cell(&out, "%.2f", 1e6 * r->x75);
+    riddle_io_table_cell(&out, "%.3f", r->sharpness);
+    riddle_io_table_cell(&out, "%.1e", r->t_error);
+    riddle_io_table_cell(&out, "%.0f", r->re50);
+    riddle_io_table_cell(&out, "%.2f", 1e6 * o->eq3);
+    riddle_io_table_cell(&out, "%.2f", 1e6 * o->eq6);
+    riddle_io_table_cell(&out, "%.2f", 1e6 * o->eq6_projected);
     table_end(&out);
     common_print("\nCases: clean %.3f, thrown by a particle %.3f, hit again %.3f. Model and curve: %.1f ms.\n", r->weights.clean,
                  r->weights.thrown, r->weights.again, 1e3 * o->seconds);

@@ -523,8 +523,8 @@ static void report(const gap *g, const dem_world *w, const record *r) {
     sum contacts = {0, 0, 0}, paddles = {0, 0, 0}, stay = {0, 0, 0}, radius = {0, 0, 0}, speed = {0, 0, 0};
     double count[BINS] = {0}, mates[CLASSIFIER_BINS] = {0}, bin[BINS], outward = 0.0, *hits = malloc(sizeof *hits * (size_t)(r->n + 1));
     int n = 0, of_hits = 0, unfinished = 0;
-    csv *file = csv_open(g->self->out, "histories.csv",
-                         "size_um,entered_ms,stayed_ms,paddle_contacts,particle_contacts,hit_radius_mm,hit_speed_m_s,outward");
+    riddle_io_file *file = csv_open(g->self->out, "histories.csv",
+                                    "size_um,entered_ms,stayed_ms,paddle_contacts,particle_contacts,hit_radius_mm,hit_speed_m_s,outward");
     for (ptrdiff_t k = 0; k < r->n; k++) {
         const history *h = &r->of[k];
         if (!h->followed) continue;
@@ -542,7 +542,7 @@ static void report(const gap *g, const dem_world *w, const record *r) {
         csv_line(file, "%.3f,%.5f,%.5f,%d,%d,%.4f,%.4f,%d", 1e6 * h->size, 1e3 * h->entered, 1e3 * (h->left - h->entered), h->paddle,
                  h->mates, 1e3 * h->hit_radius, h->hit_speed, h->outward);
     }
-    csv_close(file);
+    riddle_io_close(file);
     if (n == 0) common_fail("no history is over: a longer --time-ms is needed");
     const double cor = r->restitution_sum / (double)r->rebounds,
                  cor_sd = sqrt(fmax(r->restitution_square / (double)r->rebounds - cor * cor, 0.0));
@@ -597,12 +597,12 @@ static void report(const gap *g, const dem_world *w, const record *r) {
         const double at = (hits[k] - wheel->inner_radius) / (wheel->outer_radius - wheel->inner_radius) * 24.0;
         share[at >= 24.0 ? 23 : at > 0.0 ? (int)at : 0] += 1.0 / of_hits;
     }
-    plot *figure = plot_new("One interspace of a deflector wheel", 1, 2);
-    plot_panel(figure, 0, 0, "contacts of a particle", "share of particles [-]");
-    plot_points(figure, "paddles and particles", bin, count, BINS);
-    plot_panel(figure, 0, 1, "radius of the first hit [mm]", "share of hits [-]");
-    plot_line(figure, g->drag == 0 ? "with drag" : "without drag", edge, share, 24);
-    plot_write(figure, g->self->out, "paddle_gap.svg");
+    riddle_plot *figure = riddle_plot_new("One interspace of a deflector wheel", 1, 2);
+    riddle_plot_panel(figure, 0, 0, "contacts of a particle", "share of particles [-]");
+    riddle_plot_points(figure, "paddles and particles", bin, count, BINS);
+    riddle_plot_panel(figure, 0, 1, "radius of the first hit [mm]", "share of hits [-]");
+    riddle_plot_line(figure, g->drag == 0 ? "with drag" : "without drag", edge, share, 24);
+    riddle_plot_write(figure, g->self->out, "paddle_gap.svg");
     json_program(j, g->self);
     json_close(j);
     free(hits);

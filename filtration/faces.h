@@ -17,7 +17,7 @@ typedef struct filtration__face_kind {
     int is_touched;   /* 1: spheres touch it */
     int has_velocity; /* 1: along the face, 2: through it, too */
     int has_pressure;
-    int reads_flow;   /* 1: enter needs the velocity of the nodes */
+    int reads_flow; /* 1: enter needs the velocity of the nodes */
     /* Computes what enters n nodes from what leaves, h. u: their velocity, or 0. NULL: what leaves is what enters. */
     void (*enter)(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK], double *h);
 } filtration__face_kind;

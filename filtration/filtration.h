@@ -63,6 +63,7 @@
 #include "faces.h"
 #include "links.h"
 #include "spheres.h"
+#include "films.h"
 #include "shear.h"
 #include "fluid.h"
 #include "flow.h"

@@ -184,9 +184,14 @@ FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *flui
     const filtration__new_flow flow = {filtration__rescale, s, s * tau / def.tau, NULL, NULL};
     def.tau = tau;
     if (filtration_fluid_check_def(&def, NULL) != FILTRATION_OK || !filtration__set_nodes(fluid, &flow)) return FILTRATION_BAD_ARGUMENT;
-    for (ptrdiff_t n = 0; n < l->ball_count; n++)
-        for (int k = 0; k < 2; k++)
-            for (int a = 0; a < 3; a++) l->balls[n].force[k][a] *= s * s, l->balls[n].torque[k][a] *= s * s;
+    for (ptrdiff_t n = 0; n < l->ball_count; n++) {
+        filtration__ball *b = &l->balls[n];
+        b->density *= s * s;
+        for (int a = 0; a < 3; a++) {
+            b->slope[a] *= s * s;
+            for (int k = 0; k < 2; k++) b->force[k][a] *= s * s, b->torque[k][a] *= s * s;
+        }
+    }
     return filtration__change(fluid, &def);
 }
 

@@ -136,6 +136,7 @@ static inline void filtration__set_shape(const filtration_fluid_def *d, filtrati
                              : (cc == 0   ? 1.0 / 3.0
                                 : cc == 1 ? 1.0 / 18.0
                                           : 1.0 / 36.0);
+        l->whole_weight[i] = (int)(72.0 * l->w[i] + 0.5);
     }
     l->single = d->precision == FILTRATION_FLOAT;
     l->half_way = d->boundary == FILTRATION_HALF_WAY;
@@ -343,7 +344,10 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
     }
     if (!l->periodic_x || l->ghost_y || l->ghost_z) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__face_task, l);
     if (l->link_count) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__link_task, l);
-    if (l->ball_count) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__ball_task, l);
+    if (l->ball_count) {
+        filtration__for_each(p, threads, FILTRATION__TASKS, filtration__ball_task, l);
+        filtration__for_each(p, threads, FILTRATION__TASKS, filtration__film_task, l);
+    }
     if (fluid->def.force == FILTRATION_SHEAR_LAYER) filtration__shear_forces(fluid);
     filtration__give_forces(fluid, spheres);
     return FILTRATION_OK;

@@ -37,7 +37,10 @@ typedef struct filtration__entry {
 typedef struct filtration__ball {
     double centre[3], velocity[3], spin[3], radius; /* radius 0: no sphere */
     double force[2][3], torque[2][3];               /* of this step and the one before */
+    double density, slope[3];                       /* at its surface: deviation density + slope . d, d from the centre */
     int64_t steps;                                  /* number of steps since it was added */
+    int64_t films;                                  /* number of links to other solids and through faces */
+    int64_t hull[3];                                /* sum over its links of 72 w c [-]: 0 where its surface is closed */
 } filtration__ball;
 
 /* Relaxation and forcing of one step, of the kernel's precision. */
@@ -61,6 +64,7 @@ typedef struct filtration__lattice {
     const struct filtration__face_kind *face[6];
     double face_velocity[6][3], face_density[6]; /* lattice units [-] */
     double w[FILTRATION__Q];
+    int whole_weight[FILTRATION__Q]; /* 72 w */
     filtration__rates rates;
     int periodic_x, half_way, refill;
     int odd;                    /* which step of the pair comes next */
@@ -79,6 +83,13 @@ typedef struct filtration__lattice {
     int bad[FILTRATION__TASKS];                /* 1: a row of the task is FILTRATION__ROW_BAD */
     int64_t updated[FILTRATION__TASKS];        /* nodes */
 } filtration__lattice;
+
+static inline double filtration__dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* Returns the deviation of density at a sphere's surface, or in a film beside it; d: from its centre. */
+static inline double filtration__density_at(const filtration__ball *b, const double d[3]) {
+    return b->density + filtration__dot(b->slope, d);
+}
 
 /* Returns a coordinate on an axis of n nodes, wrapped; i is at most n beyond. */
 static inline int filtration__wrap(int i, int n) { return i < 0 ? i + n : i >= n ? i - n : i; }

@@ -51,7 +51,8 @@ static const char *describe(char *text, size_t size, const settings *s) {
 }
 
 /* A curve with its band where there are several seeds. */
-static void plot_average(plot *figure, const char *label, const averages *a, int curve, int n, int seeds, int colour, double highest) {
+static void plot_average(riddle_plot *figure, const char *label, const averages *a, int curve, int n, int seeds, int colour,
+                         double highest) {
     const double unit = curve == H_STAR ? 1e3 : 1.0; /* heights in mm */
     double *low = malloc((size_t)n * 3 * sizeof *low), *high = low ? low + n : NULL, *mean = low ? high + n : NULL;
     for (int k = 0; k < n && low; k++) {
@@ -59,9 +60,9 @@ static void plot_average(plot *figure, const char *label, const averages *a, int
         low[k] = unit * fmax(a->mean[curve][k] - a->interval[curve][k], 0.0);
         high[k] = unit * fmin(a->mean[curve][k] + a->interval[curve][k], highest);
     }
-    plot_line(figure, label, a->time, mean, mean ? n : 0);
-    plot_style(figure, 0, colour);
-    if (low && seeds > 1) plot_band(figure, NULL, a->time, low, high, n), plot_style(figure, 0, colour);
+    riddle_plot_line(figure, label, a->time, mean, mean ? n : 0);
+    riddle_plot_style(figure, 0, colour);
+    if (low && seeds > 1) riddle_plot_band(figure, NULL, a->time, low, high, n), riddle_plot_style(figure, 0, colour);
     free(low);
 }
 
@@ -69,41 +70,41 @@ static void draw(const study *st, const averages *a) {
     const settings *s = &st->variants[0].set;
     char what[100], title[140];
     snprintf(title, sizeof title, "%s, %d seed%s", describe(what, sizeof what, s), st->seeds, st->seeds > 1 ? "s" : "");
-    plot *figure = plot_new(title, 1, 1);
+    riddle_plot *figure = riddle_plot_new(title, 1, 1);
     if (s->scene == SCENE_CLOSED_PLATE) {
-        plot_panel(figure, 0, 0, "time [s]", "deviation of the mean heights h* [mm]");
+        riddle_plot_panel(figure, 0, 0, "time [s]", "deviation of the mean heights h* [mm]");
         plot_average(figure, NULL, a, H_STAR, st->samples, st->seeds, 0, 1.0);
-        plot_write(figure, st->self->out, "h_star.svg");
+        riddle_plot_write(figure, st->self->out, "h_star.svg");
         return;
     }
-    plot_panel(figure, 0, 0, "time [s]", "fraction retained [-]");
-    plot_range_y(figure, 0.0, 1.02);
+    riddle_plot_panel(figure, 0, 0, "time [s]", "fraction retained [-]");
+    riddle_plot_range_y(figure, 0.0, 1.02);
     for (int c = 0; c < UNDERSIZE; c++) plot_average(figure, class_name[c], a, c, st->samples, st->seeds, c, 1.0);
     if (s->case_number == 5 && s->scene == SCENE_SCREEN) { /* numbers in the text of section 5.1 */
         const double at[] = {5.0, 10.0}, small[] = {0.13, 0.015}, near_mesh[] = {0.20, 0.10};
         const int n = s->time >= 10.0 ? 2 : s->time >= 5.0 ? 1 : 0;
-        if (n) plot_points(figure, "paper, small", at, small, n), plot_style(figure, 0, 0);
-        if (n) plot_points(figure, "paper, near-mesh", at, near_mesh, n), plot_style(figure, 0, 1);
+        if (n) riddle_plot_points(figure, "paper, small", at, small, n), riddle_plot_style(figure, 0, 0);
+        if (n) riddle_plot_points(figure, "paper, near-mesh", at, near_mesh, n), riddle_plot_style(figure, 0, 1);
     }
-    plot_write(figure, st->self->out, "retained.svg");
-    figure = plot_new("Apertures of the screen", 1, 1);
-    plot_panel(figure, 0, 0, "time [s]", "share of apertures [-]");
-    plot_range_y(figure, 0.0, 1.02);
-    plot_line(figure, "free (none wedged)", a->time, a->mean[FREE], st->samples);
-    plot_line(figure, "a particle sits in it", a->time, a->mean[OCCUPIED], st->samples);
-    plot_write(figure, st->self->out, "apertures.svg");
+    riddle_plot_write(figure, st->self->out, "retained.svg");
+    figure = riddle_plot_new("Apertures of the screen", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "time [s]", "share of apertures [-]");
+    riddle_plot_range_y(figure, 0.0, 1.02);
+    riddle_plot_line(figure, "free (none wedged)", a->time, a->mean[FREE], st->samples);
+    riddle_plot_line(figure, "a particle sits in it", a->time, a->mean[OCCUPIED], st->samples);
+    riddle_plot_write(figure, st->self->out, "apertures.svg");
 }
 
 static void write_averages(const study *st, const averages *a, const char *name) {
-    csv *curves = csv_open(st->self->out, name,
-                           "time_s,retained_small,retained_small_sd,retained_near_mesh,retained_near_mesh_sd,free_fraction,"
-                           "occupied_fraction,h_star_m,h_star_sd_m");
+    riddle_io_file *curves = csv_open(st->self->out, name,
+                                      "time_s,retained_small,retained_small_sd,retained_near_mesh,retained_near_mesh_sd,free_fraction,"
+                                      "occupied_fraction,h_star_m,h_star_sd_m");
     for (int k = 0; k < st->samples; k++) {
         const double row[] = {a->time[k],       a->mean[SMALL][k],    a->sd[SMALL][k],    a->mean[NEAR_MESH][k], a->sd[NEAR_MESH][k],
                               a->mean[FREE][k], a->mean[OCCUPIED][k], a->mean[H_STAR][k], a->sd[H_STAR][k]};
-        csv_row(curves, row, 9);
+        riddle_io_row(curves, row, 9);
     }
-    csv_close(curves);
+    riddle_io_close(curves);
 }
 
 /* Settings and averages of a variant, as members of the object that is open. */
@@ -167,17 +168,17 @@ static void report_one(const study *st, double wall) {
     averages a;
     if (average(st, 0, &a)) return;
     const bool plate = s->scene == SCENE_CLOSED_PLATE, several = st->seeds > 1;
-    text_table rows = table_begin(plate     ? "time [s]|h* [mm]|+- 95 %"
-                                  : several ? "time [s]|small retained|+- 95 %|near-mesh retained|+- 95 %|apertures free"
-                                            : "time [s]|small retained|near-mesh retained|apertures free");
+    riddle_io_table rows = riddle_io_table_begin(plate     ? "time [s]|h* [mm]|+- 95 %"
+                                                 : several ? "time [s]|small retained|+- 95 %|near-mesh retained|+- 95 %|apertures free"
+                                                           : "time [s]|small retained|near-mesh retained|apertures free");
     for (int k = 0; k < st->samples; k += (int)(fmax(0.1, s->time >= 10.0 ? floor(s->time / 10.0 + 0.5) : s->time / 10.0) / SAMPLE + 0.5)) {
-        table_cell(&rows, "%.1f", a.time[k]);
-        if (plate) table_cell(&rows, "%.2f", 1e3 * a.mean[H_STAR][k]), interval_cell(&rows, 2, 1e3 * a.interval[H_STAR][k]);
+        riddle_io_table_cell(&rows, "%.1f", a.time[k]);
+        if (plate) riddle_io_table_cell(&rows, "%.2f", 1e3 * a.mean[H_STAR][k]), interval_cell(&rows, 2, 1e3 * a.interval[H_STAR][k]);
         for (int c = 0; c < UNDERSIZE && !plate; c++) {
-            table_cell(&rows, "%.3f", a.mean[c][k]);
+            riddle_io_table_cell(&rows, "%.3f", a.mean[c][k]);
             if (several) interval_cell(&rows, 3, a.interval[c][k]);
         }
-        if (!plate) table_cell(&rows, "%.3f", a.mean[FREE][k]);
+        if (!plate) riddle_io_table_cell(&rows, "%.3f", a.mean[FREE][k]);
     }
     table_end(&rows);
     const result *r = result_of(st, 0, 0);
@@ -214,7 +215,7 @@ static void write_case(const study *st, int v) {
     snprintf(name, sizeof name, "%s.csv", st->variants[v].name);
     write_averages(st, &a, name);
     snprintf(name, sizeof name, "%s.json", st->variants[v].name);
-    json *j = json_open(output_path(path, sizeof path, st->self->out, name));
+    json *j = json_open(riddle_io_path(path, sizeof path, st->self->out, name));
     json_program(j, st->self);
     json_variant(j, st, v, &a);
     json_close(j);
@@ -224,7 +225,7 @@ static void write_case(const study *st, int v) {
 /* All curves, as examples/screen_fit reads them. */
 static void write_curves(const study *st) {
     const int every = (int)(CURVE_STEP / SAMPLE + 0.5);
-    csv *file =
+    riddle_io_file *file =
         csv_open(st->self->out, "curves.csv", "case,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,retained_near_mesh");
     for (int v = 0; v < st->variant_count; v++) {
         const settings *s = &st->variants[v].set;
@@ -235,38 +236,38 @@ static void write_curves(const study *st) {
                          r->curve[SMALL][k], r->curve[NEAR_MESH][k]);
         }
     }
-    csv_close(file);
+    riddle_io_close(file);
 }
 
 /* A panel for each amplitude and frequency, in it a curve for each moisture. */
 static void draw_cases(const study *st) {
-    plot *figure = plot_new("Fraction retained, 27 cases: 5 mm full, 7 mm dashed", 3, 3);
-    plot_panel_size(figure, 330, 230);
+    riddle_plot *figure = riddle_plot_new("Fraction retained, 27 cases: 5 mm full, 7 mm dashed", 3, 3);
+    riddle_plot_panel_size(figure, 330, 230);
     for (int i = 0; i < 9; i++) {
         char title[60];
-        plot_panel(figure, i / 3, i % 3, "time [s]", "fraction retained [-]");
+        riddle_plot_panel(figure, i / 3, i % 3, "time [s]", "fraction retained [-]");
         snprintf(title, sizeof title, "%.1f mm, %.1f Hz", 1e3 * case_amplitude[i / 3], case_frequency[i % 3]);
-        plot_title(figure, title);
-        plot_range_y(figure, 0.0, 1.02);
+        riddle_plot_title(figure, title);
+        riddle_plot_range_y(figure, 0.0, 1.02);
         for (int m = 0; m < 3; m++) {
             averages a;
             if (average(st, 9 * m + i, &a)) continue;
             char label[20];
             snprintf(label, sizeof label, m ? "%.3g %% water" : "dry", 100.0 * case_moisture[m]);
-            plot_line(figure, label, a.time, a.mean[SMALL], st->samples), plot_style(figure, 0, m);
-            plot_line(figure, NULL, a.time, a.mean[NEAR_MESH], st->samples), plot_style(figure, PLOT_DASHED, m);
+            riddle_plot_line(figure, label, a.time, a.mean[SMALL], st->samples), riddle_plot_style(figure, 0, m);
+            riddle_plot_line(figure, NULL, a.time, a.mean[NEAR_MESH], st->samples), riddle_plot_style(figure, RIDDLE_PLOT_DASHED, m);
             free(a.time);
         }
     }
-    plot_write(figure, st->self->out, "cases.svg");
+    riddle_plot_write(figure, st->self->out, "cases.svg");
 }
 
 /* Counterpart of the paper's figure 5: the mean time in the top layer of both classes in all cases; 95 % of the mean where there are several
    seeds. */
 static void report_top_layer(const study *st) {
-    plot *figure = plot_new("Mean time in the top layer, 27 cases", 1, UNDERSIZE);
-    csv *file = csv_open(st->self->out, "top_layer.csv",
-                         "case,amplitude_m,frequency_hz,moisture,seeds,small_s,small_ci_s,near_mesh_s,near_mesh_ci_s");
+    riddle_plot *figure = riddle_plot_new("Mean time in the top layer, 27 cases", 1, UNDERSIZE);
+    riddle_io_file *file = csv_open(st->self->out, "top_layer.csv",
+                                    "case,amplitude_m,frequency_hz,moisture,seeds,small_s,small_ci_s,near_mesh_s,near_mesh_ci_s");
     for (int v = 0; v < CASES; v++) {
         const settings *s = &st->variants[v].set;
         char ci[UNDERSIZE][32] = {"", ""};
@@ -275,11 +276,11 @@ static void report_top_layer(const study *st) {
         csv_line(file, "%d,%g,%g,%g,%d,%.4f,%s,%.4f,%s", s->case_number, s->amplitude, s->frequency, s->moisture, st->seeds,
                  measure_of(st, v, top_layer(SMALL)).mean, ci[SMALL], measure_of(st, v, top_layer(NEAR_MESH)).mean, ci[NEAR_MESH]);
     }
-    csv_close(file);
+    riddle_io_close(file);
     for (int c = 0; c < UNDERSIZE; c++) {
-        plot_panel_size(figure, 420, 300);
-        plot_panel(figure, 0, c, "amplitude times frequency [m/s]", "time in the top layer [s]");
-        plot_title(figure, class_name[c]);
+        riddle_plot_panel_size(figure, 420, 300);
+        riddle_plot_panel(figure, 0, c, "amplitude times frequency [m/s]", "time in the top layer [s]");
+        riddle_plot_title(figure, class_name[c]);
         double longest = 0.0;
         for (int m = 0; m < 3; m++) {
             double speed[9], time[9];
@@ -291,13 +292,13 @@ static void report_top_layer(const study *st) {
                 longest = fmax(longest, time[i]);
             }
             snprintf(label, sizeof label, m ? "%.3g %% water" : "dry", 100.0 * case_moisture[m]);
-            plot_points(figure, label, speed, time, 9), plot_style(figure, 0, m);
+            riddle_plot_points(figure, label, speed, time, 9), riddle_plot_style(figure, 0, m);
         }
         const double initial = st->variants[4].set.amplitude * st->variants[4].set.frequency, paper = c == SMALL ? 2.05 : 3.62;
-        plot_points(figure, "text of the paper, dry", &initial, &paper, 1), plot_style(figure, 0, 3);
-        plot_range_y(figure, 0.0, 1.1 * fmax(longest, paper));
+        riddle_plot_points(figure, "text of the paper, dry", &initial, &paper, 1), riddle_plot_style(figure, 0, 3);
+        riddle_plot_range_y(figure, 0.0, 1.1 * fmax(longest, paper));
     }
-    plot_write(figure, st->self->out, "top_layer.svg");
+    riddle_plot_write(figure, st->self->out, "top_layer.svg");
 }
 
 static void json_statistics(json *j, const char *key, statistics s) {
@@ -338,15 +339,17 @@ static void summary(const study *st, json *j) {
 
 static void report_cases(const study *st) {
     const int end = st->samples - 1, five = (int)(5.0 / SAMPLE + 0.5) < end ? (int)(5.0 / SAMPLE + 0.5) : end;
-    text_table t = table_begin("case|mm|Hz|water %|time [s]|small|+- 95 %|near-mesh|+- 95 %|at the end: small|+- 95 %|near-mesh|+- 95 %");
+    riddle_io_table t =
+        riddle_io_table_begin("case|mm|Hz|water %|time [s]|small|+- 95 %|near-mesh|+- 95 %|at the end: small|+- 95 %|near-mesh|+- 95 %");
     for (int v = 0; v < st->variant_count; v++) {
         const settings *s = &st->variants[v].set;
-        table_cell(&t, "%d", s->case_number), table_cell(&t, "%.1f", 1e3 * s->amplitude), table_cell(&t, "%.1f", s->frequency);
-        table_cell(&t, "%.1f", 100.0 * s->moisture), table_cell(&t, "%.1f", five * SAMPLE);
+        riddle_io_table_cell(&t, "%d", s->case_number), riddle_io_table_cell(&t, "%.1f", 1e3 * s->amplitude),
+            riddle_io_table_cell(&t, "%.1f", s->frequency);
+        riddle_io_table_cell(&t, "%.1f", 100.0 * s->moisture), riddle_io_table_cell(&t, "%.1f", five * SAMPLE);
         for (int k = 0; k < 2; k++)
             for (int c = 0; c < UNDERSIZE; c++) {
                 const statistics x = measure_of(st, v, at_time(c, SAMPLE * (k ? end : five)));
-                table_cell(&t, "%.3f", x.mean), interval_cell(&t, 3, x.interval);
+                riddle_io_table_cell(&t, "%.3f", x.mean), interval_cell(&t, 3, x.interval);
             }
     }
     table_end(&t);
@@ -356,7 +359,7 @@ static void report_cases(const study *st) {
     static findings f;
     find_cases(&f, st);
     char path[4096];
-    const char *const files[2] = {output_path(path, sizeof path, st->self->out, "summary.json"), st->self->json};
+    const char *const files[2] = {riddle_io_path(path, sizeof path, st->self->out, "summary.json"), st->self->json};
     for (int k = 0; k < 2; k++) {
         json *j = json_open(files[k]);
         summary(st, j);
@@ -388,35 +391,35 @@ static void add_sensitivity(study *st, const settings *base) {
 static void report_sensitivity(const study *st) {
     const double when[2] = {5.0, 10.0}, paper[2][UNDERSIZE] = {{0.13, 0.20}, {0.015, 0.10}};
     const char *const heading[2] = {"after 5 s", "after 10 s"}, *names[VARIANTS_MAX + 1] = {"paper"};
-    plot *figure = plot_new("What the paper leaves open, one at a time: dry initial case", 2, 1);
-    csv *rows = csv_open(st->self->out, "sensitivity.csv", "variant,time_s,small,small_sd,near_mesh,near_mesh_sd,seeds");
-    text_table t = table_begin("variant|time [s]|small|sd|near-mesh|sd");
+    riddle_plot *figure = riddle_plot_new("What the paper leaves open, one at a time: dry initial case", 2, 1);
+    riddle_io_file *rows = csv_open(st->self->out, "sensitivity.csv", "variant,time_s,small,small_sd,near_mesh,near_mesh_sd,seeds");
+    riddle_io_table t = riddle_io_table_begin("variant|time [s]|small|sd|near-mesh|sd");
     for (int v = 0; v < st->variant_count; v++) names[v + 1] = st->variants[v].name;
     for (int w = 0; w < 2; w++) {
         double mean[UNDERSIZE][VARIANTS_MAX + 1] = {{paper[w][SMALL]}, {paper[w][NEAR_MESH]}};
         for (int v = 0; v < st->variant_count; v++) {
             statistics s[UNDERSIZE];
-            table_cell(&t, "%s", names[v + 1]), table_cell(&t, "%.0f", when[w]);
+            riddle_io_table_cell(&t, "%s", names[v + 1]), riddle_io_table_cell(&t, "%.0f", when[w]);
             for (int c = 0; c < UNDERSIZE; c++) {
                 s[c] = measure_of(st, v, at_time(c, when[w]));
                 mean[c][v + 1] = s[c].mean;
-                table_cell(&t, "%.3f", s[c].mean), interval_cell(&t, 3, s[c].sd);
+                riddle_io_table_cell(&t, "%.3f", s[c].mean), interval_cell(&t, 3, s[c].sd);
             }
             char sd[UNDERSIZE][32] = {"", ""};
             for (int c = 0; c < UNDERSIZE && st->seeds > 1; c++) snprintf(sd[c], sizeof sd[c], "%.6f", s[c].sd);
             csv_line(rows, "%s,%g,%.6f,%s,%.6f,%s,%d", names[v + 1], when[w], s[SMALL].mean, sd[SMALL], s[NEAR_MESH].mean, sd[NEAR_MESH],
                      st->seeds);
         }
-        plot_panel(figure, w, 0, "", "fraction retained [-]");
-        plot_title(figure, heading[w]);
-        for (int c = 0; c < UNDERSIZE; c++) plot_bars(figure, class_name[c], names, mean[c], st->variant_count + 1);
-        plot_horizontal(figure, "", paper[w][SMALL]);
-        plot_horizontal(figure, "", paper[w][NEAR_MESH]);
+        riddle_plot_panel(figure, w, 0, "", "fraction retained [-]");
+        riddle_plot_title(figure, heading[w]);
+        for (int c = 0; c < UNDERSIZE; c++) riddle_plot_bars(figure, class_name[c], names, mean[c], st->variant_count + 1);
+        riddle_plot_horizontal(figure, "", paper[w][SMALL]);
+        riddle_plot_horizontal(figure, "", paper[w][NEAR_MESH]);
     }
-    plot_panel_size(figure, 980, 300);
+    riddle_plot_panel_size(figure, 980, 300);
     table_end(&t);
-    csv_close(rows);
-    plot_write(figure, st->self->out, "sensitivity.svg");
+    riddle_io_close(rows);
+    riddle_plot_write(figure, st->self->out, "sensitivity.svg");
     json *j = json_open(st->self->json);
     json_program(j, st->self);
     json_close(j);
@@ -490,12 +493,12 @@ static void report_neighbours(const study *st) {
              : base->scene == SCENE_THIN_LAYER ? "Thin layer"
                                                : "Screen",
              describe(text, sizeof text, base), st->seeds, st->seeds > 1 ? "s" : "");
-    plot *figure = plot_new(title, rows, FACTORS);
-    text_table t = table_begin(
+    riddle_plot *figure = riddle_plot_new(title, rows, FACTORS);
+    riddle_io_table t = riddle_io_table_begin(
         plate ? "factor|level|mean h* [mm]|+- 95 %|last fifth [mm]|+- 95 %"
               : "factor|level|small, mean over time|+- 95 %|near-mesh, mean over time|+- 95 %|small, at the end|near-mesh, at the end");
-    csv *file = csv_open(st->self->out, "neighbours.csv",
-                         "variant,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,retained_near_mesh,h_star_m");
+    riddle_io_file *file = csv_open(st->self->out, "neighbours.csv",
+                                    "variant,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,retained_near_mesh,h_star_m");
     json *j = json_open(st->self->json);
     json_program(j, st->self);
     json_array_begin(j, "trends");
@@ -506,9 +509,9 @@ static void report_neighbours(const study *st) {
         const int n = along(st, factor, order);
         find_neighbours(&f, st, factor, n, order);
         for (int row = 0; row < rows; row++) {
-            plot_panel(figure, row, factor, "time [s]", what[row]);
-            if (!plate) plot_range_y(figure, 0.0, 1.02);
-            plot_title(figure, factor_name[factor]);
+            riddle_plot_panel(figure, row, factor, "time [s]", what[row]);
+            if (!plate) riddle_plot_range_y(figure, 0.0, 1.02);
+            riddle_plot_title(figure, factor_name[factor]);
             for (int k = 0; k < n; k++) {
                 averages a;
                 if (average(st, order[k], &a)) continue;
@@ -520,7 +523,7 @@ static void report_neighbours(const study *st) {
         }
         for (int k = 0; k < n; k++) {
             const int v = order[k];
-            table_cell(&t, "%s", factor_name[factor]), table_cell(&t, "%g", level(&st->variants[v].set, factor));
+            riddle_io_table_cell(&t, "%s", factor_name[factor]), riddle_io_table_cell(&t, "%g", level(&st->variants[v].set, factor));
             json_object_begin(j, NULL);
             json_string(j, "factor", factor_name[factor]);
             json_number(j, "level", level(&st->variants[v].set, factor));
@@ -538,7 +541,7 @@ static void report_neighbours(const study *st) {
                 json_statistics(j, text, end);
             }
             if (plate) json_rise(j, st, v);
-            for (int c = 0; c < UNDERSIZE && !plate; c++) table_cell(&t, "%.3f", measure_of(st, v, at_time(c, base->time)).mean);
+            for (int c = 0; c < UNDERSIZE && !plate; c++) riddle_io_table_cell(&t, "%.3f", measure_of(st, v, at_time(c, base->time)).mean);
             json_object_end(j);
         }
     }
@@ -562,10 +565,10 @@ static void report_neighbours(const study *st) {
     json_array_end(j);
     json_findings(j, &f);
     json_close(j);
-    csv_close(file);
+    riddle_io_close(file);
     table_end(&t);
     report_findings(&f, st->seeds < 2, st->self->out);
-    plot_write(figure, st->self->out, "neighbours.svg");
+    riddle_plot_write(figure, st->self->out, "neighbours.svg");
 }
 
 /* ---- what moisture changes: differences of means, for the corrected and the printed laws ---- */
@@ -603,13 +606,13 @@ static void draw_laws(const study *st) {
     char title[120];
     snprintf(title, sizeof title, "Laws of liquid bridges, corrected and as printed: %.3g mm, %.3g Hz, %d seed%s", 1e3 * dry->amplitude,
              dry->frequency, st->seeds, st->seeds > 1 ? "s" : "");
-    plot *figure = plot_new(title, UNDERSIZE, 2);
+    riddle_plot *figure = riddle_plot_new(title, UNDERSIZE, 2);
     for (int c = 0; c < UNDERSIZE; c++)
         for (int m = 0; m < 2; m++) {
-            plot_panel(figure, c, m, "time [s]", "fraction retained [-]");
-            plot_range_y(figure, 0.0, 1.02);
+            riddle_plot_panel(figure, c, m, "time [s]", "fraction retained [-]");
+            riddle_plot_range_y(figure, 0.0, 1.02);
             snprintf(title, sizeof title, "%s, %.1f %% water", class_name[c], 100.0 * case_moisture[1 + m]);
-            plot_title(figure, title);
+            riddle_plot_title(figure, title);
             for (int k = 0; k < 3; k++) {
                 averages a;
                 if (average(st, k ? 2 * k - 1 + m : 0, &a)) continue;
@@ -617,7 +620,7 @@ static void draw_laws(const study *st) {
                 free(a.time);
             }
         }
-    plot_write(figure, st->self->out, "laws.svg");
+    riddle_plot_write(figure, st->self->out, "laws.svg");
 }
 
 static void report_moisture(const study *st) {
@@ -628,21 +631,21 @@ static void report_moisture(const study *st) {
     char title[120];
     snprintf(title, sizeof title, "Retained after %g s, wet minus dry: %.3g mm, %.3g Hz, %d seeds, 95 %% intervals", end,
              1e3 * dry->amplitude, dry->frequency, st->seeds);
-    plot *figure = plot_new(title, 1, 2);
-    text_table t = table_begin("class|laws|from %|to %|difference|+- paired|+- independent|correlation of pairs");
+    riddle_plot *figure = riddle_plot_new(title, 1, 2);
+    riddle_io_table t = riddle_io_table_begin("class|laws|from %|to %|difference|+- paired|+- independent|correlation of pairs");
     json *j = json_open(st->self->json);
     json_program(j, st->self);
     json_number(j, "amplitude_m", dry->amplitude);
     json_number(j, "frequency_hz", dry->frequency);
     json_number(j, "time_s", end);
     json_integer(j, "seeds", st->seeds);
-    text_table means = table_begin("batch|small|sd|+- 95 %|near-mesh|sd|+- 95 %");
+    riddle_io_table means = riddle_io_table_begin("batch|small|sd|+- 95 %|near-mesh|sd|+- 95 %");
     json_array_begin(j, "means");
     for (int v = 0; v < st->variant_count; v++) {
-        table_cell(&means, "%s", st->variants[v].name);
+        riddle_io_table_cell(&means, "%s", st->variants[v].name);
         for (int c = 0; c < UNDERSIZE; c++) {
             const statistics x = measure_of(st, v, at_time(c, end));
-            table_cell(&means, "%.3f", x.mean), interval_cell(&means, 3, x.sd), interval_cell(&means, 3, x.interval);
+            riddle_io_table_cell(&means, "%.3f", x.mean), interval_cell(&means, 3, x.sd), interval_cell(&means, 3, x.interval);
         }
         json_object_begin(j, NULL);
         json_number(j, "moisture", st->variants[v].set.moisture);
@@ -658,8 +661,9 @@ static void report_moisture(const study *st) {
             const contrast x = contrast_of(st, from[k], to[k], at_time(c, end));
             const double low = st->variants[from[k]].set.moisture, high = st->variants[to[k]].set.moisture;
             const char *laws = low == high ? "printed minus corrected" : st->variants[to[k]].set.laws ? "printed" : "corrected";
-            table_cell(&t, "%s", class_name[c]), table_cell(&t, "%s", laws);
-            table_cell(&t, "%.1f", 100.0 * low), table_cell(&t, "%.1f", 100.0 * high), table_cell(&t, "%+.3f", x.difference);
+            riddle_io_table_cell(&t, "%s", class_name[c]), riddle_io_table_cell(&t, "%s", laws);
+            riddle_io_table_cell(&t, "%.1f", 100.0 * low), riddle_io_table_cell(&t, "%.1f", 100.0 * high),
+                riddle_io_table_cell(&t, "%+.3f", x.difference);
             interval_cell(&t, 3, x.paired), interval_cell(&t, 3, x.independent), interval_cell(&t, 2, x.correlation);
             json_object_begin(j, NULL);
             json_string(j, "class", class_name[c]);
@@ -673,10 +677,10 @@ static void report_moisture(const study *st) {
             json_course(j, st, from[k], to[k], c);
             json_object_end(j);
         }
-        plot_panel(figure, 0, c, "water [%]", "difference of the fraction retained [-]");
-        plot_title(figure, class_name[c]);
-        plot_range_x(figure, 0.0, 6.0);
-        plot_horizontal(figure, "dry", 0.0);
+        riddle_plot_panel(figure, 0, c, "water [%]", "difference of the fraction retained [-]");
+        riddle_plot_title(figure, class_name[c]);
+        riddle_plot_range_x(figure, 0.0, 6.0);
+        riddle_plot_horizontal(figure, "dry", 0.0);
         for (int laws = 0; laws < 2; laws++) {
             double x[2], y[2], plus_minus[2];
             for (int m = 0; m < 2; m++) {
@@ -686,14 +690,14 @@ static void report_moisture(const study *st) {
                 y[m] = d.difference, plus_minus[m] = d.paired;
             }
             const char *label = laws ? "printed laws" : "corrected laws";
-            if (st->seeds > 1) plot_error_bars(figure, label, x, y, plus_minus, 2);
-            else plot_points(figure, label, x, y, 2);
+            if (st->seeds > 1) riddle_plot_error_bars(figure, label, x, y, plus_minus, 2);
+            else riddle_plot_points(figure, label, x, y, 2);
         }
     }
     json_array_end(j);
     json_close(j);
     table_end(&t);
-    plot_write(figure, st->self->out, "moisture.svg");
+    riddle_plot_write(figure, st->self->out, "moisture.svg");
     draw_laws(st);
 }
 
@@ -828,8 +832,8 @@ static void plan(study *st, settings *s) {
 /* Makes the folder of single runs, and reads those that are done. */
 static void open_runs(study *st, char *path, size_t size, bool resume) {
     char message[300];
-    st->runs = output_path(path, size, st->self->out, "runs");
-    if (output_make_folder(st->runs, message, sizeof message)) common_fail("%s: %s", st->runs, message);
+    st->runs = riddle_io_path(path, size, st->self->out, "runs");
+    if (riddle_io_make_folder(st->runs, message, sizeof message)) common_fail("%s: %s", st->runs, message);
     for (int k = 0; k < st->variant_count * st->seeds && resume; k++) read_run(st, k / st->seeds, k % st->seeds);
 }
 

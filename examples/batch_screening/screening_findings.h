@@ -360,14 +360,14 @@ static void json_findings(json *j, const findings *f) {
 static void report_findings(const findings *f, bool one_seed, const char *folder) {
     if (!f->count) return;
     if (one_seed) common_print("One run each: how far others would be from it is not known; --seeds tells.\n");
-    output *file = output_open(folder, "findings.md");
-    output_print(file, "| the paper | here | |\n|---|---|---|\n");
+    riddle_io_file *file = riddle_io_open(folder, "findings.md");
+    riddle_io_print(file, "| the paper | here | |\n|---|---|---|\n");
     for (int k = 0; k < f->count; k++) {
         const finding *x = &f->all[k];
         common_print("%-18s  %s: %s\n", verdict_name[x->holds], x->claim, x->numbers);
-        output_print(file, "| %s | %s | %s |\n", x->claim, x->numbers, verdict_name[x->holds]);
+        riddle_io_print(file, "| %s | %s | %s |\n", x->claim, x->numbers, verdict_name[x->holds]);
     }
-    output_close(file);
+    riddle_io_close(file);
 }
 
 #endif

@@ -74,19 +74,19 @@ static void write_run(const study *st, int v, int q) {
     double row[1 + SETTINGS + NUMBERS];
     int length = snprintf(header, sizeof header, "time_s");
     for (int c = 0; c < CURVES; c++) length += snprintf(header + length, sizeof header - (size_t)length, ",%s", curve_name[c]);
-    csv *file = csv_open(st->runs, run_file(name, sizeof name, st, v, q, ""), header);
+    riddle_io_file *file = csv_open(st->runs, run_file(name, sizeof name, st, v, q, ""), header);
     for (int k = 0; k < r->samples; k++) {
         row[0] = k * SAMPLE;
         for (int c = 0; c < CURVES; c++) row[1 + c] = r->curve[c][k];
-        csv_row(file, row, 1 + CURVES);
+        riddle_io_row(file, row, 1 + CURVES);
     }
-    if (csv_close(file)) return;
+    if (riddle_io_close(file)) return;
     row[0] = (double)(st->seed + (uint64_t)q);
     list_settings(&st->variants[v].set, row + 1);
     list_numbers(r, row + 1 + SETTINGS);
     file = csv_open(st->runs, run_file(name, sizeof name, st, v, q, "_run"), "mixture," SETTINGS_HEADER "," NUMBERS_HEADER);
-    csv_row(file, row, 1 + SETTINGS + NUMBERS);
-    csv_close(file);
+    riddle_io_row(file, row, 1 + SETTINGS + NUMBERS);
+    riddle_io_close(file);
 }
 
 /* Whether the run was written before, with the same settings; then it is as if it had been done. */
@@ -97,7 +97,8 @@ static bool read_run(const study *st, int v, int q) {
     csv_data data;
     wanted[0] = (double)(st->seed + (uint64_t)q);
     list_settings(&st->variants[v].set, wanted + 1);
-    if (csv_read(output_path(path, sizeof path, st->runs, run_file(name, sizeof name, st, v, q, "_run")), &data, message, sizeof message))
+    if (csv_read(riddle_io_path(path, sizeof path, st->runs, run_file(name, sizeof name, st, v, q, "_run")), &data, message,
+                 sizeof message))
         return false;
     bool same = data.rows == 1 && data.columns == 1 + SETTINGS + NUMBERS;
     for (int k = 0; k < 1 + SETTINGS && same; k++) same = data.values[k] == wanted[k];
@@ -109,7 +110,7 @@ static bool read_run(const study *st, int v, int q) {
     }
     csv_free(&data);
     if (!same ||
-        csv_read(output_path(path, sizeof path, st->runs, run_file(name, sizeof name, st, v, q, "")), &data, message, sizeof message))
+        csv_read(riddle_io_path(path, sizeof path, st->runs, run_file(name, sizeof name, st, v, q, "")), &data, message, sizeof message))
         return false;
     if (data.rows == st->samples && data.columns == 1 + CURVES) {
         for (int k = 0; k < data.rows; k++)
@@ -157,9 +158,9 @@ static const char *within(char text[INTERVAL_TEXT], double interval) {
 }
 
 /* A cell of a number that may not be known. */
-static void interval_cell(text_table *t, int digits, double value) {
-    if (isnan(value)) table_cell(t, "-");
-    else table_cell(t, "%.*f", digits, value);
+static void interval_cell(riddle_io_table *t, int digits, double value) {
+    if (isnan(value)) riddle_io_table_cell(t, "-");
+    else riddle_io_table_cell(t, "%.*f", digits, value);
 }
 
 enum { SEEDS_MAX = 1000 };

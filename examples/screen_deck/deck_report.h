@@ -61,7 +61,7 @@ static dem_vec level_of(const deck_def *d, dem_vec v) {
     return dem_vec3(v.x * c + v.z * s, v.y, v.z * c - v.x * s);
 }
 
-static void write_frame(const deck_run *r, const char *folder, pvd *series) {
+static void write_frame(const deck_run *r, const char *folder, riddle_io_series *series) {
     const dem_world *world = &r->deck.world;
     const ptrdiff_t n = world->count;
     double *buffer = malloc((size_t)(7 * n + 1) * sizeof *buffer), *x = buffer, *v = buffer + 3 * n, *size = buffer + 6 * n;
@@ -75,9 +75,10 @@ static void write_frame(const deck_run *r, const char *folder, pvd *series) {
         level[m] = r->books.grain[world->id[i]].level;
         klass[m++] = r->books.grain[world->id[i]].klass;
     }
-    const vtk_array arrays[] = {vtk_scalar("diameter_m", size), vtk_vector("velocity_m_s", v), vtk_ints("class", klass),
-                                vtk_ints("deck", level)};
-    if (buffer && klass) vtp_points(folder, pvd_name(series, world->time), m, vtk_vector("position", x), arrays, 4);
+    const riddle_io_array arrays[] = {riddle_io_scalar("diameter_m", size), riddle_io_vector("velocity_m_s", v),
+                                      riddle_io_ints("class", klass), riddle_io_ints("deck", level)};
+    if (buffer && klass)
+        riddle_io_points(folder, riddle_io_series_name(series, world->time), m, riddle_io_vector("position", x), arrays, 4);
     else common_fail("out of memory for a frame");
     free(buffer);
     free(klass);
@@ -91,13 +92,13 @@ static const char *const grain_colour[5] = {"#e8c468", "#d98a3d", "#b0352c", "#5
 static int grain_kind(double share) { return share < 0.5 ? 0 : share < 0.8 ? 1 : share < 1.0 ? 2 : share < 1.5 ? 3 : 4; }
 
 typedef struct view {
-    output *file;
+    riddle_io_file *file;
     double scale, x0, z0; /* [1/m]; place of the left upper corner [m] */
 } view;
 
 static void draw_disc(const view *v, dem_vec at, double radius, const char *colour) {
-    output_print(v->file, "<circle cx='%.1f' cy='%.1f' r='%.2f' fill='%s'/>\n", (at.x - v->x0) * v->scale, (v->z0 - at.z) * v->scale,
-                 radius * v->scale, colour);
+    riddle_io_print(v->file, "<circle cx='%.1f' cy='%.1f' r='%.2f' fill='%s'/>\n", (at.x - v->x0) * v->scale, (v->z0 - at.z) * v->scale,
+                    radius * v->scale, colour);
 }
 
 /* A slice as thick as one and a half of the largest grains, as it is at the end of the run; wires or bars in section. */
@@ -108,10 +109,10 @@ static void draw_machine(const study *st, const deck_run *r, const char *name) {
     const double above = r->deck.feed.region.high.z + 0.01, below = deck_height(d, d->decks - 1) - 0.04,
                  width = d->length * c + (above - below) * s;
     const double height = above * c - below * c + d->length * s;
-    const view v = {output_open(st->self->out, name), 1000.0 / width, below * s, above * c};
-    output_print(v.file, "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 1000 %.0f' font-family='sans-serif' font-size='13'>\n",
-                 height * v.scale + 30.0);
-    output_print(v.file, "<rect width='100%%' height='100%%' fill='white'/>\n");
+    const view v = {riddle_io_open(st->self->out, name), 1000.0 / width, below * s, above * c};
+    riddle_io_print(v.file, "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 1000 %.0f' font-family='sans-serif' font-size='13'>\n",
+                    height * v.scale + 30.0);
+    riddle_io_print(v.file, "<rect width='100%%' height='100%%' fill='white'/>\n");
     for (ptrdiff_t i = 0; i < world->count; i++) {
         const dem_vec at = dem_position(world, i);
         if (!world->alive[i] || !(at.y >= 0.0 && at.y < slice)) continue;
@@ -127,16 +128,16 @@ static void draw_machine(const study *st, const deck_run *r, const char *name) {
     }
     const double most = 150.0 / v.scale, power = pow(10.0, floor(log10(most))); /* of the scale bar */
     const double bar = power * (most >= 5.0 * power ? 5.0 : most >= 2.0 * power ? 2.0 : 1.0), low = height * v.scale + 18.0;
-    output_print(v.file, "<path d='M%.1f %.0fv8v-4H985v-4v8' fill='none' stroke='black'/><text x='%.1f' y='%.0f'>%.3g mm</text>\n",
-                 985.0 - bar * v.scale, low - 4.0, 965.0 - 0.5 * bar * v.scale, low - 7.0, 1e3 * bar);
+    riddle_io_print(v.file, "<path d='M%.1f %.0fv8v-4H985v-4v8' fill='none' stroke='black'/><text x='%.1f' y='%.0f'>%.3g mm</text>\n",
+                    985.0 - bar * v.scale, low - 4.0, 965.0 - 0.5 * bar * v.scale, low - 7.0, 1e3 * bar);
     double at = 20.0;
     for (int q = 0; q < 5; q++) {
-        output_print(v.file, "<circle cx='%.0f' cy='%.0f' r='6' fill='%s'/><text x='%.0f' y='%.0f'>%s</text>\n", at,
-                     height * v.scale + 14.0, grain_colour[q], at + 11.0, height * v.scale + 19.0, grain_name[q]);
+        riddle_io_print(v.file, "<circle cx='%.0f' cy='%.0f' r='6' fill='%s'/><text x='%.0f' y='%.0f'>%s</text>\n", at,
+                        height * v.scale + 14.0, grain_colour[q], at + 11.0, height * v.scale + 19.0, grain_name[q]);
         at += 40.0 + 7.2 * (double)strlen(grain_name[q]);
     }
-    output_print(v.file, "</svg>\n");
-    output_close(v.file);
+    riddle_io_print(v.file, "</svg>\n");
+    riddle_io_close(v.file);
 }
 
 /* ---- figures ---- */
@@ -156,11 +157,11 @@ static int best_model(const study *st) {
 }
 
 static void draw_partition(const study *st) {
-    plot *figure = plot_new("Partition curve of the first deck, 95 % bands", 1, 1);
+    riddle_plot *figure = riddle_plot_new("Partition curve of the first deck, 95 % bands", 1, 1);
     const int best = best_model(st);
     char text[80];
-    plot_panel(figure, 0, 0, "diameter [mm]", "share that leaves over the end [-]");
-    plot_range_y(figure, 0.0, 1.02);
+    riddle_plot_panel(figure, 0, 0, "diameter [mm]", "share that leaves over the end [-]");
+    riddle_plot_range_y(figure, 0.0, 1.02);
     for (int k = 0; k < st->runs; k++) {
         const deck_run *r = &st->run[k];
         double x[DECK_CLASSES], y[DECK_CLASSES], low[DECK_CLASSES], high[DECK_CLASSES], model[DECK_CLASSES];
@@ -172,27 +173,27 @@ static void draw_partition(const study *st) {
             low[n] = fmax(p.value - p.interval, 0.0), high[n++] = fmin(p.value + p.interval, 1.0);
         }
         feed_label(st, r, text, sizeof text);
-        plot_line(figure, text, x, y, n), plot_style(figure, PLOT_MARKED, k);
-        plot_band(figure, NULL, x, low, high, n), plot_style(figure, 0, k);
+        riddle_plot_line(figure, text, x, y, n), riddle_plot_style(figure, RIDDLE_PLOT_MARKED, k);
+        riddle_plot_band(figure, NULL, x, low, high, n), riddle_plot_style(figure, 0, k);
         if (best < 0 || r->curves.points < 1) continue;
         for (int c = 0; c < r->curves.classes; c++) {
             x[c] = 1e3 * r->curves.diameter[c];
             model[c] = r->predicted[best][(c + 1) * r->curves.points - 1];
         }
         snprintf(text, sizeof text, "model %s, %s", deck_model_name[best], k ? "predicted" : "fitted");
-        plot_line(figure, text, x, model, r->curves.classes), plot_style(figure, PLOT_DASHED, k);
+        riddle_plot_line(figure, text, x, model, r->curves.classes), riddle_plot_style(figure, RIDDLE_PLOT_DASHED, k);
     }
-    plot_vertical(figure, NULL, 1e3 * st->run[0].def.aperture[0]);
-    plot_text(figure, 1.01e3 * st->run[0].def.aperture[0], 0.03, "aperture");
-    plot_write(figure, st->self->out, "partition.svg");
+    riddle_plot_vertical(figure, NULL, 1e3 * st->run[0].def.aperture[0]);
+    riddle_plot_text(figure, 1.01e3 * st->run[0].def.aperture[0], 0.03, "aperture");
+    riddle_plot_write(figure, st->self->out, "partition.svg");
 }
 
 static void draw_along(const study *st) {
-    plot *figure = plot_new("Along the first deck, steady", 2, 2);
+    riddle_plot *figure = riddle_plot_new("Along the first deck, steady", 2, 2);
     static const char *const label[4] = {"load [kg/m\xc2\xb2]", "velocity along the deck [m/s]", "bed depth [mm]", "blocked holes [%]"};
     char text[80];
     for (int q = 0; q < 4; q++) {
-        plot_panel(figure, q / 2, q % 2, "length [m]", label[q]);
+        riddle_plot_panel(figure, q / 2, q % 2, "length [m]", label[q]);
         for (int k = 0; k < st->runs; k++) {
             const deck_run *r = &st->run[k];
             const deck_answer *a = &r->answer[0];
@@ -204,13 +205,13 @@ static void draw_along(const study *st) {
                 most = fmax(most, y[z]);
             }
             feed_label(st, r, text, sizeof text);
-            if (q == 3) plot_error_bars(figure, text, x, y, interval, DECK_ZONES);
-            else plot_line(figure, text, x, y, DECK_ZONES);
-            plot_style(figure, q == 3 ? 0 : PLOT_MARKED, k);
-            if (k == 0 && most > 0.0) plot_range_y(figure, 0.0, 1.25 * most);
+            if (q == 3) riddle_plot_error_bars(figure, text, x, y, interval, DECK_ZONES);
+            else riddle_plot_line(figure, text, x, y, DECK_ZONES);
+            riddle_plot_style(figure, q == 3 ? 0 : RIDDLE_PLOT_MARKED, k);
+            if (k == 0 && most > 0.0) riddle_plot_range_y(figure, 0.0, 1.25 * most);
         }
     }
-    plot_write(figure, st->self->out, "along.svg");
+    riddle_plot_write(figure, st->self->out, "along.svg");
 }
 
 /* Retained by class along the way from the feed: DEM as points, models as lines; fitted left, predicted right. */
@@ -219,26 +220,26 @@ static void draw_models(const study *st) {
     if (best < 0) return;
     char text[120];
     snprintf(text, sizeof text, "Retained along the deck: points DEM, lines model %s", deck_model_name[best]);
-    plot *figure = plot_new(text, 1, st->runs);
+    riddle_plot *figure = riddle_plot_new(text, 1, st->runs);
     for (int k = 0; k < st->runs; k++) {
         const deck_run *r = &st->run[k];
         const deck_curves *c = &r->curves;
-        plot_panel(figure, 0, k, "way from the feed [m]", "share retained [-]");
+        riddle_plot_panel(figure, 0, k, "way from the feed [m]", "share retained [-]");
         snprintf(text, sizeof text, "%.4g t/h, %s", tons(st, r, r->def.flow), k ? "predicted" : "fitted");
-        plot_title(figure, text);
-        plot_range_y(figure, 0.0, 1.02);
+        riddle_plot_title(figure, text);
+        riddle_plot_range_y(figure, 0.0, 1.02);
         for (int q = 0; q < c->classes; q++) {
             snprintf(text, sizeof text, "%.3g mm", 1e3 * c->diameter[q]);
-            plot_points(figure, text, c->length, c->retained + q * c->points, c->points), plot_style(figure, 0, q % 8);
-            plot_line(figure, NULL, c->length, r->predicted[best] + q * c->points, c->points), plot_style(figure, 0, q % 8);
+            riddle_plot_points(figure, text, c->length, c->retained + q * c->points, c->points), riddle_plot_style(figure, 0, q % 8);
+            riddle_plot_line(figure, NULL, c->length, r->predicted[best] + q * c->points, c->points), riddle_plot_style(figure, 0, q % 8);
         }
-        plot_legend_outside(figure);
+        riddle_plot_legend_outside(figure);
     }
-    plot_write(figure, st->self->out, "models.svg");
+    riddle_plot_write(figure, st->self->out, "models.svg");
 }
 
 static void draw_steady(const study *st) {
-    plot *figure = plot_new("In, out and hold-up in time; from the line on the deck is steady", 2, st->runs);
+    riddle_plot *figure = riddle_plot_new("In, out and hold-up in time; from the line on the deck is steady", 2, st->runs);
     for (int k = 0; k < st->runs; k++) {
         const deck_run *r = &st->run[k];
         const int n = (int)r->books.windows;
@@ -249,33 +250,33 @@ static void draw_steady(const study *st) {
             in[w] = tons(st, r, r->books.window[w].fed / st->window), out[w] = tons(st, r, r->books.window[w].left / st->window);
             hold[w] = r->books.window[w].looks ? r->books.window[w].holdup / r->books.window[w].looks : 0.0;
         }
-        plot_panel(figure, 0, k, "time [s]", "mass flow [t/h]");
+        riddle_plot_panel(figure, 0, k, "time [s]", "mass flow [t/h]");
         feed_label(st, r, text, sizeof text);
-        plot_title(figure, text);
-        if (t) plot_line(figure, "in", t, in, n), plot_line(figure, "out", t, out, n);
-        if (r->books.steady >= 0) plot_vertical(figure, "steady", r->books.steady * st->window);
-        plot_panel(figure, 1, k, "time [s]", "hold-up of the section [kg]");
-        if (t) plot_line(figure, NULL, t, hold, n);
-        if (r->books.steady >= 0) plot_vertical(figure, "steady", r->books.steady * st->window);
+        riddle_plot_title(figure, text);
+        if (t) riddle_plot_line(figure, "in", t, in, n), riddle_plot_line(figure, "out", t, out, n);
+        if (r->books.steady >= 0) riddle_plot_vertical(figure, "steady", r->books.steady * st->window);
+        riddle_plot_panel(figure, 1, k, "time [s]", "hold-up of the section [kg]");
+        if (t) riddle_plot_line(figure, NULL, t, hold, n);
+        if (r->books.steady >= 0) riddle_plot_vertical(figure, "steady", r->books.steady * st->window);
         free(t);
     }
-    plot_write(figure, st->self->out, "steady.svg");
+    riddle_plot_write(figure, st->self->out, "steady.svg");
 }
 
 /* ---- tables and files ---- */
 
-static void cell(text_table *t, const char *format, deck_estimate e) {
+static void cell(riddle_io_table *t, const char *format, deck_estimate e) {
     char text[60];
     if (isnan(e.value)) snprintf(text, sizeof text, "-");
     else snprintf(text, sizeof text, format, e.value, e.interval);
-    table_cell(t, "%s", text);
+    riddle_io_table_cell(t, "%s", text);
 }
 
 static void print_decks(const study *st) {
-    text_table t =
-        table_begin("feed [t/h]|deck|aperture [mm]|grains|over [t/h]|through [t/h]|undersize recovered|undersize in over|oversize "
-                    "through (all +- 95 %)|d50 "
-                    "[mm]|imperfection|stay [s]|10 %|90 %");
+    riddle_io_table t = riddle_io_table_begin(
+        "feed [t/h]|deck|aperture [mm]|grains|over [t/h]|through [t/h]|undersize recovered|undersize in over|oversize "
+        "through (all +- 95 %)|d50 "
+        "[mm]|imperfection|stay [s]|10 %|90 %");
     for (int k = 0; k < st->runs; k++) {
         const deck_run *r = &st->run[k];
         double grains = 0.0;
@@ -285,13 +286,15 @@ static void print_decks(const study *st) {
             const screen_separation s = separation_of(r, q);
             const deck_estimate over = {tons(st, r, a->over.value), tons(st, r, a->over.interval)},
                                 under = {tons(st, r, a->under.value), tons(st, r, a->under.interval)};
-            table_cell(&t, "%.4g", tons(st, r, r->def.flow)), table_cell(&t, "%d", q + 1), table_cell(&t, "%.3g", 1e3 * r->def.aperture[q]);
-            table_cell(&t, "%.0f", grains);
+            riddle_io_table_cell(&t, "%.4g", tons(st, r, r->def.flow)), riddle_io_table_cell(&t, "%d", q + 1),
+                riddle_io_table_cell(&t, "%.3g", 1e3 * r->def.aperture[q]);
+            riddle_io_table_cell(&t, "%.0f", grains);
             cell(&t, "%.2f +- %.2f", over), cell(&t, "%.2f +- %.2f", under);
             cell(&t, "%.3f +- %.3f", a->recovery), cell(&t, "%.3f +- %.3f", a->undersize_in_over);
             cell(&t, "%.4f +- %.4f", a->oversize_in_under);
-            table_cell(&t, "%.2f", 1e3 * s.d50), table_cell(&t, "%.3f", s.imperfection);
-            table_cell(&t, "%.2f", a->stay), table_cell(&t, "%.2f", a->stay_low), table_cell(&t, "%.2f", a->stay_high);
+            riddle_io_table_cell(&t, "%.2f", 1e3 * s.d50), riddle_io_table_cell(&t, "%.3f", s.imperfection);
+            riddle_io_table_cell(&t, "%.2f", a->stay), riddle_io_table_cell(&t, "%.2f", a->stay_low),
+                riddle_io_table_cell(&t, "%.2f", a->stay_high);
         }
     }
     table_end(&t);
@@ -299,34 +302,36 @@ static void print_decks(const study *st) {
 
 static void print_partition(const study *st) {
     const int best = best_model(st);
-    text_table t = table_begin(st->runs > 1 ? "diameter [mm]|share of the feed|over the end|model|second feed: over the end|model"
-                                            : "diameter [mm]|share of the feed|over the end|model");
+    riddle_io_table t =
+        riddle_io_table_begin(st->runs > 1 ? "diameter [mm]|share of the feed|over the end|model|second feed: over the end|model"
+                                           : "diameter [mm]|share of the feed|over the end|model");
     const deck_run *first = &st->run[0];
     double all = 0.0;
     for (int c = 0; c < first->books.classes.count; c++) all += first->answer[0].arrived[c];
     for (int c = 0; c < first->books.classes.count; c++) {
-        table_cell(&t, "%.2f", 1e3 * first->answer[0].size[c]), table_cell(&t, "%.3f", first->answer[0].arrived[c] / all);
+        riddle_io_table_cell(&t, "%.2f", 1e3 * first->answer[0].size[c]),
+            riddle_io_table_cell(&t, "%.3f", first->answer[0].arrived[c] / all);
         for (int k = 0; k < st->runs; k++) {
             const deck_curves *q = &st->run[k].curves;
             double model = (double)NAN;
             for (int m = 0; m < q->classes && best >= 0; m++)
                 if (q->klass[m] == c) model = st->run[k].predicted[best][(m + 1) * q->points - 1];
             cell(&t, "%.3f +- %.3f", st->run[k].answer[0].partition[c]);
-            if (isnan(model)) table_cell(&t, "-");
-            else table_cell(&t, "%.3f", model);
+            if (isnan(model)) riddle_io_table_cell(&t, "-");
+            else riddle_io_table_cell(&t, "%.3f", model);
         }
     }
     table_end(&t);
 }
 
 /* NaN: "-". */
-static void number_cell(text_table *t, const char *format, double x) {
+static void number_cell(riddle_io_table *t, const char *format, double x) {
     char text[32];
     snprintf(text, sizeof text, format, x);
-    table_cell(t, "%s", isnan(x) ? "-" : text);
+    riddle_io_table_cell(t, "%s", isnan(x) ? "-" : text);
 }
 
-static void area_cell(text_table *t, const study *st, double length) { number_cell(t, "%.2f", length * st->machine_width); }
+static void area_cell(riddle_io_table *t, const study *st, double length) { number_cell(t, "%.2f", length * st->machine_width); }
 
 /* Share of the undersize that has passed at the last station [-]. */
 static double recovered_by_dem(const deck_run *r) { return r->curves.points > 0 ? r->curves.recovery[r->curves.points - 1] : (double)NAN; }
@@ -337,17 +342,17 @@ static void print_models(const study *st) {
              "deck area for %.3g of the undersize by|deviation, first feed (fitted)|second feed (predicted)|area, first feed [m2]|second "
              "feed [m2]|passed at its end, first|second|largest feed [t/h]",
              st->recovery);
-    text_table t = table_begin(header);
-    table_cell(&t, "DEM"), table_cell(&t, "-"), table_cell(&t, "-");
+    riddle_io_table t = riddle_io_table_begin(header);
+    riddle_io_table_cell(&t, "DEM"), riddle_io_table_cell(&t, "-"), riddle_io_table_cell(&t, "-");
     area_cell(&t, st, st->run[0].length_by_dem), area_cell(&t, st, st->run[st->runs - 1].length_by_dem);
     number_cell(&t, "%.3f", recovered_by_dem(&st->run[0])), number_cell(&t, "%.3f", recovered_by_dem(&st->run[st->runs - 1]));
-    table_cell(&t, "-");
+    riddle_io_table_cell(&t, "-");
     for (int m = 0; m < st->models; m++) {
         if (st->fit[m].status != SCREEN_OK) continue;
-        table_cell(&t, "model %s", deck_model_name[m]);
+        riddle_io_table_cell(&t, "model %s", deck_model_name[m]);
         for (int k = 0; k < RUNS; k++) {
-            if (k < st->runs) table_cell(&t, "%.4f", st->run[k].deviation[m]);
-            else table_cell(&t, "-");
+            if (k < st->runs) riddle_io_table_cell(&t, "%.4f", st->run[k].deviation[m]);
+            else riddle_io_table_cell(&t, "-");
         }
         area_cell(&t, st, st->run[0].length_by_model[m]), area_cell(&t, st, st->run[st->runs - 1].length_by_model[m]);
         number_cell(&t, "%.3f", st->run[0].efficiency[m]), number_cell(&t, "%.3f", st->run[st->runs - 1].efficiency[m]);
@@ -357,11 +362,11 @@ static void print_models(const study *st) {
 }
 
 static void write_tables(const study *st) {
-    csv *classes = csv_open(st->self->out, "partition.csv", "feed_t_h,deck,diameter_m,arrived_kg_s,over,interval_95");
-    csv *zones =
+    riddle_io_file *classes = csv_open(st->self->out, "partition.csv", "feed_t_h,deck,diameter_m,arrived_kg_s,over,interval_95");
+    riddle_io_file *zones =
         csv_open(st->self->out, "along.csv",
                  "feed_t_h,deck,length_m,load_kg_m2,depth_m,velocity_m_s,blocked,blocked_interval_95,occupied,occupied_interval_95");
-    csv *curves = csv_open(st->self->out, "retained.csv", "feed_t_h,deck,length_m,diameter_m,retained");
+    riddle_io_file *curves = csv_open(st->self->out, "retained.csv", "feed_t_h,deck,length_m,diameter_m,retained");
     for (int k = 0; k < st->runs; k++)
         for (int q = 0; q < st->run[k].def.decks; q++) {
             const deck_run *r = &st->run[k];
@@ -370,10 +375,10 @@ static void write_tables(const study *st) {
             for (int c = 0; c < r->books.classes.count; c++) {
                 const double row[] = {
                     feed, number, a->size[c], a->arrived[c] / a->duration, a->partition[c].value, a->partition[c].interval};
-                csv_row(classes, row, 6);
+                riddle_io_row(classes, row, 6);
                 for (int s = 0; s < DECK_STATIONS; s++) {
                     const double point[] = {feed, number, (s + 1) * r->def.length / DECK_STATIONS, a->size[c], a->retained[c][s]};
-                    csv_row(curves, point, 5);
+                    riddle_io_row(curves, point, 5);
                 }
             }
             for (int z = 0; z < DECK_ZONES; z++) {
@@ -387,12 +392,12 @@ static void write_tables(const study *st) {
                                       a->held[z].interval,
                                       a->sitting[z].value,
                                       a->sitting[z].interval};
-                csv_row(zones, row, 10);
+                riddle_io_row(zones, row, 10);
             }
         }
-    csv_close(classes);
-    csv_close(zones);
-    csv_close(curves);
+    riddle_io_close(classes);
+    riddle_io_close(zones);
+    riddle_io_close(curves);
 }
 
 static void json_estimate(json *j, const char *key, deck_estimate e) {

@@ -25,7 +25,7 @@ static int run_one(int index, void *user) {
     study *st = user;
     deck_run *r = &st->run[index];
     int windows = 0;
-    pvd *series = index == 0 && st->frames ? pvd_open(st->self->out, "grains.pvd") : NULL;
+    riddle_io_series *series = index == 0 && st->frames ? riddle_io_series_open(st->self->out, "grains.pvd") : NULL;
     r->status = deck_make(&r->deck, &r->def);
     deck_books_open(&r->books, &r->def, st->window);
     while (r->status == DEM_OK && !is_over(r) && !common_interrupted()) {
@@ -38,7 +38,7 @@ static int run_one(int index, void *user) {
         deck_find_steady(&r->books, done, st->tolerance, st->measure);
         if (series) write_frame(r, st->self->out, series);
     }
-    pvd_close(series);
+    riddle_io_series_close(series);
     if (r->status != DEM_OK || common_interrupted()) return 1;
     r->first = r->books.steady >= 0 ? r->books.steady : windows / 2;
     r->end = r->books.steady >= 0 ? r->books.finish : windows;

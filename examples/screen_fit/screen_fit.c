@@ -474,17 +474,17 @@ static void compare_with_search(const program *self, const study *s, const resul
     jobs_run(n, self->threads, run_search, searches);
     progress_end(&bar);
     if (common_interrupted()) exit(common_exit_status());
-    text_table t = table_begin("model|fit|global search|evaluations|populations|fit above search");
+    riddle_io_table t = riddle_io_table_begin("model|fit|global search|evaluations|populations|fit above search");
     json_object_begin(report, "global_search");
     for (int i = 0; i < n; i++) {
         int m = searches[i].kind;
         double least = mean_deviation(s, m, searches[i].place);
-        table_cell(&t, "%s", kinds[m].name);
-        table_cell(&t, "%.8f", r->all[m].deviation);
-        table_cell(&t, "%.8f", least);
-        table_cell(&t, "%d", evaluations);
-        table_cell(&t, "%d", searches[i].populations);
-        table_cell(&t, "%+.1e", r->all[m].deviation - least);
+        riddle_io_table_cell(&t, "%s", kinds[m].name);
+        riddle_io_table_cell(&t, "%.8f", r->all[m].deviation);
+        riddle_io_table_cell(&t, "%.8f", least);
+        riddle_io_table_cell(&t, "%d", evaluations);
+        riddle_io_table_cell(&t, "%d", searches[i].populations);
+        riddle_io_table_cell(&t, "%+.1e", r->all[m].deviation - least);
         json_object_begin(report, kinds[m].key);
         json_number(report, "average_deviation", least);
         json_integer(report, "evaluations", evaluations);
@@ -506,18 +506,18 @@ static const char *name_of(int m, int j) {
 }
 
 static void print_results(const study *s, const results *r) {
-    text_table t = table_begin("model|published|one set|paper|one set a case|paper|fit [s]|starts at best");
+    riddle_io_table t = riddle_io_table_begin("model|published|one set|paper|one set a case|paper|fit [s]|starts at best");
     for (int m = 0; m < KINDS; m++) {
         const double values[] = {r->published[m], r->all[m].deviation, kinds[m].paper_all, r->each[m], kinds[m].paper_each, r->wall[m]};
-        table_cell(&t, "%s", kinds[m].name);
+        riddle_io_table_cell(&t, "%s", kinds[m].name);
         for (int i = 0; i < 6; i++)
-            if (isfinite(values[i])) table_cell(&t, i < 5 ? "%.4f" : "%.2f", values[i]);
-            else table_cell(&t, "%s", "-");
-        table_cell(&t, "%d of %d", r->all[m].starts_at_best, r->all[m].starts);
+            if (isfinite(values[i])) riddle_io_table_cell(&t, i < 5 ? "%.4f" : "%.2f", values[i]);
+            else riddle_io_table_cell(&t, "%s", "-");
+        riddle_io_table_cell(&t, "%d of %d", r->all[m].starts_at_best, r->all[m].starts);
     }
     common_print("Average deviation of the fraction retained [-], 27 cases; %s\n", s->source);
     table_end(&t);
-    t = table_begin("one set for all|parameter|value|95 % range|correlates with|the data");
+    t = riddle_io_table_begin("one set for all|parameter|value|95 % range|correlates with|the data");
     for (int m = 0; m < KINDS; m++)
         for (int j = 0; j < r->all[m].parameters; j++) {
             const screen_fit_result *f = &r->all[m];
@@ -526,19 +526,19 @@ static void print_results(const study *s, const results *r) {
                 if (k != j && fabs(f->correlation[j][k]) > 0.9 &&
                     (partner < 0 || fabs(f->correlation[j][k]) > fabs(f->correlation[j][partner])))
                     partner = k;
-            table_cell(&t, "%s", j ? "" : kinds[m].name);
-            table_cell(&t, "%s", name_of(m, j));
-            table_cell(&t, "%.5g", f->parameter[j]);
-            table_cell(&t, "%.4g .. %.4g", f->low[j], f->high[j]);
-            if (partner < 0) table_cell(&t, "%s", "-");
-            else table_cell(&t, "%s (%.3f)", name_of(m, partner), f->correlation[j][partner]);
-            table_cell(&t, "%s", !f->determined[j] ? "leave it open" : f->at_bound[j] ? "push it to its bound" : "determine it");
+            riddle_io_table_cell(&t, "%s", j ? "" : kinds[m].name);
+            riddle_io_table_cell(&t, "%s", name_of(m, j));
+            riddle_io_table_cell(&t, "%.5g", f->parameter[j]);
+            riddle_io_table_cell(&t, "%.4g .. %.4g", f->low[j], f->high[j]);
+            if (partner < 0) riddle_io_table_cell(&t, "%s", "-");
+            else riddle_io_table_cell(&t, "%s (%.3f)", name_of(m, partner), f->correlation[j][partner]);
+            riddle_io_table_cell(&t, "%s", !f->determined[j] ? "leave it open" : f->at_bound[j] ? "push it to its bound" : "determine it");
         }
     table_end(&t);
-    t = table_begin("predicted from others|0 first order|1 Dong|2 Subasinghe|3 Soldinger|1 Dong, grain");
+    t = riddle_io_table_begin("predicted from others|0 first order|1 Dong|2 Subasinghe|3 Soldinger|1 Dong, grain");
     for (int i = 0; i < MODES; i++) {
-        table_cell(&t, "%s", modes[i]);
-        for (int m = 0; m < KINDS; m++) table_cell(&t, "%.4f", r->predicted[i][m]);
+        riddle_io_table_cell(&t, "%s", modes[i]);
+        for (int m = 0; m < KINDS; m++) riddle_io_table_cell(&t, "%.4f", r->predicted[i][m]);
     }
     table_end(&t);
 }
@@ -656,11 +656,11 @@ static void draw_curves(const program *self, const study *s, const results *r) {
     char title[120];
     snprintf(title, sizeof title, "Data and models fitted to all 27 cases; above each: case, amplitude, frequency, water%s",
              short_source(s));
-    plot *figure = plot_new(title, 4, 3);
-    plot_panel_size(figure, 330, 230);
-    csv *file = csv_open(self->out, "fig8.csv",
-                         "case,time_s,small,near_mesh,dong_small,dong_near_mesh,subasinghe_small,subasinghe_near_mesh,"
-                         "soldinger_small,soldinger_near_mesh,dong_grain_small,dong_grain_near_mesh");
+    riddle_plot *figure = riddle_plot_new(title, 4, 3);
+    riddle_plot_panel_size(figure, 330, 230);
+    riddle_io_file *file = csv_open(self->out, "fig8.csv",
+                                    "case,time_s,small,near_mesh,dong_small,dong_near_mesh,subasinghe_small,subasinghe_near_mesh,"
+                                    "soldinger_small,soldinger_near_mesh,dong_grain_small,dong_grain_near_mesh");
     double time[GRID], curve[2 * GRID];
     for (int j = 0; j < GRID; j++) time[j] = 20.0 * j / (GRID - 1);
     for (int i = 0; i < 6; i++) {
@@ -669,15 +669,15 @@ static void draw_curves(const program *self, const study *s, const results *r) {
         screen_operation o = s->cases[k].operation;
         for (int c = 0; c < CLASSES; c++) { /* a row of small ones above one of near-mesh ones */
             snprintf(title, sizeof title, "%d: %g mm, %g Hz, water %g %%", k + 1, 1e3 * o.amplitude, o.frequency, 100.0 * o.moisture);
-            plot_panel(figure, 2 * (i / 3) + c, i % 3, "time [s]", c ? "7 mm retained [-]" : "5 mm retained [-]");
-            plot_title(figure, title);
-            plot_range_y(figure, 0.0, 1.0);
-            plot_points(figure, i || c ? NULL : "data", s->time, s->retained[k] + c * s->times, s->times);
-            plot_style(figure, 0, PLOT_BLACK);
+            riddle_plot_panel(figure, 2 * (i / 3) + c, i % 3, "time [s]", c ? "7 mm retained [-]" : "5 mm retained [-]");
+            riddle_plot_title(figure, title);
+            riddle_plot_range_y(figure, 0.0, 1.0);
+            riddle_plot_points(figure, i || c ? NULL : "data", s->time, s->retained[k] + c * s->times, s->times);
+            riddle_plot_style(figure, 0, RIDDLE_PLOT_BLACK);
             for (int m = 1; m < KINDS; m++) {
                 predict(s, m, r->all[m].parameter, k, GRID, time, curve);
-                plot_line(figure, i || c ? NULL : kinds[m].name, time, curve + c * GRID, GRID);
-                plot_style(figure, m == GRAIN ? PLOT_DASHED : 0, m == GRAIN ? 0 : m - 1);
+                riddle_plot_line(figure, i || c ? NULL : kinds[m].name, time, curve + c * GRID, GRID);
+                riddle_plot_style(figure, m == GRAIN ? RIDDLE_PLOT_DASHED : 0, m == GRAIN ? 0 : m - 1);
             }
         }
         for (int m = 1; m < KINDS; m++) case_deviation(s, m, r->all[m].parameter, k, values[m]);
@@ -685,17 +685,17 @@ static void draw_curves(const program *self, const study *s, const results *r) {
             double line[12] = {k + 1, s->time[j], s->retained[k][j], s->retained[k][s->times + j]};
             for (int m = 1; m < KINDS; m++)
                 for (int c = 0; c < CLASSES; c++) line[2 + 2 * m + c] = values[m][c * s->times + j];
-            csv_row(file, line, 12);
+            riddle_io_row(file, line, 12);
         }
     }
-    csv_close(file);
-    plot_write(figure, self->out, "fig8.svg");
+    riddle_io_close(file);
+    riddle_plot_write(figure, self->out, "fig8.svg");
 }
 
 static void draw_fits(const program *self, const study *s, const results *r) {
     char title[120];
     snprintf(title, sizeof title, "Deviation of the fits%s", short_source(s));
-    plot *figure = plot_new(title, 1, 2);
+    riddle_plot *figure = riddle_plot_new(title, 1, 2);
     double number[CASES];
     static const char *const names[4] = {"Dong", "Dong, grain", "Subasinghe", "Soldinger"};
     static const int order[4] = {1, GRAIN, 2, 3};
@@ -705,25 +705,25 @@ static void draw_fits(const program *self, const study *s, const results *r) {
         const double values[5] = {r->published[m], r->all[m].deviation, kinds[m].paper_all, r->each[m], kinds[m].paper_each};
         for (int k = 0; k < 5; k++) bars[k][i] = values[k];
     }
-    plot_panel(figure, 0, 0, "model", "average deviation [-]");
-    plot_bars(figure, "published parameters", names, bars[0], 4);
-    plot_bars(figure, "one set for all", names, bars[1], 4);
-    plot_bars(figure, "one set for all, paper", names, bars[2], 4);
-    plot_bars(figure, "one set a case", names, bars[3], 4);
-    plot_bars(figure, "one set a case, paper", names, bars[4], 4);
-    plot_legend_outside(figure);
-    plot_panel(figure, 0, 1, "case", "deviation, one set for all [-]");
+    riddle_plot_panel(figure, 0, 0, "model", "average deviation [-]");
+    riddle_plot_bars(figure, "published parameters", names, bars[0], 4);
+    riddle_plot_bars(figure, "one set for all", names, bars[1], 4);
+    riddle_plot_bars(figure, "one set for all, paper", names, bars[2], 4);
+    riddle_plot_bars(figure, "one set a case", names, bars[3], 4);
+    riddle_plot_bars(figure, "one set a case, paper", names, bars[4], 4);
+    riddle_plot_legend_outside(figure);
+    riddle_plot_panel(figure, 0, 1, "case", "deviation, one set for all [-]");
     for (int k = 0; k < CASES; k++) number[k] = k + 1;
     for (int m = 1; m < KINDS; m++) {
-        plot_line(figure, kinds[m].name, number, r->all_case[m], CASES);
-        plot_style(figure, PLOT_MARKED, m - 1);
-        plot_line(figure, m == 1 ? "one set a case" : NULL, number, r->each_case[m], CASES);
-        plot_style(figure, PLOT_DOTTED | PLOT_THIN, m - 1);
+        riddle_plot_line(figure, kinds[m].name, number, r->all_case[m], CASES);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, m - 1);
+        riddle_plot_line(figure, m == 1 ? "one set a case" : NULL, number, r->each_case[m], CASES);
+        riddle_plot_style(figure, RIDDLE_PLOT_DOTTED | RIDDLE_PLOT_THIN, m - 1);
     }
-    plot_legend_outside(figure);
-    csv *file = csv_open(self->out, "fig9.csv",
-                         "case,published1,published2,published3,published1_grain,all1,all2,all3,all1_grain,each1,each2,each3,"
-                         "each1_grain");
+    riddle_plot_legend_outside(figure);
+    riddle_io_file *file = csv_open(self->out, "fig9.csv",
+                                    "case,published1,published2,published3,published1_grain,all1,all2,all3,all1_grain,each1,each2,each3,"
+                                    "each1_grain");
     for (int k = 0; k < CASES; k++) {
         double line[13] = {k + 1};
         for (int m = 1; m < KINDS; m++) {
@@ -731,10 +731,10 @@ static void draw_fits(const program *self, const study *s, const results *r) {
             line[4 + m] = r->all_case[m][k];
             line[8 + m] = r->each_case[m][k];
         }
-        csv_row(file, line, 13);
+        riddle_io_row(file, line, 13);
     }
-    csv_close(file);
-    plot_write(figure, self->out, "fig9.svg");
+    riddle_io_close(file);
+    riddle_plot_write(figure, self->out, "fig9.svg");
 }
 
 static void draw_predictions(const program *self, const study *s, const results *r) {
@@ -744,8 +744,8 @@ static void draw_predictions(const program *self, const study *s, const results 
                                               "(d) five cases from 3, 7, 19, 27"};
     char title[120];
     snprintf(title, sizeof title, "Deviation of predictions%s", short_source(s));
-    plot *figure = plot_new(title, 2, 2);
-    csv *file = csv_open(self->out, "fig10.csv", "mode,what,model1,model2,model3,model1_grain");
+    riddle_plot *figure = riddle_plot_new(title, 2, 2);
+    riddle_io_file *file = csv_open(self->out, "fig10.csv", "mode,what,model1,model2,model3,model1_grain");
     double top = 0.0;
     for (int i = 0; i < MODES; i++)
         for (int k = 0; k < (i < 3 ? 3 : 5); k++)
@@ -753,22 +753,22 @@ static void draw_predictions(const program *self, const study *s, const results 
     for (int i = 0; i < MODES; i++) {
         int n = i < 3 ? 3 : 5;
         double value[6];
-        plot_panel(figure, i / 2, i % 2, i < 3 ? "factor that is predicted" : "case", "average deviation [-]");
-        plot_title(figure, titles[i]);
+        riddle_plot_panel(figure, i / 2, i % 2, i < 3 ? "factor that is predicted" : "case", "average deviation [-]");
+        riddle_plot_title(figure, titles[i]);
         for (int m = 1; m < KINDS; m++) {
             for (int k = 0; k < n; k++) value[k] = i < 3 ? r->by_factor[i][k][m] : r->five[k][m];
             value[n] = r->predicted[i][m];
-            plot_bars(figure, i ? NULL : kinds[m].name, i < 3 ? in_words : five, value, n + 1);
-            plot_style(figure, 0, m - 1);
+            riddle_plot_bars(figure, i ? NULL : kinds[m].name, i < 3 ? in_words : five, value, n + 1);
+            riddle_plot_style(figure, 0, m - 1);
         }
-        plot_range_y(figure, 0.0, top > 0.0 ? 1.15 * top : 1.0);
+        riddle_plot_range_y(figure, 0.0, top > 0.0 ? 1.15 * top : 1.0);
         for (int k = 0; k <= n; k++) {
             const double *v = k == n ? r->predicted[i] : i < 3 ? r->by_factor[i][k] : r->five[k];
             csv_line(file, "%s,%s,%.17g,%.17g,%.17g,%.17g", modes[i], i < 3 ? factors[k] : five[k], v[1], v[2], v[3], v[4]);
         }
     }
-    csv_close(file);
-    plot_write(figure, self->out, "fig10.svg");
+    riddle_io_close(file);
+    riddle_plot_write(figure, self->out, "fig10.svg");
 }
 
 /* The five groups of Fig 10 d, beside the numbers of the audit. */
@@ -777,38 +777,38 @@ static void draw_groups(const program *self, const study *s, const results *r, j
     double value[GROUPS], audit[GROUPS];
     char title[120];
     snprintf(title, sizeof title, "Five cases predicted from four, five groups%s", short_source(s));
-    plot *figure = plot_new(title, 1, 3);
-    csv *file = csv_open(self->out, "fig10d.csv", "fitted,model0,model1,model2,model3,model1_grain,audit1,audit2,audit3");
-    text_table t = table_begin("five from four, fitted to|1 Dong|audit|2 Subasinghe|audit|3 Soldinger|audit");
+    riddle_plot *figure = riddle_plot_new(title, 1, 3);
+    riddle_io_file *file = csv_open(self->out, "fig10d.csv", "fitted,model0,model1,model2,model3,model1_grain,audit1,audit2,audit3");
+    riddle_io_table t = riddle_io_table_begin("five from four, fitted to|1 Dong|audit|2 Subasinghe|audit|3 Soldinger|audit");
     for (int m = 1; m <= 3; m++) {
-        plot_panel(figure, 0, m - 1, "cases fitted", m == 1 ? "average deviation [-]" : "");
-        plot_title(figure, kinds[m].name);
+        riddle_plot_panel(figure, 0, m - 1, "cases fitted", m == 1 ? "average deviation [-]" : "");
+        riddle_plot_title(figure, kinds[m].name);
         for (int g = 0; g < GROUPS; g++) {
             value[g] = r->group[g][m];
             audit[g] = groups[g].audit[m - 1];
         }
-        plot_bars(figure, "screen_fit", names, value, GROUPS);
-        plot_bars(figure, "independent fit", names, audit, GROUPS);
-        plot_range_y(figure, 0.0, 0.1);
+        riddle_plot_bars(figure, "screen_fit", names, value, GROUPS);
+        riddle_plot_bars(figure, "independent fit", names, audit, GROUPS);
+        riddle_plot_range_y(figure, 0.0, 0.1);
     }
     json_array_begin(report, "five_from_four_groups");
     for (int g = 0; g < GROUPS; g++) {
         const double *v = r->group[g], *a = groups[g].audit;
         csv_line(file, "%s,%.17g,%.17g,%.17g,%.17g,%.17g,%g,%g,%g", names[g], v[0], v[1], v[2], v[3], v[4], a[0], a[1], a[2]);
-        table_cell(&t, "%s", names[g]);
+        riddle_io_table_cell(&t, "%s", names[g]);
         json_object_begin(report, NULL);
         json_string(report, "fitted", names[g]);
         for (int m = 1; m <= 3; m++) {
-            table_cell(&t, "%.4f", v[m]);
-            table_cell(&t, "%.4f", a[m - 1]);
+            riddle_io_table_cell(&t, "%.4f", v[m]);
+            riddle_io_table_cell(&t, "%.4f", a[m - 1]);
             json_number(report, kinds[m].key, v[m]);
         }
         json_object_end(report);
     }
     json_array_end(report);
-    csv_close(file);
+    riddle_io_close(file);
     table_end(&t);
-    plot_write(figure, self->out, "fig10d.svg");
+    riddle_plot_write(figure, self->out, "fig10d.svg");
 }
 
 /* Case 14 from model 2 fitted to 3, 7, 19, 27: the band of the curve, and that of data scattered about it as in the fit. */
@@ -833,27 +833,27 @@ static void draw_band(const program *self, const study *s, const results *r) {
         return;
     }
     snprintf(title, sizeof title, "Case 14 predicted from 3, 7, 19, 27 by model 2%s", short_source(s));
-    plot *figure = plot_new(title, 1, 2);
-    csv *file = csv_open(self->out, "band.csv", "class,time_s,mean,low,high,data_low,data_high");
+    riddle_plot *figure = riddle_plot_new(title, 1, 2);
+    riddle_io_file *file = csv_open(self->out, "band.csv", "class,time_s,mean,low,high,data_low,data_high");
     for (int c = 0; c < CLASSES; c++) {
         int o = c * GRID;
-        plot_panel(figure, 0, c, "time [s]", "fraction retained [-]");
-        plot_title(figure, c ? "near-mesh, 7 mm" : "small, 5 mm");
-        plot_band(figure, "95 % of data", time, wide_low + o, wide_high + o, GRID);
-        plot_style(figure, PLOT_FAINT, PLOT_GREY);
-        plot_band(figure, "95 % of the curve", time, low + o, high + o, GRID);
-        plot_line(figure, "mean", time, mean + o, GRID);
-        plot_style(figure, 0, PLOT_SAME);
-        plot_points(figure, "data", s->time, s->retained[13] + c * s->times, s->times);
-        plot_style(figure, 0, PLOT_BLACK);
-        plot_range_y(figure, 0.0, 1.0);
+        riddle_plot_panel(figure, 0, c, "time [s]", "fraction retained [-]");
+        riddle_plot_title(figure, c ? "near-mesh, 7 mm" : "small, 5 mm");
+        riddle_plot_band(figure, "95 % of data", time, wide_low + o, wide_high + o, GRID);
+        riddle_plot_style(figure, RIDDLE_PLOT_FAINT, RIDDLE_PLOT_GREY);
+        riddle_plot_band(figure, "95 % of the curve", time, low + o, high + o, GRID);
+        riddle_plot_line(figure, "mean", time, mean + o, GRID);
+        riddle_plot_style(figure, 0, RIDDLE_PLOT_SAME);
+        riddle_plot_points(figure, "data", s->time, s->retained[13] + c * s->times, s->times);
+        riddle_plot_style(figure, 0, RIDDLE_PLOT_BLACK);
+        riddle_plot_range_y(figure, 0.0, 1.0);
         for (int i = 0; i < GRID; i++) {
             double line[7] = {c, time[i], mean[o + i], low[o + i], high[o + i], wide_low[o + i], wide_high[o + i]};
-            csv_row(file, line, 7);
+            riddle_io_row(file, line, 7);
         }
     }
-    csv_close(file);
-    plot_write(figure, self->out, "band.svg");
+    riddle_io_close(file);
+    riddle_plot_write(figure, self->out, "band.svg");
 }
 
 /* The deck as a classifier: partition curves of model 2 in the initial case, and what they mean for the study's three equal thirds. */
@@ -861,9 +861,9 @@ static void draw_separation(const program *self, const study *s, const results *
     static const double when[3] = {2.0, 5.0, 10.0};
     double d[GRID], feed[GRID], part[GRID];
     char label[60];
-    text_table t = table_begin("initial case, model 2|d25 [mm]|d50 [mm]|d75 [mm]|imperfection|undersize in what stays");
-    plot *figure = plot_new("Partition curve of the deck, initial case, model 2 (extrapolated outside 5 .. 7 mm)", 1, 1);
-    plot_panel(figure, 0, 0, "diameter [mm]", "stays on the deck [-]");
+    riddle_io_table t = riddle_io_table_begin("initial case, model 2|d25 [mm]|d50 [mm]|d75 [mm]|imperfection|undersize in what stays");
+    riddle_plot *figure = riddle_plot_new("Partition curve of the deck, initial case, model 2 (extrapolated outside 5 .. 7 mm)", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "diameter [mm]", "stays on the deck [-]");
     json_array_begin(report, "separation");
     for (int i = 0; i < 3; i++) {
         screen_separation m, thirds;
@@ -879,13 +879,13 @@ static void draw_separation(const program *self, const study *s, const results *
         screen_measure(GRID, d, feed, part, s->def.aperture, &m);
         screen_measure(3, three, equal, stays, s->def.aperture, &thirds);
         snprintf(label, sizeof label, "%g s", when[i]);
-        plot_line(figure, label, x, part, GRID);
-        table_cell(&t, "%s", label);
-        table_cell(&t, "%.2f", 1e3 * m.d25);
-        table_cell(&t, "%.2f", 1e3 * m.d50);
-        table_cell(&t, "%.2f", 1e3 * m.d75);
-        table_cell(&t, "%.3f", m.imperfection);
-        table_cell(&t, "%.3f", thirds.misplaced_overflow);
+        riddle_plot_line(figure, label, x, part, GRID);
+        riddle_io_table_cell(&t, "%s", label);
+        riddle_io_table_cell(&t, "%.2f", 1e3 * m.d25);
+        riddle_io_table_cell(&t, "%.2f", 1e3 * m.d50);
+        riddle_io_table_cell(&t, "%.2f", 1e3 * m.d75);
+        riddle_io_table_cell(&t, "%.3f", m.imperfection);
+        riddle_io_table_cell(&t, "%.3f", thirds.misplaced_overflow);
         json_object_begin(report, NULL);
         json_number(report, "time_s", when[i]);
         json_number(report, "d50_m", m.d50);
@@ -895,10 +895,10 @@ static void draw_separation(const program *self, const study *s, const results *
         json_object_end(report);
     }
     json_array_end(report);
-    for (int i = 0; i < CLASSES; i++) plot_vertical(figure, i ? NULL : "fitted sizes", 1e3 * diameters[i]);
-    plot_range_y(figure, 0.0, 1.05);
+    for (int i = 0; i < CLASSES; i++) riddle_plot_vertical(figure, i ? NULL : "fitted sizes", 1e3 * diameters[i]);
+    riddle_plot_range_y(figure, 0.0, 1.05);
     table_end(&t);
-    plot_write(figure, self->out, "separation.svg");
+    riddle_plot_write(figure, self->out, "separation.svg");
 }
 
 /* ---- JSON --------------------------------------------------------------------------------------------------------------------------- */
@@ -986,8 +986,8 @@ static void report_results(json *report, const study *s, const results *r, doubl
 /* ---- a screen of one's own ---------------------------------------------------------------------------------------------------------- */
 
 static void draw_lab(const program *self, const lab *data, const screen_fit_result *fits, int best) {
-    plot *figure = plot_new("Test curves and the best model", 2, 3);
-    csv *file = csv_open(self->out, "lab_curves.csv", "case,time_s,size_m,retained,first_order,dong,subasinghe,soldinger");
+    riddle_plot *figure = riddle_plot_new("Test curves and the best model", 2, 3);
+    riddle_io_file *file = csv_open(self->out, "lab_curves.csv", "case,time_s,size_m,retained,first_order,dong,subasinghe,soldinger");
     for (int k = 0; k < data->cases; k++) {
         const screen_case *one = &data->data[k];
         const screen_def *deck = &data->decks[k];
@@ -1003,21 +1003,21 @@ static void draw_lab(const program *self, const lab *data, const screen_fit_resu
                      curve[3 * points + i]);
         if (k < 6) {
             char text[80];
-            plot_panel(figure, k / 3, k % 3, "time [s]", k % 3 ? "" : "fraction retained [-]");
+            riddle_plot_panel(figure, k / 3, k % 3, "time [s]", k % 3 ? "" : "fraction retained [-]");
             snprintf(text, sizeof text, "case %s, %s", data->label[k], lab_names[best]);
-            plot_title(figure, text);
+            riddle_plot_title(figure, text);
             for (int c = 0; c < deck->classes; c++) {
                 snprintf(text, sizeof text, "%.3g mm", 1e3 * deck->diameters[c]);
-                plot_line(figure, text, one->time, curve + best * points + c * one->times, one->times);
-                plot_points(figure, NULL, one->time, one->retained + c * one->times, one->times);
-                plot_style(figure, 0, PLOT_SAME);
+                riddle_plot_line(figure, text, one->time, curve + best * points + c * one->times, one->times);
+                riddle_plot_points(figure, NULL, one->time, one->retained + c * one->times, one->times);
+                riddle_plot_style(figure, 0, RIDDLE_PLOT_SAME);
             }
-            plot_range_y(figure, 0.0, 1.0);
+            riddle_plot_range_y(figure, 0.0, 1.0);
         }
         free(curve);
     }
-    csv_close(file);
-    plot_write(figure, self->out, "lab_curves.svg");
+    riddle_io_close(file);
+    riddle_plot_write(figure, self->out, "lab_curves.svg");
 }
 
 /* Fits all models to the curves of a file and writes parameters.json. */
@@ -1027,7 +1027,7 @@ static int fit_lab(const program *self, const char *path, int starts) {
     lab_read(self, path, &data);
     int best = 0, points = 0;
     for (int k = 0; k < data.cases; k++) points += data.decks[k].classes * data.data[k].times;
-    text_table t = table_begin("model|deviation|error of a new case|parameter|value|95 % range|the data");
+    riddle_io_table t = riddle_io_table_begin("model|deviation|error of a new case|parameter|value|95 % range|the data");
     for (int m = 0; m < LAB_MODELS; m++) {
         screen_fit_options options = screen_default_fit_options((screen_model)m);
         options.seed = self->seed;
@@ -1046,15 +1046,18 @@ static int fit_lab(const program *self, const char *path, int starts) {
         }
         if (fits[m].deviation < fits[best].deviation) best = m;
         for (int j = 0; j < fits[m].parameters; j++) {
-            table_cell(&t, "%s", j ? "" : lab_names[m]);
-            if (j) table_cell(&t, "%s", "");
-            else table_cell(&t, "%.4f", fits[m].deviation);
-            if (j) table_cell(&t, "%s", "");
-            else table_cell(&t, "%.4f", fits[m].case_error);
-            table_cell(&t, "%s", screen_parameter_name((screen_model)m, j));
-            table_cell(&t, "%.5g", fits[m].parameter[j]);
-            table_cell(&t, "%.4g .. %.4g", fits[m].low[j], fits[m].high[j]);
-            table_cell(&t, "%s", !fits[m].determined[j] ? "leave it open" : fits[m].at_bound[j] ? "push it to its bound" : "determine it");
+            riddle_io_table_cell(&t, "%s", j ? "" : lab_names[m]);
+            if (j) riddle_io_table_cell(&t, "%s", "");
+            else riddle_io_table_cell(&t, "%.4f", fits[m].deviation);
+            if (j) riddle_io_table_cell(&t, "%s", "");
+            else riddle_io_table_cell(&t, "%.4f", fits[m].case_error);
+            riddle_io_table_cell(&t, "%s", screen_parameter_name((screen_model)m, j));
+            riddle_io_table_cell(&t, "%.5g", fits[m].parameter[j]);
+            riddle_io_table_cell(&t, "%.4g .. %.4g", fits[m].low[j], fits[m].high[j]);
+            riddle_io_table_cell(&t, "%s",
+                                 !fits[m].determined[j] ? "leave it open"
+                                 : fits[m].at_bound[j]  ? "push it to its bound"
+                                                        : "determine it");
         }
         if (common_interrupted()) return common_exit_status();
     }

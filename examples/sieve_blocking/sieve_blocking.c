@@ -46,16 +46,16 @@ static const char *const titles[] = {"Fig 7a: spherical, 1 mm, K = 1.5", "Fig 7b
 static double at(const row *r, double t) { return blocking_curve(r->f_inf + r->A, r->f_inf, r->k, t); }
 
 static void draw_table2(const program *self, json *report) {
-    plot *figure = plot_new("Free holes in time, Table 2 of Lawinska et al. (2016)", 2, 2);
-    csv *file =
+    riddle_plot *figure = riddle_plot_new("Free holes in time, Table 2 of Lawinska et al. (2016)", 2, 2);
+    riddle_io_file *file =
         csv_open(self->out, "table2.csv",
                  "time_s,f_7a_experiment,f_7a_model,f_7b_experiment,f_7b_model,f_8a_experiment,f_8a_model,f_8b_experiment,f_8b_model");
-    text_table t = table_begin("Table 2|f(0)|f(30 s)|mean of 60 s|f_inf|k1 [1/s]|k2 [1/s]|largest difference");
+    riddle_io_table t = riddle_io_table_begin("Table 2|f(0)|f(30 s)|mean of 60 s|f_inf|k1 [1/s]|k2 [1/s]|largest difference");
     double time[CURVE], f[8][CURVE];
     for (int i = 0; i < CURVE; i++) {
         double line[9] = {time[i] = 300.0 * i / (CURVE - 1)};
         for (int j = 0; j < 8; j++) line[j + 1] = f[j][i] = at(&table2[j], time[i]);
-        csv_row(file, line, 9);
+        riddle_io_row(file, line, 9);
     }
     json_array_begin(report, "table2");
     for (int j = 0; j < 8; j++) {
@@ -67,15 +67,15 @@ static void draw_table2(const program *self, json *report) {
                 when = s;
             }
         double mean = blocking_time_mean(f0, r->f_inf, r->k, 60.0), k1 = blocking_k1(r->f_inf, r->k), k2 = blocking_k2(r->f_inf, r->k);
-        table_cell(&t, "%s %s", r->figure, r->what);
-        table_cell(&t, "%.4f", f0);
-        table_cell(&t, "%.4f", at(r, 30.0));
-        table_cell(&t, "%.4f", mean);
-        table_cell(&t, "%.3f", r->f_inf);
-        table_cell(&t, "%.5f", k1);
-        table_cell(&t, "%.5f", k2);
-        if (j % 2 == 0) table_cell(&t, "%.4f at %.0f s", difference, when);
-        else table_cell(&t, "%s", "");
+        riddle_io_table_cell(&t, "%s %s", r->figure, r->what);
+        riddle_io_table_cell(&t, "%.4f", f0);
+        riddle_io_table_cell(&t, "%.4f", at(r, 30.0));
+        riddle_io_table_cell(&t, "%.4f", mean);
+        riddle_io_table_cell(&t, "%.3f", r->f_inf);
+        riddle_io_table_cell(&t, "%.5f", k1);
+        riddle_io_table_cell(&t, "%.5f", k2);
+        if (j % 2 == 0) riddle_io_table_cell(&t, "%.4f at %.0f s", difference, when);
+        else riddle_io_table_cell(&t, "%s", "");
         json_object_begin(report, NULL);
         json_string(report, "figure", r->figure);
         json_string(report, "row", r->what);
@@ -87,16 +87,16 @@ static void draw_table2(const program *self, json *report) {
         json_number(report, "largest_difference", difference);
         json_object_end(report);
         if (j % 2 == 0) {
-            plot_panel(figure, j / 4, j / 2 % 2, "time [s]", "free holes f [-]");
-            plot_title(figure, titles[j / 2]);
+            riddle_plot_panel(figure, j / 4, j / 2 % 2, "time [s]", "free holes f [-]");
+            riddle_plot_title(figure, titles[j / 2]);
         }
-        plot_line(figure, r->what, time, f[j], CURVE);
-        if (j % 2) plot_style(figure, PLOT_DASHED, PLOT_NEXT);
+        riddle_plot_line(figure, r->what, time, f[j], CURVE);
+        if (j % 2) riddle_plot_style(figure, RIDDLE_PLOT_DASHED, RIDDLE_PLOT_NEXT);
     }
     json_array_end(report);
     table_end(&t);
-    csv_close(file);
-    plot_write(figure, self->out, "table2.svg");
+    riddle_io_close(file);
+    riddle_plot_write(figure, self->out, "table2.svg");
 }
 
 /* ---- readings ---- */
@@ -206,7 +206,7 @@ static void report_fit(json *report, const readings *r, blocking_status status, 
 /* Every pair of readings at t and 2 t with the one at 0 (or the first reading, for other times): what eq 14 and 15 would be asked. */
 static int three_points(json *report, const readings *r, double *first, double *k, double *error) {
     int found = 0;
-    text_table t = table_begin("three readings [s]|f_inf|standard error|k [1/s]|standard error|status");
+    riddle_io_table t = riddle_io_table_begin("three readings [s]|f_inf|standard error|k [1/s]|standard error|status");
     json_array_begin(report, "three_point");
     for (int i = 1; i + 1 < r->n; i++) {
         const double times[3] = {r->t[0], r->t[i], r->t[i + 1]}, f[3] = {r->f[0], r->f[i], r->f[i + 1]};
@@ -214,12 +214,12 @@ static int three_points(json *report, const readings *r, double *first, double *
             r->counted ? sqrt((r->sigma[0] * r->sigma[0] + r->sigma[i] * r->sigma[i] + r->sigma[i + 1] * r->sigma[i + 1]) / 3.0) : 0.0;
         blocking_estimate e;
         blocking_status status = blocking_three_point(times, f, sigma, BLOCKING_TOLERANCE, &e);
-        table_cell(&t, "%g, %g, %g", times[0], times[1], times[2]);
-        table_cell(&t, "%.3f", e.f_inf);
-        table_cell(&t, "%.3f", e.error_f_inf);
-        table_cell(&t, "%.4f", e.k);
-        table_cell(&t, "%.4f", e.error_k);
-        table_cell(&t, "%s", blocking_status_text(status));
+        riddle_io_table_cell(&t, "%g, %g, %g", times[0], times[1], times[2]);
+        riddle_io_table_cell(&t, "%.3f", e.f_inf);
+        riddle_io_table_cell(&t, "%.3f", e.error_f_inf);
+        riddle_io_table_cell(&t, "%.4f", e.k);
+        riddle_io_table_cell(&t, "%.4f", e.error_k);
+        riddle_io_table_cell(&t, "%s", blocking_status_text(status));
         json_object_begin(report, NULL);
         json_array(report, "time_s", times, 3);
         json_number(report, "f_inf", e.f_inf);
@@ -371,14 +371,15 @@ static void sweep(const program *self, json *report, const sieve_patch_def *def,
     progress_end(&jobs.bar);
     if (failed) return;
     double mean[XS][KS], bar_of[XS][KS], table3[XS][GRID], at_K[GRID];
-    plot *figure = plot_new("Blocking by spheres, simulated, beside Table 3 of Lawinska et al. (2016); K: toss indicator", 2, 2);
-    csv *file = csv_open(self->out, "sweep.csv", "K,x_h,time_s,free_holes,holes");
-    text_table t =
-        table_begin("K|x_h|f0|f at the end|f0 fitted|f_inf fitted|k1 [1/s]|k2 [1/s]|R2|f* +- 95 % by counting holes|f* of Table 3|fit");
+    riddle_plot *figure =
+        riddle_plot_new("Blocking by spheres, simulated, beside Table 3 of Lawinska et al. (2016); K: toss indicator", 2, 2);
+    riddle_io_file *file = csv_open(self->out, "sweep.csv", "K,x_h,time_s,free_holes,holes");
+    riddle_io_table t = riddle_io_table_begin(
+        "K|x_h|f0|f at the end|f0 fitted|f_inf fitted|k1 [1/s]|k2 [1/s]|R2|f* +- 95 % by counting holes|f* of Table 3|fit");
     json_array_begin(report, "sweep");
     for (int j = 0; j < XS; j++) {
-        plot_panel(figure, j / 2, j % 2, "time [s]", "free holes f [-]");
-        plot_title(figure, names[j]);
+        riddle_plot_panel(figure, j / 2, j % 2, "time [s]", "free holes f [-]");
+        riddle_plot_title(figure, names[j]);
         for (int i = 0; i < KS; i++) {
             readings *r = &jobs.r[j * KS + i];
             const int last = r->n - 1;
@@ -387,21 +388,21 @@ static void sweep(const program *self, json *report, const sieve_patch_def *def,
             const blocking_status status = fit_readings(r, &fit);
             char label[40];
             snprintf(label, sizeof label, "K = %g", K);
-            plot_line(figure, label, r->t, r->f, r->n);
-            plot_style(figure, PLOT_MARKED, i);
+            riddle_plot_line(figure, label, r->t, r->f, r->n);
+            riddle_plot_style(figure, RIDDLE_PLOT_MARKED, i);
             mean[j][i] = 0.5 * (r->f[0] + r->f[last]);
             bar_of[j][i] = 0.5 * z95 * sqrt(r->sigma[0] * r->sigma[0] + r->sigma[last] * r->sigma[last]);
             for (int q = 0; q < r->n; q++) {
                 const double line[5] = {K, x_h, r->t[q], r->free_holes[q], r->holes[q]};
-                csv_row(file, line, 5);
+                riddle_io_row(file, line, 5);
             }
             const double cells[] = {r->f[0], r->f[last], fit.f0, fit.f_inf, fit.k1, fit.k2, fit.r2};
-            table_cell(&t, "%g", K);
-            table_cell(&t, "%g", x_h);
-            for (int c = 0; c < 7; c++) table_cell(&t, "%.3f", cells[c]);
-            table_cell(&t, "%.3f +- %.3f", mean[j][i], bar_of[j][i]);
-            table_cell(&t, "%.3f", of_table);
-            table_cell(&t, "%s", blocking_status_text(status));
+            riddle_io_table_cell(&t, "%g", K);
+            riddle_io_table_cell(&t, "%g", x_h);
+            for (int c = 0; c < 7; c++) riddle_io_table_cell(&t, "%.3f", cells[c]);
+            riddle_io_table_cell(&t, "%.3f +- %.3f", mean[j][i], bar_of[j][i]);
+            riddle_io_table_cell(&t, "%.3f", of_table);
+            riddle_io_table_cell(&t, "%s", blocking_status_text(status));
             json_object_begin(report, NULL);
             json_number(report, "K", K);
             json_number(report, "x_h", x_h);
@@ -419,18 +420,18 @@ static void sweep(const program *self, json *report, const sieve_patch_def *def,
     }
     json_array_end(report);
     table_end(&t);
-    csv_close(file);
-    plot_panel(figure, 1, 1, "toss indicator K [-]", "f*: mean of f at 0 s and at the end [-]");
-    plot_title(figure, "beside Table 3, spherical (lines)");
+    riddle_io_close(file);
+    riddle_plot_panel(figure, 1, 1, "toss indicator K [-]", "f*: mean of f at 0 s and at the end [-]");
+    riddle_plot_title(figure, "beside Table 3, spherical (lines)");
     for (int i = 0; i < GRID; i++) at_K[i] = 0.6 + 4.3 * i / (GRID - 1);
     for (int j = 0; j < XS; j++) {
         for (int i = 0; i < GRID; i++) table3[j][i] = fmin(1.0, blocking_table3(BLOCKING_SPHERICAL, at_K[i], sweep_x_h[j]));
-        plot_error_bars(figure, names[j], sweep_K, mean[j], bar_of[j], KS);
-        plot_style(figure, 0, j);
-        plot_line(figure, NULL, at_K, table3[j], GRID);
-        plot_style(figure, PLOT_DASHED, j);
+        riddle_plot_error_bars(figure, names[j], sweep_K, mean[j], bar_of[j], KS);
+        riddle_plot_style(figure, 0, j);
+        riddle_plot_line(figure, NULL, at_K, table3[j], GRID);
+        riddle_plot_style(figure, RIDDLE_PLOT_DASHED, j);
     }
-    plot_write(figure, self->out, "sweep.svg");
+    riddle_plot_write(figure, self->out, "sweep.svg");
 }
 
 /* from: the row of Table 2 that the readings were drawn from, or NULL */
@@ -447,39 +448,39 @@ static void draw_fit(const program *self, json *report, const readings *r, const
     for (int i = 0; i < r->n; i++) bar[i] = r->counted ? z95 * r->sigma[i] : 0.0;
     char title[200];
     snprintf(title, sizeof title, "Rate constants from counted holes: %s", source);
-    plot *figure = plot_new(title, 1, 2);
-    plot_panel(figure, 0, 0, "time [s]", "free holes f [-]");
-    plot_range_x(figure, -0.03 * shown, 1.03 * shown);
-    plot_line(figure, "least squares", t, f, CURVE);
+    riddle_plot *figure = riddle_plot_new(title, 1, 2);
+    riddle_plot_panel(figure, 0, 0, "time [s]", "free holes f [-]");
+    riddle_plot_range_x(figure, -0.03 * shown, 1.03 * shown);
+    riddle_plot_line(figure, "least squares", t, f, CURVE);
     if (from) {
-        plot_line(figure, "Table 2", t, origin, CURVE);
-        plot_style(figure, PLOT_DASHED | PLOT_THIN, PLOT_BLACK);
+        riddle_plot_line(figure, "Table 2", t, origin, CURVE);
+        riddle_plot_style(figure, RIDDLE_PLOT_DASHED | RIDDLE_PLOT_THIN, RIDDLE_PLOT_BLACK);
     }
-    if (r->counted) plot_error_bars(figure, "readings, 95 %", r->t, r->f, bar, r->n);
-    else plot_points(figure, "readings", r->t, r->f, r->n);
-    plot_panel(figure, 0, 1, "second reading at [s]", "k [1/s]");
-    plot_log_x(figure);
-    plot_log_y(figure);
+    if (r->counted) riddle_plot_error_bars(figure, "readings, 95 %", r->t, r->f, bar, r->n);
+    else riddle_plot_points(figure, "readings", r->t, r->f, r->n);
+    riddle_plot_panel(figure, 0, 1, "second reading at [s]", "k [1/s]");
+    riddle_plot_log_x(figure);
+    riddle_plot_log_y(figure);
     for (int i = 0; i < found; i++) error[i] = fmin(z95 * error[i], 0.95 * k[i]); /* down to a twentieth on the log axis */
-    if (found && r->counted) plot_error_bars(figure, "three readings, 95 %", first, k, error, found);
-    else if (found) plot_points(figure, "three readings", first, k, found);
+    if (found && r->counted) riddle_plot_error_bars(figure, "three readings, 95 %", first, k, error, found);
+    else if (found) riddle_plot_points(figure, "three readings", first, k, found);
     if (fit->k > 0.0) {
         const double over[2] = {r->t[1] > 0.0 ? r->t[1] : 1.0, last}, fitted[2] = {fit->k, fit->k};
-        plot_line(figure, "least squares", over, fitted, 2);
-        plot_style(figure, PLOT_DASHED, PLOT_BLACK);
+        riddle_plot_line(figure, "least squares", over, fitted, 2);
+        riddle_plot_style(figure, RIDDLE_PLOT_DASHED, RIDDLE_PLOT_BLACK);
         if (fit->k_lowest > 0.0 && fit->k_highest < 1e300) {
             double ends[2] = {r->t[1] > 0.0 ? r->t[1] : 1.0, last}, low[2] = {fit->k_lowest, fit->k_lowest},
                    high[2] = {fit->k_highest, fit->k_highest};
-            plot_band(figure, "least squares, 95 %", ends, low, high, 2);
+            riddle_plot_band(figure, "least squares, 95 %", ends, low, high, 2);
         }
     }
-    plot_write(figure, self->out, "fit.svg");
-    csv *file = csv_open(self->out, "fit.csv", "time_s,free_fraction,standard_error,fitted");
+    riddle_plot_write(figure, self->out, "fit.svg");
+    riddle_io_file *file = csv_open(self->out, "fit.csv", "time_s,free_fraction,standard_error,fitted");
     for (int i = 0; i < r->n; i++) {
         double line[4] = {r->t[i], r->f[i], r->counted ? r->sigma[i] : (double)NAN, blocking_curve(fit->f0, fit->f_inf, fit->k, r->t[i])};
-        csv_row(file, line, 4);
+        riddle_io_row(file, line, 4);
     }
-    csv_close(file);
+    riddle_io_close(file);
 }
 
 /* ---- Table 3 ---- */
@@ -510,9 +511,9 @@ static int contour_of_one(const double *raw, double *x, double *y, int most) {
 
 static void draw_polynomials(const program *self, json *report, double K, double x_h) {
     static double raw[GRID * GRID], cut[GRID * GRID], x[8 * GRID * 3], y[8 * GRID * 3];
-    plot *figure = plot_new("Mean free fraction f* of Table 3, cut to 1 beyond the line", 2, 2);
-    csv *file = csv_open(self->out, "polynomials.csv", "K,x_h,spherical,irregular,sharp_as_printed,sharp_repaired");
-    text_table t = table_begin("Table 3, K 0.6-5|least|largest|above 1|rising with x_h|f* at your K, x_h|remark");
+    riddle_plot *figure = riddle_plot_new("Mean free fraction f* of Table 3, cut to 1 beyond the line", 2, 2);
+    riddle_io_file *file = csv_open(self->out, "polynomials.csv", "K,x_h,spherical,irregular,sharp_as_printed,sharp_repaired");
+    riddle_io_table t = riddle_io_table_begin("Table 3, K 0.6-5|least|largest|above 1|rising with x_h|f* at your K, x_h|remark");
     blocking_conditions c = blocking_default_conditions();
     c.K = K;
     c.x_h = x_h;
@@ -544,13 +545,13 @@ static void draw_polynomials(const program *self, json *report, double K, double
         const char *remark = status == BLOCKING_OK ? "" : blocking_status_text(status);
         for (unsigned flag = 1; flag <= BLOCKING_FLAG_RISING && !*remark; flag *= 2)
             if (a.flags & flag) remark = blocking_flag_text(flag);
-        table_cell(&t, "%s", blocking_shape_text(shape));
-        table_cell(&t, "%.4f", least);
-        table_cell(&t, "%.4f", largest);
-        table_cell(&t, "%.1f %%", 100.0 * above);
-        table_cell(&t, "%.1f %%", 100.0 * rising);
-        table_cell(&t, "%.4f", a.value);
-        table_cell(&t, "%s", remark);
+        riddle_io_table_cell(&t, "%s", blocking_shape_text(shape));
+        riddle_io_table_cell(&t, "%.4f", least);
+        riddle_io_table_cell(&t, "%.4f", largest);
+        riddle_io_table_cell(&t, "%.1f %%", 100.0 * above);
+        riddle_io_table_cell(&t, "%.1f %%", 100.0 * rising);
+        riddle_io_table_cell(&t, "%.4f", a.value);
+        riddle_io_table_cell(&t, "%s", remark);
         json_object_begin(report, NULL);
         json_string(report, "shape", blocking_shape_text(shape));
         json_number(report, "f_star", a.value);
@@ -561,15 +562,15 @@ static void draw_polynomials(const program *self, json *report, double K, double
         json_number(report, "largest", largest);
         json_number(report, "share_above_one", above);
         json_object_end(report);
-        plot_panel(figure, s / 2, s % 2, "toss indicator K [-]", "hard-to-screen content x_h [-]");
-        plot_title(figure, blocking_shape_text(shape));
-        plot_heat(figure, "f* [-]", cut, GRID, GRID, 0.6, 5.0, 0.0, 1.0);
-        plot_heat_range(figure, 0.5, 1.0);
-        plot_line(figure, "cubic = 1", x, y, contour_of_one(raw, x, y, (int)(sizeof x / sizeof *x)));
-        plot_style(figure, 0, PLOT_BLACK);
+        riddle_plot_panel(figure, s / 2, s % 2, "toss indicator K [-]", "hard-to-screen content x_h [-]");
+        riddle_plot_title(figure, blocking_shape_text(shape));
+        riddle_plot_heat(figure, "f* [-]", cut, GRID, GRID, 0.6, 5.0, 0.0, 1.0);
+        riddle_plot_heat_range(figure, 0.5, 1.0);
+        riddle_plot_line(figure, "cubic = 1", x, y, contour_of_one(raw, x, y, (int)(sizeof x / sizeof *x)));
+        riddle_plot_style(figure, 0, RIDDLE_PLOT_BLACK);
         if (K >= 0.6 && K <= 5.0) {
-            plot_points(figure, a.flags & BLOCKING_FLAG_BOX ? "yours, outside the measured" : "yours", &K, &x_h, 1);
-            plot_style(figure, 0, 1);
+            riddle_plot_points(figure, a.flags & BLOCKING_FLAG_BOX ? "yours, outside the measured" : "yours", &K, &x_h, 1);
+            riddle_plot_style(figure, 0, 1);
         }
     }
     json_array_end(report);
@@ -580,10 +581,10 @@ static void draw_polynomials(const program *self, json *report, double K, double
         for (int i = 0; i < GRID; i += 3) {
             double k = 0.6 + 4.4 * i / (GRID - 1), h = (double)j / (GRID - 1), line[6] = {k, h};
             for (int s = 0; s < BLOCKING_SHAPE_COUNT; s++) line[2 + s] = blocking_table3((blocking_shape)s, k, h);
-            csv_row(file, line, 6);
+            riddle_io_row(file, line, 6);
         }
-    csv_close(file);
-    plot_write(figure, self->out, "polynomials.svg");
+    riddle_io_close(file);
+    riddle_plot_write(figure, self->out, "polynomials.svg");
 }
 
 /* ---- deck ---- */
@@ -626,7 +627,7 @@ static void design(const program *self, json *report, blocking_duty duty, const 
 
     double T[CURVE], now[CURVE], mean[CURVE], area_mean[CURVE], area_lowest[CURVE];
     double longest = fmax(10.0 * duty.run_time, duty.k > 0.0 ? 20.0 / duty.k : 0.0);
-    csv *file = csv_open(self->out, "deck.csv", "run_time_s,free_now,free_mean,area_mean_m2,area_lowest_m2");
+    riddle_io_file *file = csv_open(self->out, "deck.csv", "run_time_s,free_now,free_mean,area_mean_m2,area_lowest_m2");
     for (int i = 0; i < CURVE; i++) {
         duty.run_time = T[i] = longest * pow(1e-4, 1.0 - (double)i / (CURVE - 1));
         blocking_deck d;
@@ -636,21 +637,21 @@ static void design(const program *self, json *report, blocking_duty duty, const 
         area_mean[i] = d.area_mean;
         area_lowest[i] = d.area_lowest;
         double line[5] = {T[i], now[i], mean[i], area_mean[i], area_lowest[i]};
-        csv_row(file, line, 5);
+        riddle_io_row(file, line, 5);
     }
-    csv_close(file);
-    plot *figure = plot_new("Deck area after blocking", 1, 2);
-    plot_panel(figure, 0, 0, "time since cleaning [s]", "free holes f [-]");
-    plot_log_x(figure);
-    plot_line(figure, "now", T, now, CURVE);
-    plot_line(figure, "mean since cleaning", T, mean, CURVE);
-    plot_panel(figure, 0, 1, "time between cleanings [s]", "deck area [m²]");
-    plot_log_x(figure);
-    plot_line(figure, "duty met at every moment", T, area_lowest, CURVE);
-    plot_line(figure, "duty met on average", T, area_mean, CURVE);
-    plot_horizontal(figure, "nothing blocked", deck.area_clean);
-    if (!(average->flags & BLOCKING_FLAG_BOX)) plot_horizontal(figure, "by Table 3", from_table);
-    plot_write(figure, self->out, "deck.svg");
+    riddle_io_close(file);
+    riddle_plot *figure = riddle_plot_new("Deck area after blocking", 1, 2);
+    riddle_plot_panel(figure, 0, 0, "time since cleaning [s]", "free holes f [-]");
+    riddle_plot_log_x(figure);
+    riddle_plot_line(figure, "now", T, now, CURVE);
+    riddle_plot_line(figure, "mean since cleaning", T, mean, CURVE);
+    riddle_plot_panel(figure, 0, 1, "time between cleanings [s]", "deck area [m²]");
+    riddle_plot_log_x(figure);
+    riddle_plot_line(figure, "duty met at every moment", T, area_lowest, CURVE);
+    riddle_plot_line(figure, "duty met on average", T, area_mean, CURVE);
+    riddle_plot_horizontal(figure, "nothing blocked", deck.area_clean);
+    if (!(average->flags & BLOCKING_FLAG_BOX)) riddle_plot_horizontal(figure, "by Table 3", from_table);
+    riddle_plot_write(figure, self->out, "deck.svg");
 }
 
 /* x_h of a size curve in a file. */

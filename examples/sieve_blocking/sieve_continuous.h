@@ -64,36 +64,36 @@ static void report_ways(const program *self, json *report, const way_jobs *jobs)
     char title[120], header[200] = "time [s]";
     snprintf(title, sizeof title, "%.3g mm holes, toss indicator K = %.3g, %.3g %% hard to screen", 1e3 * jobs->def.opening, jobs->def.K,
              1e2 * jobs->def.x_h);
-    plot *figure = plot_new("Holes of a sieve that are free, in batches and under a feed", 1, 1);
-    plot_panel_size(figure, 620, 380);
-    plot_panel(figure, 0, 0, "time [s]", "free holes f [-]");
-    plot_title(figure, title);
+    riddle_plot *figure = riddle_plot_new("Holes of a sieve that are free, in batches and under a feed", 1, 1);
+    riddle_plot_panel_size(figure, 620, 380);
+    riddle_plot_panel(figure, 0, 0, "time [s]", "free holes f [-]");
+    riddle_plot_title(figure, title);
     for (int w = 0; w < WAYS; w++) strcat(strcat(header, "|"), way_name[w]);
     common_print("Free holes; +-: 95 %% range by counting holes, as if each were blocked by itself\n");
-    text_table t = table_begin(header);
-    csv *file = csv_open(self->out, "continuous.csv",
-                         "time_s,intermittent,inclined,continuous,error_95_intermittent,error_95_inclined,error_95_continuous");
+    riddle_io_table t = riddle_io_table_begin(header);
+    riddle_io_file *file = csv_open(self->out, "continuous.csv",
+                                    "time_s,intermittent,inclined,continuous,error_95_intermittent,error_95_inclined,error_95_continuous");
     double mean[WAYS][COUNTS], error[WAYS][COUNTS];
     for (int c = 0; c < jobs->counts; c++) {
         double row[1 + 2 * WAYS] = {jobs->at[c]};
-        table_cell(&t, "%.3g", jobs->at[c]);
+        riddle_io_table_cell(&t, "%.3g", jobs->at[c]);
         for (int w = 0; w < WAYS; w++) {
             row[1 + w] = mean[w][c] = way_mean(jobs, w, c, &error[w][c]);
             row[1 + WAYS + w] = error[w][c];
-            table_cell(&t, "%.3f +- %.3f", mean[w][c], error[w][c]);
+            riddle_io_table_cell(&t, "%.3f +- %.3f", mean[w][c], error[w][c]);
         }
-        csv_row(file, row, 1 + 2 * WAYS);
+        riddle_io_row(file, row, 1 + 2 * WAYS);
     }
     table_end(&t);
-    csv_close(file);
+    riddle_io_close(file);
     json_object_begin(report, "continuous");
     json_array(report, "time_s", jobs->at, jobs->counts);
     for (int w = 0; w < WAYS; w++) {
         double passed = 0.0;
         for (int s = 0; s < jobs->seeds; s++) passed += (double)jobs->passed[w][s] / jobs->seeds;
         common_print("%s: %.0f grains of a sieve passed\n", way_name[w], passed);
-        plot_error_bars(figure, way_label[w], jobs->at, mean[w], error[w], jobs->counts);
-        plot_line(figure, NULL, jobs->at, mean[w], jobs->counts), plot_style(figure, 0, w);
+        riddle_plot_error_bars(figure, way_label[w], jobs->at, mean[w], error[w], jobs->counts);
+        riddle_plot_line(figure, NULL, jobs->at, mean[w], jobs->counts), riddle_plot_style(figure, 0, w);
         json_object_begin(report, way_name[w]);
         json_array(report, "free_fraction", mean[w], jobs->counts);
         json_array(report, "error_95", error[w], jobs->counts);
@@ -101,7 +101,7 @@ static void report_ways(const program *self, json *report, const way_jobs *jobs)
         json_object_end(report);
     }
     json_object_end(report);
-    plot_write(figure, self->out, "continuous.svg");
+    riddle_plot_write(figure, self->out, "continuous.svg");
 }
 
 /* The industrial test's times up to `time`: 0, 5, 10, 30 s, and some in between. */

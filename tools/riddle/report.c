@@ -276,25 +276,25 @@ const stop_def *report_end(report *r) {
 /* 0, or not, after a printed line. */
 static int draw_curves(const report *r) {
     const scene *s = r->s;
-    plot *p = plot_new(s->def->title, 1, 2);
+    riddle_plot *p = riddle_plot_new(s->def->title, 1, 2);
     double *x = malloc(((size_t)r->rows + 1) * 2 * sizeof *x), *y = x + r->rows;
     const int shown = s->groups < CURVES ? s->groups : CURVES;
     for (int k = 0; x && k < r->rows; k++) x[k] = r->row[(size_t)k * (size_t)r->columns];
-    plot_panel(p, 0, 0, "time [s]", "share left of what was fed [-]");
+    riddle_plot_panel(p, 0, 0, "time [s]", "share left of what was fed [-]");
     for (int c = 0; x && c < shown; c++) {
         const int g = shown > 1 ? c * (s->groups - 1) / (shown - 1) : 0; /* of many classes some, from end to end */
         for (int k = 0; k < r->rows; k++) y[k] = r->row[(size_t)k * (size_t)r->columns + FIXED + (size_t)g];
-        plot_line(p, s->group[g].name, x, y, r->rows);
+        riddle_plot_line(p, s->group[g].name, x, y, r->rows);
     }
-    plot_range_y(p, 0.0, 1.02);
-    plot_panel(p, 0, 1, "time [s]", "mass [kg]");
+    riddle_plot_range_y(p, 0.0, 1.02);
+    riddle_plot_panel(p, 0, 1, "time [s]", "mass [kg]");
     for (int c = 2; x && c < r->columns; c++) {
         const size_t length = strlen(r->column[c]);
         if (length < 3 || strcmp(r->column[c] + length - 3, "_kg") != 0 || (c != 2 && c < FIXED + s->groups)) continue;
         for (int k = 0; k < r->rows; k++) y[k] = r->row[(size_t)k * (size_t)r->columns + (size_t)c];
-        plot_line(p, c == 2 ? "particles" : r->column[c], x, y, r->rows);
+        riddle_plot_line(p, c == 2 ? "particles" : r->column[c], x, y, r->rows);
     }
-    const int failed = plot_write(p, r->folder, "curves.svg") != RIDDLE_IO_OK;
+    const int failed = riddle_plot_write(p, r->folder, "curves.svg") != RIDDLE_IO_OK;
     free(x);
     return failed;
 }
@@ -311,11 +311,11 @@ double report_overlap(const report *r) {
 }
 
 const char *report_write(report *r) {
-    csv *table_file = output_open(r->folder, "measured.csv");
-    for (int c = 0; c < r->columns; c++) output_print(table_file, "%s%s", c ? "," : "", r->column[c]);
-    output_print(table_file, "\n");
-    for (int k = 0; k < r->rows; k++) csv_row(table_file, r->row + (size_t)k * (size_t)r->columns, r->columns);
-    if (csv_close(table_file) == RIDDLE_IO_OK) add_name(r, "measured.csv");
+    riddle_io_file *table_file = riddle_io_open(r->folder, "measured.csv");
+    for (int c = 0; c < r->columns; c++) riddle_io_print(table_file, "%s%s", c ? "," : "", r->column[c]);
+    riddle_io_print(table_file, "\n");
+    for (int k = 0; k < r->rows; k++) riddle_io_row(table_file, r->row + (size_t)k * (size_t)r->columns, r->columns);
+    if (riddle_io_close(table_file) == RIDDLE_IO_OK) add_name(r, "measured.csv");
     if (r->rows > 1 && draw_curves(r) == 0) add_name(r, "curves.svg");
     if (!r->drawn) draw_picture(r);
     if (r->pictured) add_name(r, "scene.png");

@@ -59,10 +59,10 @@ static int write_template(const char *name) {
     snprintf(original, sizeof original, "tools/riddle/%s", target);
     char *text = input_read(output_find(path, sizeof path, original), &size, message, sizeof message);
     if (!text) return common_fail("%s", message), 1;
-    output *file = output_open(NULL, target);
-    output_write(file, text, size);
+    riddle_io_file *file = riddle_io_open(NULL, target);
+    riddle_io_write(file, text, size);
     free(text);
-    if (output_close(file) != RIDDLE_IO_OK) return 1;
+    if (riddle_io_close(file) != RIDDLE_IO_OK) return 1;
     common_print("%s is written. Now: riddle run %s\n", target, target);
     return common_exit_status();
 }
@@ -108,7 +108,7 @@ static int read_state(job *j) {
     size_t size;
     scene_state io;
     unsigned char *bytes =
-        (unsigned char *)input_read(output_path(path, sizeof path, j->self.out, state_name), &size, message, sizeof message);
+        (unsigned char *)input_read(riddle_io_path(path, sizeof path, j->self.out, state_name), &size, message, sizeof message);
     if (!bytes) return refuse(message);
     const int begun = state_begin_reading(&io, bytes, size), failed = begun || exchange(j, &io);
     state_free(&io);
@@ -125,9 +125,9 @@ static int write_state(job *j) {
     int failed = exchange(j, &io);
     if (failed) common_fail("%s: out of memory", state_name);
     else {
-        output *file = output_open(j->self.out, state_name);
-        output_write(file, io.bytes, io.size);
-        failed = output_close(file) != RIDDLE_IO_OK;
+        riddle_io_file *file = riddle_io_open(j->self.out, state_name);
+        riddle_io_write(file, io.bytes, io.size);
+        failed = riddle_io_close(file) != RIDDLE_IO_OK;
         if (!failed) j->saved = scene_time(&j->s);
     }
     state_free(&io);
