@@ -92,7 +92,8 @@ static const double WET_STEEL = 45.0 / 180.0 * RIDDLE_PI, WET_PVC = 50.0 / 180.0
 
 /* Dry books for at most n >= 0 particles with ids from 0 and dry walls. group: size class 0..2 by id, shape [n], to be set before a
    particle touches anything. class_diameter: of the three classes [m] > 0, shape [WET_CLASSES]. volume: about all the liquid that there
-   will be [m3] >= 0. `decks` walls from wall `deck` on are screens or what stands in their place; wires and side walls of at most 1000 patches across.
+   will be [m3] >= 0. `decks` walls from wall `deck` on are screens or what stands in their place. No wall has
+   more than 1000 patches across.
    printed: the laws of Elskamp & Kruggel-Emden (2019), eqs 12-18, as printed. side_angle: contact angle of the other walls [rad].
    BRIDGE_INVALID: an argument, or no memory; nothing is held then. */
 WET_API bridge_status wet_prepare(wet_scene *s, int n, const int *group, const double *class_diameter, double volume, int deck, int decks,
