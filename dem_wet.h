@@ -205,7 +205,7 @@ static void wet_ended(dem_world *w, int32_t number, void *user) {
 static const dem_law wet_law = {
     "linear, friction, rolling, lubrication", 2, WET_STATES, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, wet_force, wet_born, NULL};
 static const dem_law wet_law_printed = {
-    "the same, eqs 12-18 as printed", 2, WET_STATES, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, wet_force_printed, wet_born, NULL};
+    "linear, friction, rolling, lubrication, eqs 12-18 as printed", 2, WET_STATES, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, wet_force_printed, wet_born, NULL};
 static const dem_law wet_bridges = {"liquid bridges", 1, WET_LINK_STATES, 0, 0, 0, NULL, wet_link_force, NULL, wet_ended};
 static const dem_law wet_bridges_printed = {
     "liquid bridges, eqs 12-18 as printed", 1, WET_LINK_STATES, 0, 0, 0, NULL, wet_link_force_printed, NULL, wet_ended};
