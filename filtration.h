@@ -386,6 +386,12 @@ FILTRATION_API const char *filtration_outside_text(unsigned flag); /* of one fla
 
 /* ==== >>solids: solids at rest in the fluid ==== */
 
+/* A place at which a solid is near to a sphere. */
+typedef struct filtration_near {
+    double gap;       /* [m], < 0: overlap */
+    double normal[3]; /* unit vector from the sphere's centre to the surface */
+} filtration_near;
+
 /* A solid at rest, described by functions of the caller, which are called in filtration_fluid_init and when spheres touch it. */
 typedef struct filtration_solid {
     /* Signed distance from a point to the surface [m], > 0 in the fluid. Its sign and its zero must be right; elsewhere it may be smaller
@@ -394,6 +400,9 @@ typedef struct filtration_solid {
     /* Fraction of the way from a fluid point to a solid one at which the surface lies [-], above 0 .. 1. NULL: computed from `distance`. */
     double (*cut)(const void *self, const double fluid[3], const double solid[3]);
     const void *self;
+    /* Lists at most `most` places with a gap below `reach` to a sphere, one for each wire or body that it may touch; returns their number.
+       For filtration_move. NULL: the nearest place, from differences of `distance`. */
+    int (*touch)(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near);
 } filtration_solid;
 
 /* The solids below keep their own data. filtration_..._solid() returns a filtration_solid that points to these data, which must outlive the
@@ -1766,8 +1775,25 @@ static inline double filtration__axis_distance(const filtration_cloth *cloth, in
     return way * way + aside * aside + away * away;
 }
 
-/* Returns the distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined by
-   Newton's method. */
+/* Moves a place s along a wire's axis, whose squared distance is `least`, to the nearest one by Newton's method. */
+static inline void filtration__nearest_place(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
+                                             double *s, double *least) {
+    double slope, curve, ignored[2];
+    for (int i = 0; i < 20; i++) {
+        const double before = *least;
+        filtration__axis_distance(cloth, warp, own, aside, along, z, *s, &slope, &curve);
+        double move = curve > 0.1 ? -slope / curve : -slope;
+        for (int half = 0; half < 8; half++, move *= 0.5) {
+            const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, *s + move, &ignored[0], &ignored[1]);
+            if (!(square < *least)) continue;
+            *least = square, *s += move;
+            break;
+        }
+        if (!(*least < before * (1.0 - 1e-14))) break;
+    }
+}
+
+/* Returns the distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined. */
 static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z) {
     double slope, curve, best = along;
     double least = filtration__axis_distance(cloth, warp, own, aside, along, z, along, &slope, &curve);
@@ -1778,18 +1804,7 @@ static inline double filtration__wire_distance(const filtration_cloth *cloth, in
         const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, at, &slope, &curve);
         if (square < least) least = square, best = at;
     }
-    for (int i = 0; i < 20; i++) {
-        const double before = least;
-        filtration__axis_distance(cloth, warp, own, aside, along, z, best, &slope, &curve);
-        double move = curve > 0.1 ? -slope / curve : -slope;
-        for (int half = 0; half < 8; half++, move *= 0.5) {
-            const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, best + move, &slope, &curve);
-            if (!(square < least)) continue;
-            least = square, best += move;
-            break;
-        }
-        if (!(least < before * (1.0 - 1e-14))) break;
-    }
+    filtration__nearest_place(cloth, warp, own, aside, along, z, &best, &least);
     return sqrt(least) - 0.5 * cloth->wire;
 }
 
@@ -1825,9 +1840,50 @@ static inline double filtration__cloth_at(const void *self, const double point[3
     return filtration_cloth_distance((const filtration_cloth *)self, point);
 }
 
+/* Lists the places of a wire that are near to a sphere: at each place where its axis comes no nearer on either side. A wire in a bend may
+   touch a sphere twice. */
+static inline int filtration__wire_touch(const filtration_cloth *cloth, int warp, int own, const double centre[3], double radius,
+                                         double reach, int most, filtration_near *near) {
+    const double along = centre[warp ? 1 : 0], aside = centre[warp ? 0 : 1] - (own + 0.5) * (cloth->wire + cloth->opening);
+    const double z = centre[2] - cloth->centre, limit = radius + reach + 0.5 * cloth->wire, span = limit * limit - aside * aside;
+    double slope, curve, square[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    int found = 0;
+    if (!(span > 0.0)) return 0;
+    const double half = sqrt(span);
+    const int samples = (int)(half / (cloth->wire + cloth->opening) * 8.0) + 4;
+    for (int i = -samples; i <= samples + 1 && found < most; i++) {
+        square[0] = square[1], square[1] = square[2];
+        square[2] = filtration__axis_distance(cloth, warp, own, aside, along, z, along + half * i / samples, &slope, &curve);
+        if (i == -samples || !(square[1] <= square[0] && square[1] < square[2])) continue;
+        double s = along + half * (i - 1) / samples, least = square[1];
+        filtration__nearest_place(cloth, warp, own, aside, along, z, &s, &least);
+        const double distance = sqrt(least);
+        if (!(distance < limit) || !(distance > 0.0)) continue;
+        filtration_near *n = &near[found++];
+        n->gap = distance - 0.5 * cloth->wire - radius;
+        n->normal[warp ? 0 : 1] = -aside / distance, n->normal[warp ? 1 : 0] = (s - along) / distance;
+        n->normal[2] = (filtration__cloth_axis(cloth, warp, own, s, &slope, &curve) - z) / distance;
+    }
+    return found;
+}
+
+static int filtration__cloth_touch(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near) {
+    const filtration_cloth *cloth = (const filtration_cloth *)self;
+    const double pitch = cloth->wire + cloth->opening, wide = radius + reach + 0.5 * cloth->wire;
+    int found = 0;
+    if (!(fabs(centre[2] - cloth->centre) < wide + 0.5 * cloth->wire)) return 0;
+    for (int warp = 0; warp < 2; warp++) {
+        const double across = centre[warp ? 0 : 1];
+        const int first = (int)floor((across - wide) / pitch), last = (int)floor((across + wide) / pitch);
+        for (int own = first; own <= last; own++)
+            found += filtration__wire_touch(cloth, warp, own, centre, radius, reach, most - found, near + found);
+    }
+    return found;
+}
+
 FILTRATION_API filtration_solid filtration_cloth_solid(const filtration_cloth *cloth) {
     filtration_solid solid;
-    solid.distance = filtration__cloth_at, solid.cut = NULL, solid.self = cloth;
+    solid.distance = filtration__cloth_at, solid.cut = NULL, solid.self = cloth, solid.touch = filtration__cloth_touch;
     return solid;
 }
 
@@ -1838,7 +1894,8 @@ typedef struct filtration__bed_entry {
     int image[3]; /* in multiples of the box's edges */
 } filtration__bed_entry;
 
-static inline double filtration__capsule_distance(const double point[3], const double *a, const double *b, double radius) {
+/* Returns the distance from a point to the axis of a fibre, or to the centre of a sphere (b NULL), and the way there. */
+static inline double filtration__axis_way(const double point[3], const double *a, const double *b, double way[3]) {
     double along = 0.0, length = 0.0, square = 0.0;
     for (int k = 0; k < 3 && b; k++) along += (point[k] - a[k]) * (b[k] - a[k]), length += (b[k] - a[k]) * (b[k] - a[k]);
     double share = length > 0.0 ? along / length : 0.0;
@@ -1846,9 +1903,10 @@ static inline double filtration__capsule_distance(const double point[3], const d
     if (share > 1.0) share = 1.0;
     for (int k = 0; k < 3; k++) {
         const double away = point[k] - a[k] - (b ? share * (b[k] - a[k]) : 0.0);
+        way[k] = -away;
         square += away * away;
     }
-    return sqrt(square) - radius;
+    return sqrt(square);
 }
 
 /* Finds the range of cells that object i, moved by an image, can be near to. Returns 0 if there are none. */
@@ -1963,26 +2021,52 @@ FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdif
     return FILTRATION_OK;
 }
 
-FILTRATION_API double filtration_bed_distance(const filtration_bed *bed, const double point[3]) {
-    if (!bed || !point) return (double)NAN;
-    double inside[3], nearest = bed->reach;
+/* Finds the cell of a point, which is moved into the box along periodic axes. */
+static inline size_t filtration__bed_cell(const filtration_bed *bed, const double point[3], double inside[3]) {
     int cell[3];
-    if (!bed->entry) return nearest;
     for (int k = 0; k < 3; k++) {
         inside[k] = bed->periodic[k] ? point[k] - bed->box[k] * floor(point[k] / bed->box[k]) : point[k];
         const double place = inside[k] / bed->box[k] * bed->cells[k];
         cell[k] = place >= 1.0 ? (place < bed->cells[k] ? (int)place : bed->cells[k] - 1) : 0;
     }
-    const size_t c = (size_t)((cell[2] * bed->cells[1] + cell[1]) * bed->cells[0] + cell[0]);
+    return (size_t)((cell[2] * bed->cells[1] + cell[1]) * bed->cells[0] + cell[0]);
+}
+
+/* Returns the distance from a point (inside the box) to the surface of an object of a cell, and the way to its axis. */
+static inline double filtration__bed_way(const filtration_bed *bed, const filtration__bed_entry *entry, const double inside[3],
+                                         double way[3]) {
+    double moved[3];
+    for (int k = 0; k < 3; k++) moved[k] = inside[k] - entry->image[k] * bed->box[k];
+    const double *b = bed->b ? bed->b + 3 * entry->index : NULL;
+    return filtration__axis_way(moved, bed->a + 3 * entry->index, b, way) - bed->radius[entry->index];
+}
+
+FILTRATION_API double filtration_bed_distance(const filtration_bed *bed, const double point[3]) {
+    if (!bed || !point) return (double)NAN;
+    double inside[3], way[3], nearest = bed->reach;
+    if (!bed->entry) return nearest;
+    const size_t c = filtration__bed_cell(bed, point, inside);
     for (size_t e = bed->start[c]; e < bed->start[c + 1]; e++) {
-        const filtration__bed_entry *entry = &bed->entry[e];
-        double moved[3];
-        for (int k = 0; k < 3; k++) moved[k] = inside[k] - entry->image[k] * bed->box[k];
-        const double *b = bed->b ? bed->b + 3 * entry->index : NULL;
-        const double distance = filtration__capsule_distance(moved, bed->a + 3 * entry->index, b, bed->radius[entry->index]);
+        const double distance = filtration__bed_way(bed, &bed->entry[e], inside, way);
         if (distance < nearest) nearest = distance;
     }
     return nearest;
+}
+
+static int filtration__bed_touch(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near) {
+    const filtration_bed *bed = (const filtration_bed *)self;
+    double inside[3], way[3];
+    int found = 0;
+    if (!bed->entry) return 0;
+    const size_t c = filtration__bed_cell(bed, centre, inside);
+    for (size_t e = bed->start[c]; e < bed->start[c + 1] && found < most; e++) {
+        const double distance = filtration__bed_way(bed, &bed->entry[e], inside, way), axis = distance + bed->radius[bed->entry[e].index];
+        if (!(distance - radius < reach) || !(axis > 0.0)) continue;
+        near[found].gap = distance - radius;
+        for (int k = 0; k < 3; k++) near[found].normal[k] = way[k] / axis;
+        found++;
+    }
+    return found;
 }
 
 static inline double filtration__bed_at(const void *self, const double point[3]) {
@@ -1991,7 +2075,7 @@ static inline double filtration__bed_at(const void *self, const double point[3])
 
 FILTRATION_API filtration_solid filtration_bed_solid(const filtration_bed *bed) {
     filtration_solid solid;
-    solid.distance = filtration__bed_at, solid.cut = NULL, solid.self = bed;
+    solid.distance = filtration__bed_at, solid.cut = NULL, solid.self = bed, solid.touch = filtration__bed_touch;
     return solid;
 }
 
@@ -2054,7 +2138,7 @@ static inline double filtration__image_at(const void *self, const double point[3
 
 FILTRATION_API filtration_solid filtration_image_solid(const filtration_image *image) {
     filtration_solid solid;
-    solid.distance = filtration__image_at, solid.cut = NULL, solid.self = image;
+    solid.distance = filtration__image_at, solid.cut = NULL, solid.self = image, solid.touch = NULL;
     return solid;
 }
 
@@ -4252,27 +4336,37 @@ typedef struct filtration__touch {
     double force[3];                     /* on the first [N] */
 } filtration__touch;
 
-/* Computes the force of a contact: Hertz with Tsuji's damping, Coulomb friction that at most stops sliding within a sub-step, lubrication
-   implicit in the closing velocity. */
+/* Computes the force along the normal: Hertz with Tsuji's damping (which pulls at the end of a contact: a push clipped at 0 would need another
+   damping for the same restitution); returns it without lubrication, which is implicit in the closing velocity. */
+static inline double filtration__touch_normal(const filtration_motion_def *def, const filtration_fluid *fluid, double h, double damping,
+                                              double closing, filtration__touch *t) {
+    double push = 0.0, film = 0.0;
+    if (t->gap < 0.0) {
+        const double r = t->r2 < HUGE_VAL ? t->r1 * t->r2 / (t->r1 + t->r2) : t->r1, root = sqrt(-r * t->gap);
+        const double stiffness = 2.0 * def->modulus * root;
+        push = -2.0 / 3.0 * stiffness * t->gap + 2.0 * 0.91287092917527686 * damping * sqrt(stiffness * t->mass) * closing;
+    }
+    if (def->lubrication) {
+        const double least = def->least_gap * 2.0 * t->r1, cutoff = fluid->def.voxel * (2.0 / 3.0);
+        const double rate = filtration_lubrication_force(t->r1, t->r2, t->gap, 1.0, fluid->def.viscosity, cutoff, least);
+        film = rate * closing / (1.0 + rate * h / t->mass);
+    }
+    for (int a = 0; a < 3; a++) t->force[a] = -(push + film) * t->normal[a];
+    return push;
+}
+
+/* Computes the force of a contact: along the normal, or the friction (Coulomb's, which at most stops sliding within a sub-step). Friction comes
+   after all normal forces, so that it sees no velocity that another contact takes away: spheres come to rest. */
 static inline void filtration__touch_force(const filtration_motion_def *def, const filtration_fluid *fluid, double h, double damping,
-                                           filtration__touch *t) {
-    double closing = 0.0, push = 0.0, slide = 0.0, tangential[3];
-    for (int a = 0; a < 3; a++) closing += t->velocity[a] * t->normal[a];
+                                           int friction, filtration__touch *t) {
+    const double closing = filtration__dot(t->velocity, t->normal), push = filtration__touch_normal(def, fluid, h, damping, closing, t);
+    double slide = 0.0, tangential[3];
+    if (!friction) return;
     for (int a = 0; a < 3; a++) tangential[a] = t->velocity[a] - closing * t->normal[a], slide += tangential[a] * tangential[a];
     slide = sqrt(slide);
-    if (t->gap < 0.0) {
-        double r = t->r2 < HUGE_VAL ? t->r1 * t->r2 / (t->r1 + t->r2) : t->r1, root = sqrt(-r * t->gap),
-               stiffness = 2.0 * def->modulus * root;
-        push = -2.0 / 3.0 * stiffness * t->gap + 2.0 * 0.91287092917527686 * damping * sqrt(stiffness * t->mass) * closing;
-        if (push < 0.0) push = 0.0;
-    }
-    double cap = t->mass * slide / (2.0 * h), grip = def->friction * push < cap ? def->friction * push : cap;
-    if (def->lubrication) {
-        double least = def->least_gap * 2.0 * t->r1;
-        double rate = filtration_lubrication_force(t->r1, t->r2, t->gap, 1.0, fluid->def.viscosity, fluid->def.voxel * (2.0 / 3.0), least);
-        push += rate * closing / (1.0 + rate * h / t->mass);
-    }
-    for (int a = 0; a < 3; a++) t->force[a] = -push * t->normal[a] - (slide > 0.0 ? grip / slide * tangential[a] : 0.0);
+    const double cap = t->mass * slide / ((def->spin ? 3.5 : 1.0) * h), most = def->friction * push;
+    const double grip = most < cap ? most : cap;
+    for (int a = 0; a < 3; a++) t->force[a] = slide > 0.0 && grip > 0.0 ? -grip / slide * tangential[a] : 0.0;
 }
 
 /* Computes the velocity of the surface of sphere n towards `normal`. */
@@ -4301,49 +4395,65 @@ static inline void filtration__kick(const filtration_motion_def *def, filtration
 
 /* Applies the contact of sphere n with sphere k, or with a wall (k < 0) whose gap and normal are in t. */
 static inline void filtration__collide_pair(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                            ptrdiff_t n, ptrdiff_t k, double h, double damping, filtration__touch *t, double *contact) {
+                                            ptrdiff_t n, ptrdiff_t k, double h, double damping, int friction, filtration__touch *t,
+                                            double *contact) {
     double u[3] = {0, 0, 0}, back[3];
     double m1 = filtration__sphere_mass(def, s->radius[n]), m2 = k >= 0 ? filtration__sphere_mass(def, s->radius[k]) : 0.0;
     t->r1 = s->radius[n], t->r2 = k >= 0 ? s->radius[k] : HUGE_VAL, t->mass = k >= 0 ? m1 * m2 / (m1 + m2) : m1;
     filtration__rim_velocity(s, n, t->normal, 1.0, t->velocity);
     if (k >= 0) filtration__rim_velocity(s, k, t->normal, -1.0, u);
     for (int a = 0; a < 3; a++) t->velocity[a] -= u[a];
-    filtration__touch_force(def, fluid, h, damping, t);
+    filtration__touch_force(def, fluid, h, damping, friction, t);
     filtration__kick(def, s, n, t->normal, 1.0, t->force, h, contact);
     for (int a = 0; a < 3; a++) back[a] = -t->force[a];
     if (k >= 0) filtration__kick(def, s, k, t->normal, -1.0, back, h, contact);
 }
 
-/* Computes the gap to the solid at rest and the direction towards it, by differences of the signed distance. Returns 0 beyond reach. */
-static inline int filtration__near_solid(const filtration_fluid *fluid, const double centre[3], double radius, double reach,
-                                         filtration__touch *t) {
+#define FILTRATION__TOUCHES 32 /* most places at which a sphere touches the solid */
+
+/* Finds the nearest place of a solid by differences of its distance. Returns their number, 0 or 1. */
+static inline int filtration__touch_nearest(const filtration_solid *solid, const double centre[3], double radius, double reach, double step,
+                                            filtration_near *near) {
+    double length = 0.0;
+    near->gap = solid->distance(solid->self, centre) - radius;
+    if (!(near->gap < reach)) return 0;
+    for (int a = 0; a < 3; a++) {
+        double q[3] = {centre[0], centre[1], centre[2]};
+        q[a] = centre[a] + step;
+        near->normal[a] = -solid->distance(solid->self, q);
+        q[a] = centre[a] - step;
+        near->normal[a] += solid->distance(solid->self, q);
+        length += near->normal[a] * near->normal[a];
+    }
+    length = sqrt(length);
+    for (int a = 0; a < 3 && length > 0.0; a++) near->normal[a] /= length;
+    return length > 0.0;
+}
+
+static inline int filtration__touch_solid(const filtration_fluid *fluid, const double centre[3], double radius, double reach,
+                                          filtration_near *near) {
     const filtration_solid *solid = &fluid->def.solid;
-    double step = 0.02 * fluid->def.voxel, length = 0.0, box[3], p[3];
+    double box[3], p[3];
     for (int a = 0; a < 3; a++) {
         box[a] = fluid->def.nodes[a] * fluid->def.voxel;
         p[a] = filtration__repeats(fluid->lattice, a) ? centre[a] - box[a] * floor(centre[a] / box[a]) : centre[a];
     }
-    t->gap = solid->distance(solid->self, p) - radius;
-    if (!(t->gap < reach)) return 0;
-    for (int a = 0; a < 3; a++) {
-        double q[3] = {p[0], p[1], p[2]};
-        q[a] = p[a] + step;
-        t->normal[a] = -solid->distance(solid->self, q);
-        q[a] = p[a] - step;
-        t->normal[a] += solid->distance(solid->self, q);
-        length += t->normal[a] * t->normal[a];
-    }
-    length = sqrt(length);
-    for (int a = 0; a < 3 && length > 0.0; a++) t->normal[a] /= length;
-    return length > 0.0;
+    if (!solid->touch) return filtration__touch_nearest(solid, p, radius, reach, 0.02 * fluid->def.voxel, near);
+    const int n = solid->touch(solid->self, p, radius, reach, FILTRATION__TOUCHES, near);
+    return n < 0 ? 0 : n < FILTRATION__TOUCHES ? n : FILTRATION__TOUCHES;
 }
 
 static inline void filtration__touch_walls(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                           ptrdiff_t n, double h, double damping, double reach, double *contact) {
+                                           ptrdiff_t n, double h, double damping, double reach, int friction, double *contact) {
     filtration__touch t;
     const double *x = s->centre + 3 * n;
-    if (fluid->def.solid.distance && filtration__near_solid(fluid, x, s->radius[n], reach, &t))
-        filtration__collide_pair(def, fluid, s, n, -1, h, damping, &t, contact);
+    filtration_near near[FILTRATION__TOUCHES];
+    const int places = fluid->def.solid.distance ? filtration__touch_solid(fluid, x, s->radius[n], reach, near) : 0;
+    for (int k = 0; k < places; k++) {
+        t.gap = near[k].gap;
+        memcpy(t.normal, near[k].normal, sizeof t.normal);
+        filtration__collide_pair(def, fluid, s, n, -1, h, damping, friction, &t, contact);
+    }
     for (int f = 0; f < 6; f++) {
         if (!fluid->lattice->face[f]->is_touched) continue;
         int a = f / 2, high = f & 1;
@@ -4351,12 +4461,12 @@ static inline void filtration__touch_walls(const filtration_motion_def *def, con
         if (!(t.gap < reach)) continue;
         t.normal[0] = t.normal[1] = t.normal[2] = 0.0;
         t.normal[a] = high ? 1.0 : -1.0;
-        filtration__collide_pair(def, fluid, s, n, -1, h, damping, &t, contact);
+        filtration__collide_pair(def, fluid, s, n, -1, h, damping, friction, &t, contact);
     }
 }
 
 static inline void filtration__touch_pairs(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                           ptrdiff_t n, double h, double damping, double reach, double *contact) {
+                                           ptrdiff_t n, double h, double damping, double reach, int friction, double *contact) {
     for (ptrdiff_t k = n + 1; k < s->n; k++) {
         filtration__touch t;
         double dd = 0.0, sum = s->radius[n] + s->radius[k];
@@ -4371,7 +4481,7 @@ static inline void filtration__touch_pairs(const filtration_motion_def *def, con
         double distance = sqrt(dd);
         for (int a = 0; a < 3; a++) t.normal[a] /= distance;
         t.gap = distance - sum;
-        filtration__collide_pair(def, fluid, s, n, k, h, damping, &t, contact);
+        filtration__collide_pair(def, fluid, s, n, k, h, damping, friction, &t, contact);
     }
 }
 
@@ -4424,9 +4534,14 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
         for (ptrdiff_t n = 0; n < spheres->n; n++) {
             if (!(spheres->radius[n] > 0.0)) continue;
             filtration__push(def, fluid, spheres, n, share, h);
-            filtration__touch_walls(def, fluid, spheres, n, h, damping, reach, contact);
-            filtration__touch_pairs(def, fluid, spheres, n, h, damping, reach, contact);
         }
+        for (int friction = 0; friction < (def->friction > 0.0 ? 2 : 1); friction++)
+            for (ptrdiff_t n = 0; n < spheres->n; n++) {
+                if (!(spheres->radius[n] > 0.0)) continue;
+                const double near = friction ? 0.0 : reach;
+                filtration__touch_walls(def, fluid, spheres, n, h, damping, near, friction, contact);
+                filtration__touch_pairs(def, fluid, spheres, n, h, damping, near, friction, contact);
+            }
         for (ptrdiff_t n = 0; n < spheres->n; n++)
             for (int a = 0; a < 3; a++)
                 if (spheres->radius[n] > 0.0 && !def->fixed_axes[a]) spheres->centre[3 * n + a] += h * spheres->velocity[3 * n + a];

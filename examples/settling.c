@@ -207,6 +207,15 @@ static double seamed_distance(const void *self, const double point[3]) {
     return filtration_cloth_distance(&c->cloth, inside);
 }
 
+/* Of a sphere that does not touch the cut. */
+static int seamed_touch(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near) {
+    const seamed_cloth *c = self;
+    const filtration_solid solid = filtration_cloth_solid(&c->cloth);
+    double inside[3] = {centre[0], centre[1], centre[2]};
+    for (int k = 0; k < 2; k++) inside[k] -= c->width * floor(inside[k] / c->width);
+    return solid.touch(&c->cloth, inside, radius, reach, most, near);
+}
+
 typedef struct run {
     const scene *s;
     choices choice;
@@ -247,7 +256,7 @@ static filtration_fluid_def fluid_def(run *r, int threads) {
     if (s->cloth) {
         filtration_cloth_make(&r->cloth.cloth, 28e-6, 32e-6, FILTRATION_TWILL_WEAVE, 28e-6);
         r->cloth.width = def.nodes[0] * c->voxel;
-        def.solid.distance = seamed_distance, def.solid.self = &r->cloth;
+        def.solid.distance = seamed_distance, def.solid.touch = seamed_touch, def.solid.self = &r->cloth;
     }
     return def;
 }

@@ -679,6 +679,90 @@ static double pulled(filtration_force_mode kind, int quarter) {
 }
 
 /* The paper's force is that of shear alone: two thirds of Stokes' drag, and 1.5 voxels over the radius less. */
+/* A dry sphere meets a wall and leaves it with the restitution asked, at any speed, size and stiffness. */
+static void test_restitution(void **state) {
+    (void)state;
+    static const double asked[] = {0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 1.0};
+    for (int k = 0; k < 7; k++) {
+        filtration_fluid_def def = small_box(16);
+        filtration_motion_def motion = filtration_motion_default_def();
+        filtration_fluid fluid;
+        def.voxel = 1e-5;
+        for (int f = 0; f < 6; f++) def.face[f] = FILTRATION_WALL;
+        assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+        const double speed = k % 2 ? 0.05 : 0.2;
+        motion.gravity[2] = 0.0, motion.restitution = asked[k], motion.lubrication = 0, motion.sub_steps = 20000;
+        motion.modulus = k % 3 ? 1e8 : 1e9;
+        double r = k % 2 ? 2e-5 : 4e-5, x[3] = {8e-5, 8e-5, r + 1e-9}, v[3] = {0, 0, -speed}, w[3] = {0}, force[3] = {0}, torque[3] = {0};
+        filtration_spheres s = {1, x, v, w, &r, force, torque};
+        for (int n = 0; n < 2; n++) assert_int_equal(filtration_move(&motion, &fluid, &s, 1.0, NULL), FILTRATION_OK);
+        assert_true(x[2] > r && fabs(v[2] / speed - asked[k]) < 0.005);
+        filtration_fluid_free(&fluid);
+    }
+}
+
+/* Presses a sphere into a pore; returns its speed and the speed of its surface after a while [m/s]. */
+static double speed_in_pore(const filtration_solid *solid, double x, double y, double z, double radius, double friction) {
+    filtration_fluid_def def = small_box(32);
+    filtration_motion_def motion = filtration_motion_default_def();
+    filtration_fluid fluid;
+    def.voxel = 7.5e-6, def.tau = 0.55, def.nodes[2] = 20;
+    def.face[4] = def.face[5] = FILTRATION_PRESSURE;
+    def.solid = *solid;
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    motion.gravity[2] = 0.0, motion.sub_steps = 20, motion.friction = friction;
+    double centre[3] = {x, y, z + radius}, v[3] = {0}, w[3] = {0}, force[3] = {0, 0, -1e-6}, torque[3] = {0}, contact[3];
+    filtration_spheres s = {1, centre, v, w, &radius, force, torque};
+    for (int n = 0; n < 2600; n++) assert_int_equal(filtration_move(&motion, &fluid, &s, 1.0, contact), FILTRATION_OK);
+    filtration_fluid_free(&fluid);
+    assert_true(fabs(contact[2] / 1e-6 - 1.0) < 1e-3);
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) + radius * sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+}
+
+/* A sphere touches every wire, fibre and sphere of the solid that it can: it comes to rest on them. */
+static void test_sphere_in_pore_rests(void **state) {
+    (void)state;
+    static const double a[9] = {60e-6, 60e-6, 50e-6, 130e-6, 70e-6, 50e-6, 90e-6, 130e-6, 55e-6}, r[3] = {40e-6, 38e-6, 36e-6};
+    static const double box[3] = {240e-6, 240e-6, 150e-6};
+    static const int periodic[3] = {1, 1, 0};
+    filtration_cloth cloth;
+    filtration_bed bed;
+    assert_int_equal(filtration_cloth_make(&cloth, 28e-6, 32e-6, FILTRATION_TWILL_WEAVE, 60e-6), FILTRATION_OK);
+    filtration_solid solid = filtration_cloth_solid(&cloth);
+    assert_true(speed_in_pore(&solid, 61e-6, 59.5e-6, 88e-6, 40e-6, 0.3) < 2e-7);
+    assert_true(speed_in_pore(&solid, 110e-6, 20e-6, 88e-6, 30e-6, 0.1) < 2e-7);
+    assert_int_equal(filtration_bed_init(&bed, 3, a, NULL, r, box, periodic, 60e-6, NULL), FILTRATION_OK);
+    solid = filtration_bed_solid(&bed);
+    assert_true(speed_in_pore(&solid, 95e-6, 85e-6, 92e-6, 40e-6, 0.3) < 2e-7);
+    filtration_bed_free(&bed);
+}
+
+/* The places of a cloth agree with its distance: the nearest of them is the nearest point. */
+static void test_places_of_a_cloth(void **state) {
+    (void)state;
+    filtration_cloth cloth;
+    filtration_near near[8];
+    for (int weave = 0; weave < 2; weave++) {
+        assert_int_equal(filtration_cloth_make(&cloth, 28e-6, 32e-6, (filtration_weave)weave, 60e-6), FILTRATION_OK);
+        const filtration_solid solid = filtration_cloth_solid(&cloth);
+        for (int k = 0; k < 300; k++) {
+            const double point[3] = {(k * 37 % 241) * 1e-6, (k * 53 % 239) * 1e-6, (60.0 + (k * 29 % 97) - 48.0) * 1e-6};
+            const double away = filtration_cloth_distance(&cloth, point);
+            if (!(away > 1e-6 && away < 25e-6)) continue;
+            const int n = solid.touch(&cloth, point, away - 0.5e-6, 1e-6, 8, near);
+            double least = HUGE_VAL;
+            assert_true(n >= 1);
+            for (int i = 0; i < n; i++) {
+                if (near[i].gap < least) least = near[i].gap;
+                double surface[3];
+                for (int a = 0; a < 3; a++) surface[a] = point[a] + near[i].normal[a] * (away - 0.5e-6 + near[i].gap);
+                assert_true(fabs(filtration_cloth_distance(&cloth, surface)) < 1e-11);
+            }
+            assert_true(fabs(least - 0.5e-6) < 1e-12);
+        }
+    }
+}
+
 static void test_shear_layer(void **state) {
     (void)state;
     const double drag = pulled(FILTRATION_MOMENTUM_EXCHANGE, 0), shear = pulled(FILTRATION_SHEAR_LAYER, 0);
@@ -872,6 +956,9 @@ int main(void) {
         cmocka_unit_test(test_another_time_step),
         cmocka_unit_test(test_mass),
         cmocka_unit_test(test_settling),
+        cmocka_unit_test(test_restitution),
+        cmocka_unit_test(test_sphere_in_pore_rests),
+        cmocka_unit_test(test_places_of_a_cloth),
         cmocka_unit_test(test_shear_layer),
         cmocka_unit_test(test_divergence_is_reported),
         cmocka_unit_test(test_bad_input),
