@@ -66,9 +66,20 @@ extern "C" {
 /* State of a contact behind its friction history: the bridge's width and radius (0: dry). */
 enum { WET_WIDTH = 3, WET_RADIUS, WET_STATES };
 /* State of a link: the bridge; for the printed equations also the contact angles, and 1 if j is a wall. */
-enum { WET_BRIDGE_SIZE = sizeof(bridge) / sizeof(double), WET_ANGLE_I = WET_BRIDGE_SIZE, WET_ANGLE_J, WET_IS_WALL, WET_LINK_STATES };
-enum { WET_CLASSES = 3, WET_DECK = WET_CLASSES, WET_SIDE, WET_PARTNERS }; /* walls by their contact angle: decks, others */
-static const double WET_INTERVAL = 2e-4, WET_NEAR = 2e-6;                 /* between evaluations of links [s]; gap [m] */
+enum {
+    WET_BRIDGE_SIZE = sizeof(bridge) / sizeof(double),
+    WET_ANGLE_I = WET_BRIDGE_SIZE,
+    WET_ANGLE_J,
+    WET_IS_WALL,
+    WET_LINK_STATES
+};
+enum {
+    WET_CLASSES = 3,
+    WET_DECK = WET_CLASSES,
+    WET_SIDE,
+    WET_PARTNERS
+};                                                        /* walls by their contact angle: decks, others */
+static const double WET_INTERVAL = 2e-4, WET_NEAR = 2e-6; /* between evaluations of links [s]; gap [m] */
 
 typedef struct wet_scene {
     bridge_liquid liquid;
@@ -79,7 +90,8 @@ typedef struct wet_scene {
     const int *group; /* class of particle by id */
     int deck, decks;  /* wall index of the first screen, or of what stands in its place; how many there are */
     double patch, wall_radius;
-    int around, up, bars; /* patches of the side wall; bars of a family, patches of a bar; without wires patches are one family */
+    int around, up,
+        bars; /* patches of the side wall; bars of a family, patches of a bar; without wires patches are one family */
     long long ruptures;
     double initial;          /* liquid at the start [m3] */
     bridge_status status;    /* what went wrong within a run */
@@ -96,13 +108,14 @@ static const double WET_STEEL = 45.0 / 180.0 * RIDDLE_PI, WET_PVC = 50.0 / 180.0
    more than 1000 patches across.
    printed: the laws of Elskamp & Kruggel-Emden (2019), eqs 12-18, as printed. side_angle: contact angle of the other walls [rad].
    BRIDGE_INVALID: an argument, or no memory; nothing is held then. */
-WET_API bridge_status wet_prepare(wet_scene *s, int n, const int *group, const double *class_diameter, double volume, int deck, int decks,
-                                  dem_world *w, bool printed, double side_angle);
+WET_API bridge_status wet_prepare(wet_scene *s, int n, const int *group, const double *class_diameter, double volume,
+                                  int deck, int decks, dem_world *w, bool printed, double side_angle);
 
 /* The same, and an equal film on each of n particles of one batch, in all `moisture` [-] >= 0 times their mass
    [kg] > 0. diameter: by id [m] > 0, shape [n]. One deck. */
-WET_API bridge_status wet_init(wet_scene *s, int n, const int *group, const double *diameter, const double *class_diameter, double moisture,
-                               double particle_mass, int deck, dem_world *w, bool printed, double side_angle);
+WET_API bridge_status wet_init(wet_scene *s, int n, const int *group, const double *diameter,
+                               const double *class_diameter, double moisture, double particle_mass, int deck,
+                               dem_world *w, bool printed, double side_angle);
 
 WET_API void wet_free(wet_scene *s); /* safe on a zeroed or freed one */
 
@@ -121,7 +134,8 @@ WET_API bridge_status wet_prepare_kinds(wet_scene *s, const double *class_diamet
 /* What the kernels inline: without branches, so that their loops vectorise. */
 
 /* Normal, translation and spin resistance at a gap [N s/m], or none: share 1 or 0. */
-DEM_INLINE void wet__resistance(const bridge *b, const bridge_liquid *liquid, double gap, bool printed, double share, double *resistance) {
+DEM_INLINE void wet__resistance(const bridge *b, const bridge_liquid *liquid, double gap, bool printed, double share,
+                                double *resistance) {
     const bridge_resistances r = bridge_resistance(b, liquid, gap);
     const double rs = 0.5 * b->radius, sv = bridge_viscous_gap(gap, rs, liquid->roughness);
     resistance[0] = share * r.normal;
@@ -152,8 +166,12 @@ DEM_INLINE void wet__contact_force(const dem_contact *c, double *state, dem_resp
     /* what is linked is in contact as long as it is near; what is dry ends with the overlap, as the dry law said */
     r->ended = wet > 0.0 ? 1.0 - near : r->ended;
 }
-DEM_INLINE void wet__force(const dem_contact *c, double *state, dem_response *r) { wet__contact_force(c, state, r, false); }
-DEM_INLINE void wet__force_printed(const dem_contact *c, double *state, dem_response *r) { wet__contact_force(c, state, r, true); }
+DEM_INLINE void wet__force(const dem_contact *c, double *state, dem_response *r) {
+    wet__contact_force(c, state, r, false);
+}
+DEM_INLINE void wet__force_printed(const dem_contact *c, double *state, dem_response *r) {
+    wet__contact_force(c, state, r, true);
+}
 
 DEM_INLINE void wet__bridge_force(const dem_contact *c, double *state, dem_response *r, bool printed) {
     const double *s = state;
@@ -162,9 +180,10 @@ DEM_INLINE void wet__bridge_force(const dem_contact *c, double *state, dem_respo
     const double gap = c->gap > 0.0 ? c->gap : 0.0;
     double resistance[3], pull;
     if (printed)
-        pull = s[WET_IS_WALL] > 0.0
-                   ? bridge_printed_force_wall(gap, b.volume, 0.5 * b.radius, s[WET_ANGLE_I], s[WET_ANGLE_J], liquid.surface_tension)
-                   : bridge_printed_force(gap, b.volume, b.radius, s[WET_ANGLE_I], s[WET_ANGLE_J], liquid.surface_tension);
+        pull = s[WET_IS_WALL] > 0.0 ? bridge_printed_force_wall(gap, b.volume, 0.5 * b.radius, s[WET_ANGLE_I],
+                                                                s[WET_ANGLE_J], liquid.surface_tension)
+                                    : bridge_printed_force(gap, b.volume, b.radius, s[WET_ANGLE_I], s[WET_ANGLE_J],
+                                                           liquid.surface_tension);
     else pull = bridge_attraction(&b, c->gap);
     wet__resistance(&b, &liquid, gap, printed, c->gap < WET_NEAR ? 0.0 : 1.0, resistance);
     r->normal = -pull;
@@ -172,12 +191,18 @@ DEM_INLINE void wet__bridge_force(const dem_contact *c, double *state, dem_respo
     wet__resist(c, resistance, r);
     r->ended = bridge_is_ruptured(&b, &liquid, c->gap, -c->closing) ? 1.0 : 0.0;
 }
-DEM_INLINE void wet__link_force(const dem_contact *c, double *state, dem_response *r) { wet__bridge_force(c, state, r, false); }
-DEM_INLINE void wet__link_force_printed(const dem_contact *c, double *state, dem_response *r) { wet__bridge_force(c, state, r, true); }
+DEM_INLINE void wet__link_force(const dem_contact *c, double *state, dem_response *r) {
+    wet__bridge_force(c, state, r, false);
+}
+DEM_INLINE void wet__link_force_printed(const dem_contact *c, double *state, dem_response *r) {
+    wet__bridge_force(c, state, r, true);
+}
 
 /* ========================================================== >>books ========================================================= */
 
-static inline bool wet__is_deck(const wet_scene *s, ptrdiff_t j) { return -1 - j >= s->deck && -1 - j < s->deck + s->decks; }
+static inline bool wet__is_deck(const wet_scene *s, ptrdiff_t j) {
+    return -1 - j >= s->deck && -1 - j < s->deck + s->decks;
+}
 static inline bool wet__has_wires(const dem_world *w, int wall) { return w->wall[wall].kind == DEM_SCREEN; }
 static inline double wet__pitch(const wet_scene *s, const dem_world *w, int wall) {
     return wet__has_wires(w, wall) ? w->wall[wall].aperture + w->wall[wall].wire : s->patch;
@@ -193,8 +218,14 @@ static inline size_t wet__patch(const wet_scene *s, const dem_world *w, const de
     const dem_vec at = dem_position(w, c->i), origin = w->wall[wall].position;
     const double x = at.x - origin.x, y = at.y - origin.y, z = at.z - origin.z;
     if (!wet__is_deck(s, c->j)) {
-        const int a = wet__whole((riddle_atan2(y, x) / RIDDLE_PI + 1.0) * 0.5 * s->around), u = wet__whole(z / s->patch) + 2;
-        return (size_t)((a < 0 ? 0 : a >= s->around ? s->around - 1 : a) + s->around * (u < 0 ? 0 : u >= s->up ? s->up - 1 : u));
+        const int a = wet__whole((riddle_atan2(y, x) / RIDDLE_PI + 1.0) * 0.5 * s->around),
+                  u = wet__whole(z / s->patch) + 2;
+        return (size_t)((a < 0            ? 0
+                         : a >= s->around ? s->around - 1
+                                          : a) +
+                        s->around * (u < 0        ? 0
+                                     : u >= s->up ? s->up - 1
+                                                  : u));
     }
     const double pitch = wet__pitch(s, w, wall);
     const bool wires = wet__has_wires(w, wall);
@@ -202,7 +233,12 @@ static inline size_t wet__patch(const wet_scene *s, const dem_world *w, const de
     const int family = wires ? (int)((unsigned)c->element & 1u) : 0;
     const int bar = wires ? (c->element - family) / 2 + s->bars / 2 : wet__whole(y / pitch + s->bars / 2.0);
     const int segment = wet__whole((family ? y : x) / pitch + s->bars / 2.0);
-    const int b = bar < 0 ? 0 : bar >= s->bars ? s->bars - 1 : bar, k = segment < 0 ? 0 : segment >= s->bars ? s->bars - 1 : segment;
+    const int b = bar < 0          ? 0
+                  : bar >= s->bars ? s->bars - 1
+                                   : bar,
+              k = segment < 0          ? 0
+                  : segment >= s->bars ? s->bars - 1
+                                       : segment;
     return (size_t)(side + (family * s->bars + b) * s->bars + k);
 }
 
@@ -211,8 +247,11 @@ static inline bridge_partner wet__partner(const dem_world *w, const dem_contact_
 }
 
 /* The prepared kind of a contact's pair; swapped: the contact's i is the kind's j. */
-static inline const bridge_pair *wet__kind(const wet_scene *s, const dem_world *w, const dem_contact_info *c, int *swapped) {
-    const int a = s->group[w->id[c->i]], b = c->j >= 0 ? s->group[w->id[c->j]] : wet__is_deck(s, c->j) ? WET_DECK : WET_SIDE;
+static inline const bridge_pair *wet__kind(const wet_scene *s, const dem_world *w, const dem_contact_info *c,
+                                           int *swapped) {
+    const int a = s->group[w->id[c->i]], b = c->j >= 0               ? s->group[w->id[c->j]]
+                                             : wet__is_deck(s, c->j) ? WET_DECK
+                                                                     : WET_SIDE;
     *swapped = a > b;
     return &s->kind[a < b ? a : b][a < b ? b : a];
 }
@@ -232,8 +271,9 @@ static inline bridge_status wet__link(wet_scene *s, dem_world *w, int32_t number
     int swapped;
     const bridge_pair *kind = wet__kind(s, w, &c, &swapped);
     const double other = c.j >= 0 ? q->radius_j : (double)INFINITY;
-    const bridge_status status = s->printed ? bridge_form_printed(kind, q->radius_i, other, q->given_i, q->given_j, swapped, &b)
-                                            : bridge_form(kind, q->radius_i, other, q->given_i, q->given_j, swapped, &b);
+    const bridge_status status =
+        s->printed ? bridge_form_printed(kind, q->radius_i, other, q->given_i, q->given_j, swapped, &b)
+                   : bridge_form(kind, q->radius_i, other, q->given_i, q->given_j, swapped, &b);
     if (status != BRIDGE_OK) return status;
     memcpy(state, &b, sizeof b);
     state[WET_ANGLE_I] = s->angle[0];
@@ -272,9 +312,11 @@ static inline void wet__born(dem_world *w, const int32_t *numbers, ptrdiff_t n, 
         q->j = c.j >= 0 ? (size_t)w->id[c.j] : wet__patch(s, w, &c);
         q->partner = wet__partner(w, &c);
         q->radius_i = dem_radius(w, c.i);
-        q->radius_j = c.j >= 0 ? dem_radius(w, c.j) : q->partner == BRIDGE_WIRE ? 0.5 * w->wall[-1 - c.j].wire : (double)INFINITY;
-        bridge_volume_range(wet__kind(s, w, &c, &swapped), q->radius_i, c.j >= 0 ? q->radius_j : (double)INFINITY, &q->volume_min,
-                            &q->volume_max);
+        q->radius_j = c.j >= 0                    ? dem_radius(w, c.j)
+                      : q->partner == BRIDGE_WIRE ? 0.5 * w->wall[-1 - c.j].wire
+                                                  : (double)INFINITY;
+        bridge_volume_range(wet__kind(s, w, &c, &swapped), q->radius_i, c.j >= 0 ? q->radius_j : (double)INFINITY,
+                            &q->volume_min, &q->volume_max);
     }
     if (count > 0 && bridge_allocate(&s->films, wanted, count) != BRIDGE_OK) s->status = BRIDGE_INVALID;
     for (size_t k = 0; k < count && s->status == BRIDGE_OK; k++) {
@@ -289,17 +331,43 @@ static inline void wet__ended(dem_world *w, int32_t number, void *user) {
     bridge b;
     memcpy(&b, c.state, sizeof b);
     const size_t j = c.j >= 0 ? (size_t)w->id[c.j] : wet__patch(s, w, &c);
-    if (bridge_release(&s->films, &b, (size_t)w->id[c.i], j, wet__partner(w, &c)) != BRIDGE_OK) s->status = BRIDGE_INVALID;
+    if (bridge_release(&s->films, &b, (size_t)w->id[c.i], j, wet__partner(w, &c)) != BRIDGE_OK)
+        s->status = BRIDGE_INVALID;
     s->ruptures++;
 }
 
-static const dem_law wet_law = {
-    "linear, friction, rolling, lubrication", 2, WET_STATES, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, wet__force, wet__born, NULL};
-static const dem_law wet_law_printed = {
-    "the same, eqs 12-18 as printed", 2, WET_STATES, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, wet__force_printed, wet__born, NULL};
-static const dem_law wet_bridges = {"liquid bridges", 1, WET_LINK_STATES, 0, 0, 0, NULL, wet__link_force, NULL, wet__ended};
-static const dem_law wet_bridges_printed = {
-    "liquid bridges, eqs 12-18 as printed", 1, WET_LINK_STATES, 0, 0, 0, NULL, wet__link_force_printed, NULL, wet__ended};
+static const dem_law wet_law = {"linear, friction, rolling, lubrication",
+                                2,
+                                WET_STATES,
+                                3,
+                                1,
+                                DEM_LINEAR_CONSTANTS,
+                                dem_prepare_linear,
+                                wet__force,
+                                wet__born,
+                                NULL};
+static const dem_law wet_law_printed = {"linear, friction, rolling, lubrication, eqs 12-18 as printed",
+                                        2,
+                                        WET_STATES,
+                                        3,
+                                        1,
+                                        DEM_LINEAR_CONSTANTS,
+                                        dem_prepare_linear,
+                                        wet__force_printed,
+                                        wet__born,
+                                        NULL};
+static const dem_law wet_bridges = {"liquid bridges", 1,    WET_LINK_STATES, 0, 0, 0, NULL,
+                                    wet__link_force,  NULL, wet__ended};
+static const dem_law wet_bridges_printed = {"liquid bridges, eqs 12-18 as printed",
+                                            1,
+                                            WET_LINK_STATES,
+                                            0,
+                                            0,
+                                            0,
+                                            NULL,
+                                            wet__link_force_printed,
+                                            NULL,
+                                            wet__ended};
 
 #ifdef WET__BODIES
 
@@ -314,7 +382,9 @@ DEM_LINK_KERNEL(wet_link_kernel_printed, wet_bridges_printed)
 WET_API dem_status wet_run(dem_world *w, double duration, int features) {
     const wet_scene *s = w ? (const wet_scene *)w->user : NULL;
     if (!s) return DEM_BAD_ARGUMENT;
-    const dem_kernel *kernel = s->printed ? &wet_kernel_printed : features & DEM_ENERGY ? &wet_kernel_energy : &wet_kernel;
+    const dem_kernel *kernel = s->printed              ? &wet_kernel_printed
+                               : features & DEM_ENERGY ? &wet_kernel_energy
+                                                       : &wet_kernel;
     const dem_status status = dem_run_law(w, duration, kernel);
     return status == DEM_OK && s->status != BRIDGE_OK ? DEM_BAD_ARGUMENT : status;
 }
@@ -344,12 +414,13 @@ WET_API bridge_status wet_prepare_kinds(wet_scene *s, const double *class_diamet
     return BRIDGE_OK;
 }
 
-WET_API bridge_status wet_prepare(wet_scene *s, int n, const int *group, const double *class_diameter, double volume, int deck, int decks,
-                                  dem_world *w, bool printed, double side_angle) {
+WET_API bridge_status wet_prepare(wet_scene *s, int n, const int *group, const double *class_diameter, double volume,
+                                  int deck, int decks, dem_world *w, bool printed, double side_angle) {
     double reach = 0.0, pitch = HUGE_VAL;
     if (!s) return BRIDGE_INVALID;
     memset(s, 0, sizeof *s);
-    if (!w || !w->def.allocator.fn || !group || !class_diameter || n < 0 || !(volume >= 0.0 && volume <= DBL_MAX)) return BRIDGE_INVALID;
+    if (!w || !w->def.allocator.fn || !group || !class_diameter || n < 0 || !(volume >= 0.0 && volume <= DBL_MAX))
+        return BRIDGE_INVALID;
     if (deck < 0 || decks < 0 || deck > w->walls - decks) return BRIDGE_INVALID;
     s->group = group;
     s->deck = deck, s->decks = decks;
@@ -384,26 +455,32 @@ WET_API bridge_status wet_prepare(wet_scene *s, int n, const int *group, const d
     f->scratch = block + (size_t)n + patches;
     for (size_t k = 0; k < patches; k++) {
         const int wall = k < sides ? -1 : deck + (int)((k - sides) / a_deck);
-        patch_area[k] = wall < 0 || !wet__has_wires(w, wall) ? s->patch * s->patch : wet__pitch(s, w, wall) * w->wall[wall].wire;
+        patch_area[k] =
+            wall < 0 || !wet__has_wires(w, wall) ? s->patch * s->patch : wet__pitch(s, w, wall) * w->wall[wall].wire;
     }
     f->patch_area = patch_area;
     f->quantum = bridge_quantum(volume > 0.0 ? volume : 1e-6);
-    if (dem_set_links(w, printed ? &wet_link_kernel_printed : &wet_link_kernel, WET_INTERVAL, WET_NEAR) == DEM_OK) return BRIDGE_OK;
+    if (dem_set_links(w, printed ? &wet_link_kernel_printed : &wet_link_kernel, WET_INTERVAL, WET_NEAR) == DEM_OK)
+        return BRIDGE_OK;
     wet_free(s);
     return BRIDGE_INVALID;
 }
 
-WET_API bridge_status wet_init(wet_scene *s, int n, const int *group, const double *diameter, const double *class_diameter, double moisture,
-                               double particle_mass, int deck, dem_world *w, bool printed, double side_angle) {
+WET_API bridge_status wet_init(wet_scene *s, int n, const int *group, const double *diameter,
+                               const double *class_diameter, double moisture, double particle_mass, int deck,
+                               dem_world *w, bool printed, double side_angle) {
     const double volume = moisture * particle_mass / 1000.0;
     for (int i = 0; i < n; i++)
-        if (!group || !diameter || group[i] < 0 || group[i] >= WET_CLASSES || !(diameter[i] > 0.0 && diameter[i] <= 1e9)) n = -1;
+        if (!group || !diameter || group[i] < 0 || group[i] >= WET_CLASSES ||
+            !(diameter[i] > 0.0 && diameter[i] <= 1e9))
+            n = -1;
     const bridge_status status = wet_prepare(s, n, group, class_diameter, volume, deck, 1, w, printed, side_angle);
     if (status != BRIDGE_OK) return status;
     double area = 0.0;
     for (int i = 0; i < n; i++) area += RIDDLE_PI * diameter[i] * diameter[i];
     for (int i = 0; i < n; i++)
-        s->films.particle[i] = bridge_quantised(volume * RIDDLE_PI * diameter[i] * diameter[i] / area, s->films.quantum);
+        s->films.particle[i] =
+            bridge_quantised(volume * RIDDLE_PI * diameter[i] * diameter[i] / area, s->films.quantum);
     s->initial = bridge_films_total(&s->films);
     return BRIDGE_OK;
 }
