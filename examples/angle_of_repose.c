@@ -16,7 +16,7 @@
 
 enum { RINGS = 6, SECTORS = 12, CASES = 5, HEAPS_MAX = 50, AROUND = 48, FEATURES = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING };
 
-static const picture_def view = {{NULL}, 0, 0.0, {0.25, 1.0, -0.35}};
+static const picture_def view = {{NULL}, 0, 0.0, {0.25, 1.0, -0.35}, 0, 0};
 
 typedef struct heap {
     /* asked for */
