@@ -26,7 +26,7 @@ enum {
     FEATURES = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING
 };
 
-static const picture_def view = {{NULL}, 0, 0.0, {0.25, 1.0, -0.35}};
+static const picture_def view = {{NULL}, 0, 0.0, {0.25, 1.0, -0.35}, 0, 0};
 
 typedef struct heap {
     /* asked for */

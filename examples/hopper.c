@@ -30,7 +30,7 @@ typedef struct silo {
     int passing;                                      /* spheres that a rate is taken from */
 } silo;
 
-static const picture_def view = {{NULL}, 0, 0.6, {0.25, 1.0, -0.25}};
+static const picture_def view = {{NULL}, 0, 0.6, {0.25, 1.0, -0.25}, 0, 0};
 
 typedef struct discharge {
     double orifice, radius, height;                  /* diameter, radius of the cylinder, fill [m] */

@@ -26,7 +26,7 @@ typedef struct drum {
     double stiffness, restitution, friction, rolling; /* [N/m], [-], [-], lever arm [m] */
 } drum;
 
-static const picture_def view = {{"small", "large"}, SPECIES, 0.0, {0.35, 1.0, -0.18}};
+static const picture_def view = {{"small", "large"}, SPECIES, 0.0, {0.35, 1.0, -0.18}, 0, 0};
 
 typedef struct curves {
     int n;
