@@ -45,6 +45,7 @@
 #include "settling_laws.h"
 #ifdef FILTRATION__BODIES
 #include "process.h"
+#include "process_line.h"
 #include "evaluate.h"
 #include "solids.h"
 #include "lattice.h"

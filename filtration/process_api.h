@@ -107,17 +107,21 @@ typedef struct filtration_curve_def {
     double viscosity_error;
     double area_error;
     double cake_ratio_error;
-    double time_error;     /* standard error of a reading [s] >= 0; if volume_error is 0, too: unknown, and each t / V has the same weight;
-                              default 0 */
+    double time_error;     /* standard error of a reading [s] >= 0; if volume_error is 0, too: unknown, and the readings tell how their
+                              scatter grows; default 0 */
     double volume_error;   /* [m3] >= 0; default 0. Both only weight the readings; intervals follow from the scatter */
+    double drift_error;    /* standard error of the last volume used by a balance that drifts in proportion to time [m3] >= 0; default 0.
+                              Such a drift looks like another filter, so that no readings tell it */
+    int independent;       /* 1: the errors of neighbours are known to be independent; 0: not known, intervals allow for errors that are
+                              alike or add up; default 0 */
     double start_time;     /* of the stage that is evaluated [s]; default 0. Then (t - t1) / (V - V1) is fitted over V + V1 */
     double start_volume;   /* [m3] >= 0; default 0 */
     double first_volume;   /* readings from this filtrate volume on ... [m3] >= 0; default 0 */
     double last_volume;    /* ... to this one [m3]; default HUGE_VAL */
     int automatic;         /* 1: uses the longest straight stretch of these; 0: uses all; default 1 */
-    size_t least_readings; /* of a stretch, >= 5; default 6 */
+    size_t least_readings; /* of a stretch, >= 5; default 6. With no more readings than that all are used */
     double bend_level;     /* a stretch is bent if chance alone would bend it as much with less than this probability [-], above 0 .. 1;
-                              default 0.1 */
+                              default 0.1. A fifth of it where there is no straighter stretch: then there is no interval */
     double tolerance;      /* ... and if the bend exceeds this share of the mean t / V [-] >= 0; default 0.005 */
     double confidence;     /* of intervals [-], above 0 .. below 1; default 0.95 */
 } filtration_curve_def;
@@ -130,10 +134,12 @@ typedef struct filtration_estimate {
 
 /* Remarks about a result. */
 #define FILTRATION_REMARKS(X)                                                                                                              \
-    X(FILTRATION_REMARK_BENT, 1u, "the readings used are not on a straight line")                                                          \
+    X(FILTRATION_REMARK_BENT, 1u, "the readings used are not on a straight line: there is no interval")                                    \
     X(FILTRATION_REMARK_MEDIUM, 2u, "the intercept is negative: clear liquid went first, or the clock began late")                         \
     X(FILTRATION_REMARK_SLOPE, 4u, "the slope is not above 0 with the stated confidence: no cake is seen")                                 \
-    X(FILTRATION_REMARK_CORRELATED, 8u, "neighbouring residuals are alike: the interval was widened")
+    X(FILTRATION_REMARK_CORRELATED, 8u, "neighbouring errors are alike: the interval is wider for it")                                     \
+    X(FILTRATION_REMARK_FEW, 16u, "fewer than 20 readings cannot tell whether neighbouring errors are alike: the interval allows for it")  \
+    X(FILTRATION_REMARK_DRIFT, 32u, "the readings bend within the tolerance: the interval allows for a balance that drifts as much")
 #define FILTRATION__REMARK(name, bit, text) name = bit,
 typedef enum filtration_remark { FILTRATION_REMARKS(FILTRATION__REMARK) FILTRATION_NO_REMARK = 0 } filtration_remark;
 FILTRATION_API const char *filtration_remark_text(unsigned remark); /* of one bit; never NULL; static storage */
@@ -152,7 +158,7 @@ typedef struct filtration_curve {
     double scatter;                               /* standard deviation of t / V about the line, over its mean [-] */
     double r2;                                    /* coefficient of determination [-] */
     double bend;                                  /* departure of a fitted parabola and cubic from the line, over the mean t / V [-] */
-    double correlation;                           /* of neighbouring residuals [-] */
+    double correlation;                           /* of neighbouring errors: 0 independent .. 1 they add up [-] */
     unsigned remarks;                             /* bits of filtration_remark */
     double pressure, viscosity, area, confidence; /* of the definition */
     double smallest, largest;                     /* filtrate volume of the first and of the last reading used [m3] */
@@ -164,12 +170,13 @@ FILTRATION_API filtration_status filtration_curve_check_def(const filtration_cur
 /* Fits (3) to n readings of time [s] and filtrate volume [m3] (arrays of the caller, in the order of time). Readings at or before the start
    are left out. BAD_DEF; BAD_ARGUMENT: a reading is negative, infinite or not a number, time runs backwards, or the volume does: after the
    start it falls below an earlier one by more than 2 % of the largest and six volume_error (the vessel was emptied, or this is more than
-   one filtration). Less is scatter, and counts as it was read. FEW_DATA: fewer than least_readings; NO_SOLUTION: all at one volume, or out
-   of the range of doubles. After any of them the numbers are NaN, used and remarks 0. */
+   one filtration). Less is scatter, and counts as it was read. FEW_DATA: fewer than 3; NO_SOLUTION: all at one volume, or out
+   of the range of doubles. After any of them the numbers are NaN, used and remarks 0. With FILTRATION_REMARK_BENT there are values, but
+   error, low and high are NaN: a line that is none has no interval. */
 FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def *def, size_t n, const double *time, const double *volume,
                                                      filtration_curve *result);
 /* Determines the resistance of the clean medium [1/m]: the mean of dp t A / (mu V) over the readings from the start to last_volume [m3] >
-   0, before there is a cake. Errors, and NaN, as above. The caller leaves out readings where t / V still rises. */
+   0, before there is a cake, at least 2. Errors, and NaN, as above. The caller leaves out readings where t / V still rises. */
 FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curve_def *def, size_t n, const double *time,
                                                            const double *volume, double last_volume, filtration_estimate *medium);
 /* Predicts the time [s] to a filtrate volume V >= 0 [m3] on another filter: pressure [Pa], area [m2] > 0, compressibility n of the cake as

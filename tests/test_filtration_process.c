@@ -505,7 +505,7 @@ static void coverage(const filtration_curve_def *d, int trials, double noise, in
                      double *of_medium) {
     const double slope = filtration_slope(product, dp, mu, A), intercept = filtration_intercept(medium, dp, mu, A);
     const double true_medium = bent == 1 || bent == 2 ? medium - product * 4e-6 / (2 * A) : medium; /* the line of both carried on to V 0 */
-    int hits_product = 0, hits_medium = 0;
+    int hits_product = 0, hits_medium = 0, given = 0;
     for (int k = 0; k < trials; k++) {
         double t[READINGS], V[READINGS], error = 0.0;
         for (int i = 0; i < READINGS; i++) {
@@ -520,10 +520,13 @@ static void coverage(const filtration_curve_def *d, int trials, double noise, in
         for (int i = 1; i < READINGS; i++) t[i] = fmax(t[i], t[i - 1]);
         filtration_curve c;
         assert_int_equal(filtration_evaluate(d, READINGS, t, V, &c), FILTRATION_OK);
+        if (c.remarks & FILTRATION_REMARK_BENT) continue; /* no range */
+        given++;
         hits_product += c.product.low <= product && product <= c.product.high;
         hits_medium += c.medium.low <= true_medium && true_medium <= c.medium.high;
     }
-    *of_product = (double)hits_product / trials, *of_medium = (double)hits_medium / trials;
+    assert_true(given > 0.8 * trials);
+    *of_product = (double)hits_product / given, *of_medium = (double)hits_medium / given;
 }
 
 static void test_coverage(void **state) {
@@ -532,51 +535,107 @@ static void test_coverage(void **state) {
     filtration_curve_def d = a_def();
     const double noise = 60.0; /* of t / V [s/m3], 1.5 % */
     stream = 43;
-    d.automatic = 0; /* every reading belongs to the line: the interval is exact */
-    coverage(&d, 4000, noise, 0, 0.0, &of_product, &of_medium);
-    assert_true(of_product > 0.935 && of_product < 0.967 && of_medium > 0.935 && of_medium < 0.967);
-    d.automatic = 1; /* the stretch is chosen from a straight curve */
-    coverage(&d, 1000, noise, 0, 0.0, &of_product, &of_medium);
-    assert_true(of_product > 0.90 && of_medium > 0.90);
-    for (int shape = 1; shape <= 3; shape++) /* and from curves that bend, one of which never quite ends to */
-        for (int fine = 0; fine < 2; fine++) {
-            coverage(&d, 600, fine ? noise / 3.0 : noise, shape, 0.0, &of_product, &of_medium);
-            assert_true(of_product > 0.90 && of_medium > 0.90);
-        }
+    d.automatic = 0, d.independent = 1; /* every reading belongs to the line, and errors are as the method takes them */
+    coverage(&d, 1500, noise, 0, 0.0, &of_product, &of_medium);
+    assert_true(of_product > 0.93 && of_product < 0.97 && of_medium > 0.93 && of_medium < 0.97);
+    d.automatic = 1, d.independent = 0; /* the stretch is chosen, and whether neighbours are alike is not known */
+    coverage(&d, 200, noise, 0, 0.0, &of_product, &of_medium);
+    assert_true(of_product > 0.92 && of_medium > 0.92);
+    for (int shape = 1; shape <= 3; shape++) { /* and from curves that bend, one of which never quite ends to */
+        coverage(&d, 20, noise, shape, 0.0, &of_product, &of_medium);
+        assert_true(of_product > 0.85 && of_medium > 0.85);
+    }
     d.first_volume = 6e-6; /* where the user says where the line begins */
-    coverage(&d, 1000, noise, 1, 0.0, &of_product, &of_medium);
-    assert_true(of_product > 0.90 && of_medium > 0.90);
-    d.first_volume = 0.0, d.automatic = 0; /* neighbours alike: without widening it would be about 0.75 */
-    coverage(&d, 1000, noise, 0, 0.5, &of_product, &of_medium);
-    assert_true(of_product > 0.85 && of_medium > 0.85);
+    coverage(&d, 200, noise, 1, 0.0, &of_product, &of_medium);
+    assert_true(of_product > 0.92 && of_medium > 0.92);
+    d.first_volume = 0.0, d.automatic = 0; /* neighbours alike: with least squares it would be about 0.7 */
+    coverage(&d, 200, noise, 0, 0.6, &of_product, &of_medium);
+    assert_true(of_product > 0.91 && of_medium > 0.91);
 }
 
-/* A constant error of the clock: t / V errs most at small volumes; the weights make the best of it, and the interval still holds. */
+/* A constant error of the clock: t / V errs most at small volumes. The readings tell it; who knows it says so, and knows a little more. Plain
+   least squares of t / V would have 1.7 times the error. */
 static void test_weights(void **state) {
     (void)state;
     const double slope = filtration_slope(product, dp, mu, A), intercept = filtration_intercept(medium, dp, mu, A);
     filtration_curve_def d = a_def();
-    d.automatic = 0;
-    double plain = 0.0, weighed = 0.0;
+    double found = 0.0, weighed = 0.0, plain = 0.0;
     int hits = 0;
+    d.automatic = 0, d.independent = 1;
     stream = 7;
-    for (int k = 0; k < 1000; k++) {
-        double t[READINGS], V[READINGS];
+    for (int k = 0; k < 500; k++) {
+        double t[READINGS], V[READINGS], sums[4] = {0.0, 0.0, 0.0, 0.0};
         for (int i = 0; i < READINGS; i++) {
             V[i] = (i + 1) * 0.5e-6;
             t[i] = filtration_time_of_volume(slope, intercept, V[i]) + 1e-4 * normal();
+            sums[0] += V[i], sums[1] += V[i] * V[i], sums[2] += t[i] / V[i], sums[3] += t[i];
         }
+        const double error = (sums[1] * sums[2] - sums[0] * sums[3]) / (READINGS * sums[1] - sums[0] * sums[0]) - intercept;
+        plain += error * error * A * dp / mu * A * dp / mu;
         filtration_curve c;
         d.time_error = 0.0;
         assert_int_equal(filtration_evaluate(&d, READINGS, t, V, &c), FILTRATION_OK);
-        plain += (c.medium.value - medium) * (c.medium.value - medium);
+        found += (c.medium.value - medium) * (c.medium.value - medium);
         d.time_error = 1e-4;
         assert_int_equal(filtration_evaluate(&d, READINGS, t, V, &c), FILTRATION_OK);
         weighed += (c.medium.value - medium) * (c.medium.value - medium);
         hits += c.medium.low <= medium && medium <= c.medium.high;
     }
-    assert_true(weighed < 0.7 * plain);
-    assert_true(hits > 930 && hits < 970);
+    assert_true(weighed < 0.5 * plain && found < 0.6 * plain && weighed < found);
+    assert_true(hits > 450 && hits < 490); /* a bend in 10 of 500 takes the interval away */
+}
+
+/* What no readings can tell, the user says: a drift of the balance in proportion to time enters slope, intercept and prediction. */
+static void test_drift(void **state) {
+    (void)state;
+    const double slope = filtration_slope(product, dp, mu, A), intercept = filtration_intercept(medium, dp, mu, A);
+    filtration_curve_def d = a_def();
+    int hits[3] = {0, 0, 0}, without = 0, given = 0; /* without: the drift hides in the scatter, and nobody says it */
+    d.automatic = 0, d.independent = 1;
+    stream = 13;
+    for (int k = 0; k < 300; k++) {
+        double t[READINGS], V[READINGS];
+        const double drift = 0.2e-6 * normal(), end = filtration_time_of_volume(slope, intercept, READINGS * 0.5e-6);
+        for (int i = 0; i < READINGS; i++) {
+            V[i] = (i + 1) * 0.5e-6;
+            t[i] = filtration_time_of_volume(slope, intercept, V[i]);
+            V[i] += drift * t[i] / end + 0.1e-6 * normal();
+        }
+        filtration_curve c;
+        filtration_estimate e;
+        d.drift_error = 0.0;
+        assert_int_equal(filtration_evaluate(&d, READINGS, t, V, &c), FILTRATION_OK);
+        if (!(c.remarks & FILTRATION_REMARK_BENT)) without += c.product.low <= product && product <= c.product.high;
+        d.drift_error = 0.2e-6;
+        assert_int_equal(filtration_evaluate(&d, READINGS, t, V, &c), FILTRATION_OK);
+        if (c.remarks & FILTRATION_REMARK_BENT) continue;
+        given++;
+        hits[0] += c.product.low <= product && product <= c.product.high;
+        hits[1] += c.medium.low <= medium && medium <= c.medium.high;
+        assert_int_equal(filtration_predict(&c, dp, A, 0.0, 12e-6, &e), FILTRATION_OK);
+        const double time = filtration_time_of_volume(slope, intercept, 12e-6);
+        hits[2] += e.low <= time && time <= e.high;
+    }
+    assert_true(given > 250 && without < 0.8 * given);
+    for (int i = 0; i < 3; i++) assert_true(hits[i] > 0.91 * given);
+}
+
+/* Three readings have an interval, two have none; a clean medium has one of two. */
+static void test_few_readings(void **state) {
+    (void)state;
+    const double slope = filtration_slope(product, dp, mu, A), intercept = filtration_intercept(medium, dp, mu, A);
+    double t[3], V[3] = {4e-6, 9e-6, 14e-6};
+    filtration_curve_def d = a_def();
+    filtration_curve c;
+    filtration_estimate e;
+    for (int i = 0; i < 3; i++) t[i] = filtration_time_of_volume(slope, intercept, V[i]) * (1.0 + 0.003 * (i == 1));
+    assert_int_equal(filtration_evaluate(&d, 2, t, V, &c), FILTRATION_FEW_DATA);
+    assert_int_equal(filtration_evaluate(&d, 3, t, V, &c), FILTRATION_OK);
+    assert_true(c.used == 3 && c.freedom == 1.0 && (c.remarks & FILTRATION_REMARK_FEW));
+    assert_true(c.product.low < product && product < c.product.high && c.product.high - c.product.low > 0.02 * product);
+    assert_int_equal(filtration_evaluate_clean(&d, 3, t, V, 5e-6, &e), FILTRATION_FEW_DATA);
+    assert_int_equal(filtration_evaluate_clean(&d, 3, t, V, 10e-6, &e), FILTRATION_OK);
+    assert_true(e.low < e.value && e.value < e.high);
 }
 
 /* Nothing that was not found is a number. */
@@ -691,7 +750,7 @@ static void test_bad_curves(void **state) {
     assert_int_equal(filtration_evaluate(&d, 8, t, V, NULL), FILTRATION_BAD_ARGUMENT);
     assert_int_equal(filtration_evaluate(&d, 8, NULL, V, &c), FILTRATION_BAD_ARGUMENT);
     assert_int_equal(filtration_evaluate(&d, 0, NULL, NULL, &c), FILTRATION_FEW_DATA);
-    assert_int_equal(filtration_evaluate(&d, 5, t, V, &c), FILTRATION_FEW_DATA);
+    assert_int_equal(filtration_evaluate(&d, 2, t, V, &c), FILTRATION_FEW_DATA);
     nothing_found(&c);
     e.value = e.error = 1.0;
     assert_int_equal(filtration_predict(&c, dp, A, 0.0, 1e-5, &e), FILTRATION_BAD_ARGUMENT);
@@ -784,6 +843,8 @@ int main(void) {
         cmocka_unit_test(test_stretch_of_a_simulated_curve),
         cmocka_unit_test(test_coverage),
         cmocka_unit_test(test_weights),
+        cmocka_unit_test(test_drift),
+        cmocka_unit_test(test_few_readings),
         cmocka_unit_test(test_volume_runs_backwards),
         cmocka_unit_test(test_errors_of_the_duty),
         cmocka_unit_test(test_remarks),
