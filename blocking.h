@@ -521,7 +521,7 @@ BLOCKING_API blocking_status blocking_design(const blocking_duty *duty, blocking
 
 /* clang-format off */
 /* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
-   Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
+   Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
    stated; NaN outside the domain. */
 /* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH

@@ -10,9 +10,9 @@
        if (dem_init(&world, &def, NULL) != DEM_OK) return 1;
        dem_add_plane(&world, glass, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1));
        dem_add_spheres(&world, 1, centre, diameter, glass, 0);
-       riddle_io_plot *figure = riddle_io_plot_new("A ball above a floor", 1, 1);
+       riddle_plot *figure = riddle_plot_new("A ball above a floor", 1, 1);
        dem_io_section(&world, figure, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), NULL, 0);
-       riddle_io_plot_write(figure, NULL, "/dev/null");                        // folder and file: "out", "ball.svg"
+       riddle_plot_write(figure, NULL, "/dev/null");                        // folder and file: "out", "ball.svg"
        dem_free(&world);
    }
 
@@ -26,8 +26,8 @@
    Memory   from the world's allocator, given back before the call returns; of a surface, by dem_io_free_surface.
    Errors   of files: riddle_io_status, with its line (riddle_io.h); else dem_status.
    Threads  a world is only read. Bits: nothing of the simulation depends on what is written.
-   Linking  with riddle_io.h and dem.h beside it. Every function is static inline; for one shared copy #define DEM_IO_API extern before
-            every inclusion, and DEM_IO_IMPLEMENTATION as well in one file; those two headers have their own switches. */
+   Linking  with dem.h, riddle_io.h and riddle_plot.h beside it. Every function is static inline; for one shared copy #define DEM_IO_API extern before
+            every inclusion, and DEM_IO_IMPLEMENTATION as well in one file; those headers have their own switches. */
 #ifndef DEM_IO_H
 #define DEM_IO_H
 
@@ -37,6 +37,7 @@
 
 #include "dem.h"
 #include "riddle_io.h"
+#include "riddle_plot.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -96,7 +97,7 @@ DEM_IO_API riddle_io_status dem_io_close(dem_io_series *series);
    the right, as discs of the size at which they are cut, coloured by group (its last three bits: 8 colours), and the walls as lines. Axes
    in mm. names[n_names] label the groups 0 .. n_names-1 in the legend; NULL: no legend. DEM_BAD_ARGUMENT if normal and right are parallel,
    or one of the three is not finite. */
-DEM_IO_API dem_status dem_io_section(const dem_world *world, riddle_io_plot *figure, dem_vec point, dem_vec normal, dem_vec right,
+DEM_IO_API dem_status dem_io_section(const dem_world *world, riddle_plot *figure, dem_vec point, dem_vec normal, dem_vec right,
                                      const char *const *names, int n_names);
 
 #ifdef DEM_IO__BODIES
@@ -669,7 +670,7 @@ static inline int dem_io__cut_triangle(const dem_io__view *v, const dem_vec corn
     return 3;
 }
 
-static inline dem_status dem_io__section_of_walls(const dem_world *world, riddle_io_plot *figure, const dem_io__view *v) {
+static inline dem_status dem_io__section_of_walls(const dem_world *world, riddle_plot *figure, const dem_io__view *v) {
     dem_io_surface s;
     dem_status status = dem_io_surface_of(world, &s);
     if (status != DEM_OK) return status;
@@ -684,15 +685,15 @@ static inline dem_status dem_io__section_of_walls(const dem_world *world, riddle
         }
         n += dem_io__cut_triangle(v, corner, x + n, x + 3 * (size_t)(s.triangles + 1) + n);
     }
-    if (x) riddle_io_plot_line(figure, NULL, x, x + 3 * (size_t)(s.triangles + 1), n);
-    if (x) riddle_io_plot_style(figure, 0, RIDDLE_IO_BLACK);
+    if (x) riddle_plot_line(figure, NULL, x, x + 3 * (size_t)(s.triangles + 1), n);
+    if (x) riddle_plot_style(figure, 0, RIDDLE_PLOT_BLACK);
     if (x) s.allocator.fn(s.allocator.user, x, bytes, 0);
     else status = DEM_OUT_OF_MEMORY;
     dem_io_free_surface(&s);
     return status;
 }
 
-DEM_IO_API dem_status dem_io_section(const dem_world *world, riddle_io_plot *figure, dem_vec point, dem_vec normal, dem_vec right,
+DEM_IO_API dem_status dem_io_section(const dem_world *world, riddle_plot *figure, dem_vec point, dem_vec normal, dem_vec right,
                                      const char *const *names, int n_names) {
     dem_io__view v;
     if (!world || !world->def.allocator.fn || !figure || !dem_io__make_view(&v, point, normal, right)) return DEM_BAD_ARGUMENT;
@@ -701,13 +702,13 @@ DEM_IO_API dem_status dem_io_section(const dem_world *world, riddle_io_plot *fig
     double *x = (double *)a->fn(a->user, NULL, 0, bytes);
     if (!x) return DEM_OUT_OF_MEMORY;
     const int named = names && n_names > 0 ? n_names : 0;
-    riddle_io_plot_equal(figure);
+    riddle_plot_equal(figure);
     for (int k = 0; k < named + 8; k++) { /* groups may have any numbers, and be many */
         const int found = dem_io__cut_spheres(world, &v, k, named, x, x + n, x + 2 * n);
         const char *name = k < named ? names[k] : NULL;
         if (!found && !name) continue;
-        riddle_io_plot_discs(figure, name, x, x + n, x + 2 * n, found);
-        riddle_io_plot_style(figure, 0, k < named ? k : k - named);
+        riddle_plot_discs(figure, name, x, x + n, x + 2 * n, found);
+        riddle_plot_style(figure, 0, k < named ? k : k - named);
     }
     a->fn(a->user, x, bytes, 0);
     return dem_io__section_of_walls(world, figure, &v);

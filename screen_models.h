@@ -508,7 +508,7 @@ SCREEN_API screen_status screen_capacity(const screen_def *def, screen_model mod
 
 /* ---- laws: static inline in every mode ---------------------------------------------------------------------------------------------- */
 /* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
-   Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
+   Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
    stated; NaN outside the domain. */
 /* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
@@ -3410,7 +3410,7 @@ SCREEN_API screen_status screen_fit_band(const screen_def *def, const screen_fit
                                          const screen_operation *operation, int times, const double *time, double level, uint64_t seed,
                                          double *mean, double *low, double *high) {
     enum { SETS = 200 };
-    double sets[SETS * SCREEN_MAX_PARAMETERS];
+    double sets[(int)SETS * SCREEN_MAX_PARAMETERS];
     screen_status status = result ? screen_sample(result, options, seed, SETS, sets) : SCREEN_BAD_POINTER;
     if (!status)
         return screen_band(def, result->model, SETS, sets, operation, times, time, result->case_error, seed + 1, level, mean, NULL, low,

@@ -39,7 +39,7 @@ static inline int bed_read(bed *b, const char *folder, int spheres, char *messag
     csv_data data;
     int column[9];
     memset(b, 0, sizeof *b);
-    output_path(path, sizeof path, folder, spheres == 2000 ? "settled_2000.csv" : "settled_20000.csv");
+    riddle_io_path(path, sizeof path, folder, spheres == 2000 ? "settled_2000.csv" : "settled_20000.csv");
     if (csv_read(path, &data, message, message_size) != 0) return -1;
     for (int k = 0; k < 9; k++) {
         column[k] = csv_column(&data, names[k]);

@@ -100,16 +100,16 @@ static double solve(deck *d, int method, int level) {
     }
 }
 
-static void ode(const program *self, json *report, plot *figure) {
+static void ode(const program *self, json *report, riddle_plot *figure) {
     deck d;
     make_deck(&d);
     const double exact = adaptive(&d, 1e-14);
-    csv *file = csv_open(self->out, "blocking_ode.csv", "method,level,error,run_time_s");
-    text_table t = table_begin("blocking ODE, 600 s|error|run time [us]");
-    plot_panel(figure, 0, 0, "run time [s]", "error of f after 600 s [-]");
-    plot_title(figure, "Changing rates");
-    plot_log_x(figure);
-    plot_log_y(figure);
+    riddle_io_file *file = csv_open(self->out, "blocking_ode.csv", "method,level,error,run_time_s");
+    riddle_io_table t = riddle_io_table_begin("blocking ODE, 600 s|error|run time [us]");
+    riddle_plot_panel(figure, 0, 0, "run time [s]", "error of f after 600 s [-]");
+    riddle_plot_title(figure, "Changing rates");
+    riddle_plot_log_x(figure);
+    riddle_plot_log_y(figure);
     json_array_begin(report, "ode");
     for (int m = 0; m < METHODS; m++) {
         double error[LEVELS], seconds[LEVELS];
@@ -124,9 +124,9 @@ static void ode(const program *self, json *report, plot *figure) {
             seconds[n] = (machine_seconds() - start) / repeats;
             error[n] = fmax(fabs(f - exact), 1e-16);
             csv_line(file, "%s,%d,%.17g,%.17g", methods[m], level, error[n], seconds[n]);
-            table_cell(&t, "%s", methods[m]);
-            table_cell(&t, "%.2e", error[n]);
-            table_cell(&t, "%.1f", 1e6 * seconds[n]);
+            riddle_io_table_cell(&t, "%s", methods[m]);
+            riddle_io_table_cell(&t, "%.2e", error[n]);
+            riddle_io_table_cell(&t, "%.1f", 1e6 * seconds[n]);
             json_object_begin(report, NULL);
             json_string(report, "method", methods[m]);
             json_number(report, "error", error[n]);
@@ -134,12 +134,12 @@ static void ode(const program *self, json *report, plot *figure) {
             json_object_end(report);
             n++;
         }
-        plot_line(figure, methods[m], seconds, error, n);
-        plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+        riddle_plot_line(figure, methods[m], seconds, error, n);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     }
     json_array_end(report);
     table_end(&t);
-    csv_close(file);
+    riddle_io_close(file);
 }
 
 /* ---- 2: the estimators ---- */
@@ -157,7 +157,7 @@ static int ascending(const void *a, const void *b) {
 
 /* Fit 7b of the paper at its times, `holes` counted at each. Least squares over all; three readings at 0, 128, 256 s (k t = 1.3: near
    the best 1.59). Error: median of |k / 0.0101 - 1|, an estimate that fails counts as infinite. */
-static void estimators(const program *self, json *report, plot *figure) {
+static void estimators(const program *self, json *report, riddle_plot *figure) {
     enum { TIMES = 13, SIZES = 8, MOST = 2000 };
     static double error[2][MOST];
     double t[TIMES], holes[SIZES], median[2][SIZES], failed[2][SIZES];
@@ -165,9 +165,10 @@ static void estimators(const program *self, json *report, plot *figure) {
     const int trials = self->quick ? 200 : MOST;
     uint64_t seed = self->seed;
     blocking_fit_def def = blocking_default_fit_def();
-    text_table table_ = table_begin("holes counted|least squares: median error of k|failed|three readings: median error of k|failed");
-    csv *file = csv_open(self->out, "blocking_estimators.csv",
-                         "holes,least_squares_error,least_squares_failed,three_point_error,three_point_failed");
+    riddle_io_table table_ =
+        riddle_io_table_begin("holes counted|least squares: median error of k|failed|three readings: median error of k|failed");
+    riddle_io_file *file = csv_open(self->out, "blocking_estimators.csv",
+                                    "holes,least_squares_error,least_squares_failed,three_point_error,three_point_failed");
     for (int s = 0; s < SIZES && !common_interrupted(); s++) {
         holes[s] = 100.0 * (1 << 2 * s);
         failed[0][s] = failed[1][s] = 0.0;
@@ -192,27 +193,27 @@ static void estimators(const program *self, json *report, plot *figure) {
             qsort(error[m], (size_t)trials, sizeof(double), ascending);
             median[m][s] = error[m][trials / 2];
         }
-        table_cell(&table_, "%.0f", holes[s]);
+        riddle_io_table_cell(&table_, "%.0f", holes[s]);
         for (int m = 0; m < 2; m++) {
-            table_cell(&table_, "%.2e", median[m][s]);
-            table_cell(&table_, "%.1f %%", 100.0 * failed[m][s]);
+            riddle_io_table_cell(&table_, "%.2e", median[m][s]);
+            riddle_io_table_cell(&table_, "%.1f %%", 100.0 * failed[m][s]);
         }
         double line[5] = {holes[s], median[0][s], failed[0][s], median[1][s], failed[1][s]};
-        csv_row(file, line, 5);
+        riddle_io_row(file, line, 5);
     }
-    csv_close(file);
+    riddle_io_close(file);
     table_end(&table_);
     json_array(report, "holes", holes, SIZES);
     json_array(report, "least_squares_median_error", median[0], SIZES);
     json_array(report, "three_point_median_error", median[1], SIZES);
-    plot_panel(figure, 0, 1, "holes counted at each time", "median error of k, relative [-]");
-    plot_title(figure, "Lawinska et al. (2016), row 7b, counted holes");
-    plot_log_x(figure);
-    plot_log_y(figure);
-    plot_line(figure, "three readings, 0 128 256 s", holes, median[1], SIZES);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_line(figure, "least squares, 13 readings", holes, median[0], SIZES);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+    riddle_plot_panel(figure, 0, 1, "holes counted at each time", "median error of k, relative [-]");
+    riddle_plot_title(figure, "Lawinska et al. (2016), row 7b, counted holes");
+    riddle_plot_log_x(figure);
+    riddle_plot_log_y(figure);
+    riddle_plot_line(figure, "three readings, 0 128 256 s", holes, median[1], SIZES);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_line(figure, "least squares, 13 readings", holes, median[0], SIZES);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
 }
 
 /* ---- 3: time a call ---- */
@@ -264,7 +265,7 @@ static double one_call(int which, double u) {
 }
 
 static void times(const program *self, json *report) {
-    text_table t = table_begin("call|ns");
+    riddle_io_table t = riddle_io_table_begin("call|ns");
     volatile double sink = 0.0;
     json_object_begin(report, "ns_per_call");
     for (int c = 0; c < CALLS && !common_interrupted(); c++) {
@@ -276,8 +277,8 @@ static void times(const program *self, json *report) {
             sink = sink + sum;
             n += 100;
         } while ((spent = machine_seconds() - start) < least);
-        table_cell(&t, "%s", calls[c]);
-        table_cell(&t, "%.1f", 1e9 * spent / (double)n);
+        riddle_io_table_cell(&t, "%s", calls[c]);
+        riddle_io_table_cell(&t, "%.1f", 1e9 * spent / (double)n);
         json_number(report, calls[c], 1e9 * spent / (double)n);
     }
     json_object_end(report);
@@ -287,13 +288,13 @@ static void times(const program *self, json *report) {
 int main(int argc, char **argv) {
     program self = program_start("bench_blocking", "blocking.h: error against run time.", NULL, 0, argc, argv);
     json *report = json_open(self.json);
-    plot *figure = plot_new("blocking.h: error against run time, and against effort", 1, 2);
+    riddle_plot *figure = riddle_plot_new("blocking.h: error against run time, and against effort", 1, 2);
     ode(&self, report, figure);
     common_print("\n");
     estimators(&self, report, figure);
     common_print("\n");
     times(&self, report);
-    plot_write(figure, self.out, "bench_blocking.svg");
+    riddle_plot_write(figure, self.out, "bench_blocking.svg");
     json_program(report, &self);
     json_close(report);
     return common_exit_status();

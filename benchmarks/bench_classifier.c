@@ -49,8 +49,8 @@ static void separation(const program *self, json *report) {
     progress bar_on_screen;
     if (one(4, self->quick ? 1 << 18 : 1 << 20, 12345, &truth, &bar, &seconds)) return; /* Sobol: not the method it is to judge first */
     common_print("T(66.85 um) = %.6f +- %.6f\n\n", truth, bar);
-    text_table out = table_begin("points|method|rms error|time [ms]|bars that hold [%]");
-    csv *file = csv_open(self->out, "separation.csv", "method,points,rms_error,seconds,covered");
+    riddle_io_table out = riddle_io_table_begin("points|method|rms error|time [ms]|bars that hold [%]");
+    riddle_io_file *file = csv_open(self->out, "separation.csv", "method,points,rms_error,seconds,covered");
     progress_begin(&bar_on_screen, "separation curve", levels * METHODS);
     json_number(report, "t_reference", truth);
     json_array_begin(report, "separation");
@@ -68,11 +68,11 @@ static void separation(const program *self, json *report) {
             }
             error[method][level] = sqrt(squares);
             time[method][level] = spent;
-            table_cell(&out, "%d", points);
-            table_cell(&out, "%s", method_names[method]);
-            table_cell(&out, "%.1e", sqrt(squares));
-            table_cell(&out, "%.2f", 1e3 * spent);
-            table_cell(&out, "%.0f", 100.0 * covered / n);
+            riddle_io_table_cell(&out, "%d", points);
+            riddle_io_table_cell(&out, "%s", method_names[method]);
+            riddle_io_table_cell(&out, "%.1e", sqrt(squares));
+            riddle_io_table_cell(&out, "%.2f", 1e3 * spent);
+            riddle_io_table_cell(&out, "%.0f", 100.0 * covered / n);
             csv_line(file, "%s,%d,%.6g,%.6g,%.4g", method_keys[method], points, sqrt(squares), spent, (double)covered / n);
             json_object_begin(report, NULL);
             json_string(report, "method", method_keys[method]);
@@ -85,27 +85,27 @@ static void separation(const program *self, json *report) {
         }
     }
     json_array_end(report);
-    csv_close(file);
+    riddle_io_close(file);
     progress_end(&bar_on_screen);
     if (common_interrupted()) {
         table_end(&out);
         return;
     }
     table_end(&out);
-    plot *figure = plot_new("Separation curve: error against run time", 1, 1);
-    plot_panel_size(figure, 560, 380);
-    plot_panel(figure, 0, 0, "processor time for T at one size, set-up included [ms]", "root mean square error of T [-]");
-    plot_log_x(figure);
-    plot_log_y(figure);
+    riddle_plot *figure = riddle_plot_new("Separation curve: error against run time", 1, 1);
+    riddle_plot_panel_size(figure, 560, 380);
+    riddle_plot_panel(figure, 0, 0, "processor time for T at one size, set-up included [ms]", "root mean square error of T [-]");
+    riddle_plot_log_x(figure);
+    riddle_plot_log_y(figure);
     for (int method = 0; method < METHODS; method++) {
         double ms[LEVELS];
         for (int i = 0; i < levels; i++) ms[i] = 1e3 * time[method][i];
-        plot_line(figure, method_names[method], ms, error[method], levels);
-        plot_style(figure, PLOT_MARKED | (method < 3 ? PLOT_DASHED : 0), method % 3);
+        riddle_plot_line(figure, method_names[method], ms, error[method], levels);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED | (method < 3 ? RIDDLE_PLOT_DASHED : 0), method % 3);
     }
-    plot_horizontal(figure, "aim: 1e-4", 1e-4);
-    plot_legend_outside(figure);
-    plot_write(figure, self->out, "separation.svg");
+    riddle_plot_horizontal(figure, "aim: 1e-4", 1e-4);
+    riddle_plot_legend_outside(figure);
+    riddle_plot_write(figure, self->out, "separation.svg");
 }
 
 /* x <- K c_D(a x) in units of Re: steps to 1e-12; weight 1/2: geometric mean */
@@ -126,8 +126,8 @@ static void solver(const program *self, json *report) {
     enum { MOST = 100000 };
     double re[RE_POINTS], steps[3][RE_POINTS], ns[3] = {0.0, 0.0, 0.0};
     classifier_drag drag = classifier_hoelzer_sommerfeld(0.85, CLASSIFIER_EQUIVALENT);
-    text_table out = table_begin("Re|solver, steps|Picard, steps|damped Picard, steps");
-    csv *file = csv_open(self->out, "solver.csv", "re,solver_steps,picard_steps,damped_picard_steps");
+    riddle_io_table out = riddle_io_table_begin("Re|solver, steps|Picard, steps|damped Picard, steps");
+    riddle_io_file *file = csv_open(self->out, "solver.csv", "re,solver_steps,picard_steps,damped_picard_steps");
     int worst = 0;
     for (int i = 0; i < RE_POINTS; i++) {
         re[i] = pow(10.0, -3.0 + 8.0 * i / (RE_POINTS - 1.0));
@@ -140,13 +140,13 @@ static void solver(const program *self, json *report) {
         steps[2][i] = picard(drag, g, 0.5, MOST);
         csv_line(file, "%.6g,%g,%g,%g", re[i], steps[0][i], steps[1][i], steps[2][i]);
         if (i % 4) continue;
-        table_cell(&out, "%.2e", re[i]);
+        riddle_io_table_cell(&out, "%.2e", re[i]);
         for (int k = 0; k < 3; k++) {
-            if (steps[k][i] >= MOST) table_cell(&out, "%s", "> 100000");
-            else table_cell(&out, "%.0f", steps[k][i]);
+            if (steps[k][i] >= MOST) riddle_io_table_cell(&out, "%s", "> 100000");
+            else riddle_io_table_cell(&out, "%.0f", steps[k][i]);
         }
     }
-    csv_close(file);
+    riddle_io_close(file);
     common_print("\n");
     table_end(&out);
     /* the paper's range, Re 5 to 90: time for one cut size */
@@ -168,15 +168,15 @@ static void solver(const program *self, json *report) {
     json_number(report, "picard_ns", ns[1]);
     json_number(report, "damped_picard_ns", ns[2]);
     json_number(report, "picard_steps_at_re_50", picard(drag, 50.0 / classifier_drag_coefficient(drag, 50.0), 1.0, MOST));
-    plot *figure = plot_new("Cut size: steps to 12 digits, sphericity 0.85", 1, 1);
-    plot_panel(figure, 0, 0, "Reynolds number at the cut [-]", "steps [-]");
-    plot_log_x(figure);
-    plot_log_y(figure);
-    plot_range_y(figure, 1.0, 2e5);
-    plot_line(figure, "quartic by Newton (classifier.h)", re, steps[0], RE_POINTS);
-    plot_line(figure, "Picard (gives up at 100000)", re, steps[1], RE_POINTS);
-    plot_line(figure, "Picard, geometric mean", re, steps[2], RE_POINTS);
-    plot_write(figure, self->out, "solver.svg");
+    riddle_plot *figure = riddle_plot_new("Cut size: steps to 12 digits, sphericity 0.85", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "Reynolds number at the cut [-]", "steps [-]");
+    riddle_plot_log_x(figure);
+    riddle_plot_log_y(figure);
+    riddle_plot_range_y(figure, 1.0, 2e5);
+    riddle_plot_line(figure, "quartic by Newton (classifier.h)", re, steps[0], RE_POINTS);
+    riddle_plot_line(figure, "Picard (gives up at 100000)", re, steps[1], RE_POINTS);
+    riddle_plot_line(figure, "Picard, geometric mean", re, steps[2], RE_POINTS);
+    riddle_plot_write(figure, self->out, "solver.svg");
 }
 
 /* One law over 4096 Reynolds numbers or shapes, nanoseconds a call: the best of several passes */
@@ -213,17 +213,17 @@ static void laws(const program *self, json *report) {
                                  "stopping distance"};
     const char *const keys[] = {"stokes_ns",    "hoelzer_sommerfeld_ns", "schiller_naumann_ns", "hoelzer_sommerfeld_shape_ns",
                                 "di_felice_ns", "terminal_velocity_ns",  "stopping_distance_ns"};
-    text_table out = table_begin("law|ns a call");
-    csv *file = csv_open(self->out, "laws.csv", "law,ns");
+    riddle_io_table out = riddle_io_table_begin("law|ns a call");
+    riddle_io_file *file = csv_open(self->out, "laws.csv", "law,ns");
     for (int law = 0; law < 7; law++) {
         double ns = time_law(law, self->quick ? 2 : 7);
-        table_cell(&out, "%s", names[law]);
-        table_cell(&out, "%.1f", ns);
+        riddle_io_table_cell(&out, "%s", names[law]);
+        riddle_io_table_cell(&out, "%.1f", ns);
         csv_line(file, "%s,%.3f", names[law], ns);
         json_number(report, keys[law], ns);
     }
     table_end(&out);
-    csv_close(file);
+    riddle_io_close(file);
 }
 
 int main(int argc, char **argv) {

@@ -117,8 +117,8 @@ static int array_drag(const variant *v, int n, const double place[3], double *dr
 static void drag_errors(const program *self, json *report) {
     double error[VARIANTS][SIZES], time[VARIANTS][SIZES];
     const int count = self->quick ? 2 : SIZES, last = self->quick ? 1 : 4;
-    text_table out = table_begin("method|cells a diameter|largest error [%]|time [s]");
-    csv *file = csv_open(self->out, "drag.csv", "method,cells_per_diameter,largest_error,seconds");
+    riddle_io_table out = riddle_io_table_begin("method|cells a diameter|largest error [%]|time [s]");
+    riddle_io_file *file = csv_open(self->out, "drag.csv", "method,cells_per_diameter,largest_error,seconds");
     json_array_begin(report, "drag");
     for (int s = 0; s < count; s++)
         for (int v = 0; v < VARIANTS && !common_interrupted(); v++) {
@@ -132,10 +132,10 @@ static void drag_errors(const program *self, json *report) {
             }
             error[v][s] = worst;
             time[v][s] = least;
-            table_cell(&out, "%s", variants[v].name);
-            table_cell(&out, "%.1f", cells);
-            table_cell(&out, "%.3f", 100.0 * worst);
-            table_cell(&out, "%.3f", least);
+            riddle_io_table_cell(&out, "%s", variants[v].name);
+            riddle_io_table_cell(&out, "%.1f", cells);
+            riddle_io_table_cell(&out, "%.3f", 100.0 * worst);
+            riddle_io_table_cell(&out, "%.3f", least);
             csv_line(file, "%s,%.4g,%.6g,%.6g", variants[v].key, cells, worst, least);
             json_object_begin(report, NULL);
             json_string(report, "method", variants[v].key);
@@ -146,19 +146,19 @@ static void drag_errors(const program *self, json *report) {
         }
     json_array_end(report);
     table_end(&out);
-    csv_close(file);
+    riddle_io_close(file);
     if (common_interrupted()) return;
-    plot *figure = plot_new("Simple cubic array, solid fraction 0.125: error of the drag against run time", 1, 1);
-    plot_panel_size(figure, 560, 380);
-    plot_panel(figure, 0, 0, "processor time to the steady flow [s]", "largest error of the drag, four places of the centre [-]");
-    plot_log_x(figure);
-    plot_log_y(figure);
+    riddle_plot *figure = riddle_plot_new("Simple cubic array, solid fraction 0.125: error of the drag against run time", 1, 1);
+    riddle_plot_panel_size(figure, 560, 380);
+    riddle_plot_panel(figure, 0, 0, "processor time to the steady flow [s]", "largest error of the drag, four places of the centre [-]");
+    riddle_plot_log_x(figure);
+    riddle_plot_log_y(figure);
     for (int v = 0; v < VARIANTS; v++) {
-        plot_line(figure, variants[v].name, time[v], error[v], count);
-        plot_style(figure, PLOT_MARKED | (v > 3 ? PLOT_DASHED : 0), v);
+        riddle_plot_line(figure, variants[v].name, time[v], error[v], count);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED | (v > 3 ? RIDDLE_PLOT_DASHED : 0), v);
     }
-    plot_legend_outside(figure);
-    plot_write(figure, self->out, "drag.svg");
+    riddle_plot_legend_outside(figure);
+    riddle_plot_write(figure, self->out, "drag.svg");
 }
 
 /* Changes each of `size` numbers, a cache line at a time: loops of constant length are compiled to vectors. */
@@ -216,17 +216,17 @@ static double rate(int n, int single, int bulk, int sphere) {
 
 static void rates(const program *self, json *report) {
     const int n = self->quick ? 64 : 128;
-    text_table out = table_begin("precision|limit [MLUPS]|bare|bulk viscosity|one moving sphere|bare over limit [%]");
-    csv *file = csv_open(self->out, "rates.csv", "precision,limit_mlups,bare_mlups,bulk_mlups,sphere_mlups");
+    riddle_io_table out = riddle_io_table_begin("precision|limit [MLUPS]|bare|bulk viscosity|one moving sphere|bare over limit [%]");
+    riddle_io_file *file = csv_open(self->out, "rates.csv", "precision,limit_mlups,bare_mlups,bulk_mlups,sphere_mlups");
     for (int single = 0; single < 2 && !common_interrupted(); single++) {
         const double limit = memory_limit(n, single), bare = rate(n, single, 0, 0), bulk = rate(n, single, 1, 0),
                      sphere = rate(n, single, 0, 1);
-        table_cell(&out, single ? "float" : "double");
-        table_cell(&out, "%.0f", limit);
-        table_cell(&out, "%.0f", bare);
-        table_cell(&out, "%.0f", bulk);
-        table_cell(&out, "%.0f", sphere);
-        table_cell(&out, "%.0f", 100.0 * bare / limit);
+        riddle_io_table_cell(&out, single ? "float" : "double");
+        riddle_io_table_cell(&out, "%.0f", limit);
+        riddle_io_table_cell(&out, "%.0f", bare);
+        riddle_io_table_cell(&out, "%.0f", bulk);
+        riddle_io_table_cell(&out, "%.0f", sphere);
+        riddle_io_table_cell(&out, "%.0f", 100.0 * bare / limit);
         csv_line(file, "%s,%.4g,%.4g,%.4g,%.4g", single ? "float" : "double", limit, bare, bulk, sphere);
         json_number(report, single ? "float_limit_mlups" : "double_limit_mlups", limit);
         json_number(report, single ? "float_mlups" : "double_mlups", bare);
@@ -234,7 +234,7 @@ static void rates(const program *self, json *report) {
         json_number(report, single ? "float_sphere_mlups" : "double_sphere_mlups", sphere);
     }
     table_end(&out);
-    csv_close(file);
+    riddle_io_close(file);
 }
 
 /* ---- a sphere that moves ---- */
@@ -286,8 +286,8 @@ static void noise(const program *self, json *report) {
     static const double taus[] = {0.6, 1.0}, bulks[] = {2.0 / 3.0, 10.0, 100.0};
     static double drag[SPAN], pressure[SPAN];
     const int n = self->quick ? 24 : 40, lead = self->quick ? 100 : 2000;
-    text_table out = table_begin("relaxation time|bulk viscosity / nu|drag flickers by [%]|pressure by [rho u^2]");
-    csv *file = csv_open(self->out, "noise.csv", "tau,bulk_ratio,drag_flicker,pressure_flicker");
+    riddle_io_table out = riddle_io_table_begin("relaxation time|bulk viscosity / nu|drag flickers by [%]|pressure by [rho u^2]");
+    riddle_io_file *file = csv_open(self->out, "noise.csv", "tau,bulk_ratio,drag_flicker,pressure_flicker");
     json_array_begin(report, "noise");
     for (int t = 0; t < 2; t++)
         for (int b = 0; b < 3 && !common_interrupted(); b++) {
@@ -310,10 +310,10 @@ static void noise(const program *self, json *report) {
                 common_fail("noise: %s", filtration_status_text(status));
                 continue;
             }
-            table_cell(&out, "%.1f", taus[t]);
-            table_cell(&out, "%.3g", bulks[b]);
-            table_cell(&out, "%.3f", 100.0 * of_drag);
-            table_cell(&out, "%.3f", of_pressure);
+            riddle_io_table_cell(&out, "%.1f", taus[t]);
+            riddle_io_table_cell(&out, "%.3g", bulks[b]);
+            riddle_io_table_cell(&out, "%.3f", 100.0 * of_drag);
+            riddle_io_table_cell(&out, "%.3f", of_pressure);
             csv_line(file, "%g,%.4g,%.4g,%.4g", taus[t], bulks[b], of_drag, of_pressure);
             json_object_begin(report, NULL);
             json_number(report, "tau", taus[t]);
@@ -324,7 +324,7 @@ static void noise(const program *self, json *report) {
         }
     json_array_end(report);
     table_end(&out);
-    csv_close(file);
+    riddle_io_close(file);
 }
 
 /* Mass of the liquid in a closed box in which a sphere goes to and fro, over what the box and the sphere leave room for. */
@@ -361,7 +361,7 @@ static void masses(const program *self, json *report) {
 static void speeds(const program *self, json *report) {
     static const double machs[] = {0.1, 0.2, 0.3}, cells[] = {5.0, 20.0, 40.0};
     const double diameter = self->quick ? 6.0 : 15.0;
-    text_table out = table_begin("Mach|u dx / nu|relaxation time|ends with|step");
+    riddle_io_table out = riddle_io_table_begin("Mach|u dx / nu|relaxation time|ends with|step");
     json_array_begin(report, "speeds");
     for (int m = 0; m < 3; m++)
         for (int r = 0; r < 3 && !common_interrupted(); r++) {
@@ -376,11 +376,11 @@ static void speeds(const program *self, json *report) {
                 status = crossing_step(&c);
             }
             const char *end = status == FILTRATION_OK ? "ok" : filtration_status_text(status);
-            table_cell(&out, "%.1f", machs[m]);
-            table_cell(&out, "%.0f", cells[r]);
-            table_cell(&out, "%.4f", tau);
-            table_cell(&out, "%s", end);
-            table_cell(&out, "%d of %d", done, steps);
+            riddle_io_table_cell(&out, "%.1f", machs[m]);
+            riddle_io_table_cell(&out, "%.0f", cells[r]);
+            riddle_io_table_cell(&out, "%.4f", tau);
+            riddle_io_table_cell(&out, "%s", end);
+            riddle_io_table_cell(&out, "%d of %d", done, steps);
             json_object_begin(report, NULL);
             json_number(report, "mach", machs[m]);
             json_number(report, "cell_reynolds", cells[r]);

@@ -92,15 +92,15 @@ static double run_montecarlo(const balance_case *c, int n, int runs, uint64_t se
 
 static void bench_balances(const program *self, json *report) {
     const int most = self->quick ? 160 : 320;
-    plot *figure = plot_new("Population balance: error of the second moment against run time", 1, 3);
-    csv *file = csv_open(self->out, "balance.csv", "kernel,scheme,cells_or_sample,seconds,error_m2,error_m3,error_n10");
-    text_table t = table_begin("kernel|scheme|cells|time [ms]|error of M2|M3|n(10)|order of M2");
+    riddle_plot *figure = riddle_plot_new("Population balance: error of the second moment against run time", 1, 3);
+    riddle_io_file *file = csv_open(self->out, "balance.csv", "kernel,scheme,cells_or_sample,seconds,error_m2,error_m3,error_n10");
+    riddle_io_table t = riddle_io_table_begin("kernel|scheme|cells|time [ms]|error of M2|M3|n(10)|order of M2");
     json_array_begin(report, "balance");
     for (int k = 0; k < 3; k++) {
-        plot_panel(figure, 0, k, "processor time [s]", k ? "" : "relative error of M2 [-]");
-        plot_title(figure, cases[k].name);
-        plot_log_x(figure);
-        plot_log_y(figure);
+        riddle_plot_panel(figure, 0, k, "processor time [s]", k ? "" : "relative error of M2 [-]");
+        riddle_plot_title(figure, cases[k].name);
+        riddle_plot_log_x(figure);
+        riddle_plot_log_y(figure);
         for (int scheme = 0; scheme < 2; scheme++) {
             double x[8], y[8], before = 0.0;
             int points = 0;
@@ -108,18 +108,18 @@ static void bench_balances(const program *self, json *report) {
                 double e[3], seconds = run_balance(cases + k, (granulation_scheme)scheme, cells, e);
                 x[points] = seconds > 1e-6 ? seconds : 1e-6;
                 y[points++] = e[0];
-                table_cell(&t, "%s", cases[k].name);
-                table_cell(&t, scheme ? "fixed pivot" : "cell average");
-                table_cell(&t, "%d", cells);
-                table_cell(&t, "%.2f", 1e3 * seconds);
+                riddle_io_table_cell(&t, "%s", cases[k].name);
+                riddle_io_table_cell(&t, scheme ? "fixed pivot" : "cell average");
+                riddle_io_table_cell(&t, "%d", cells);
+                riddle_io_table_cell(&t, "%.2f", 1e3 * seconds);
                 for (int i = 0; i < 3; i++)
-                    if (e[i] == e[i]) table_cell(&t, "%.2e", e[i]);
-                    else table_cell(&t, "-");
-                if (before > 0.0) table_cell(&t, "%.2f", log2(before / e[0]));
-                else table_cell(&t, "-");
+                    if (e[i] == e[i]) riddle_io_table_cell(&t, "%.2e", e[i]);
+                    else riddle_io_table_cell(&t, "-");
+                if (before > 0.0) riddle_io_table_cell(&t, "%.2f", log2(before / e[0]));
+                else riddle_io_table_cell(&t, "-");
                 before = e[0];
                 double line[7] = {k, scheme, cells, seconds, e[0], e[1], e[2]};
-                csv_row(file, line, 7);
+                riddle_io_row(file, line, 7);
                 json_object_begin(report, NULL);
                 json_string(report, "kernel", cases[k].name);
                 json_string(report, "scheme", scheme ? "fixed pivot" : "cell average");
@@ -130,8 +130,8 @@ static void bench_balances(const program *self, json *report) {
                 json_number(report, "error_n10", e[2]);
                 json_object_end(report);
             }
-            plot_line(figure, k == 2 ? (scheme ? "fixed pivot" : "cell average") : NULL, x, y, points);
-            plot_style(figure, PLOT_MARKED, scheme);
+            riddle_plot_line(figure, k == 2 ? (scheme ? "fixed pivot" : "cell average") : NULL, x, y, points);
+            riddle_plot_style(figure, RIDDLE_PLOT_MARKED, scheme);
         }
         double x[8], y[8];
         int points = 0;
@@ -140,14 +140,14 @@ static void bench_balances(const program *self, json *report) {
             csv_line(file, "%d,2,%d,%.6g,%.6g,,", k, n, x[points], y[points]);
             points++;
         }
-        plot_line(figure, k == 2 ? "Monte Carlo" : NULL, x, y, points);
-        plot_style(figure, PLOT_MARKED | PLOT_DASHED, 2);
-        if (k == 2) plot_legend_outside(figure);
+        riddle_plot_line(figure, k == 2 ? "Monte Carlo" : NULL, x, y, points);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED | RIDDLE_PLOT_DASHED, 2);
+        if (k == 2) riddle_plot_legend_outside(figure);
     }
     json_array_end(report);
     table_end(&t);
-    csv_close(file);
-    plot_write(figure, self->out, "balance.svg");
+    riddle_io_close(file);
+    riddle_plot_write(figure, self->out, "balance.svg");
 }
 
 /* ---- the discrete simulation ---- */
@@ -187,7 +187,8 @@ static void bench_ensembles(const program *self, json *report) {
         share[i] = r.type2;
     }
     double one = (machine_processor_seconds() - began) / most;
-    csv *file = csv_open(self->out, "ensembles.csv", "replicates,seconds,d43_relative_standard_error,type2_standard_error_points");
+    riddle_io_file *file =
+        csv_open(self->out, "ensembles.csv", "replicates,seconds,d43_relative_standard_error,type2_standard_error_points");
     json_object_begin(report, "ensemble");
     json_number(report, "seconds_per_replicate", one);
     for (int n = 4; n <= most; n *= 2, points++) { /* the scatter of means of n, from all groups of n */
@@ -206,25 +207,26 @@ static void bench_ensembles(const program *self, json *report) {
         }
         x[points] = n * one;
         double line[4] = {n, x[points], y[0][points], y[1][points]};
-        csv_row(file, line, 4);
+        riddle_io_row(file, line, 4);
     }
-    csv_close(file);
+    riddle_io_close(file);
     json_array(report, "seconds", x, points);
     json_array(report, "d43_relative_standard_error", y[0], points);
     json_array(report, "type2_standard_error_points", y[1], points);
     json_object_end(report);
-    plot *figure = plot_new("Ensembles of the paper's simulation (192 granules, 100 steps)", 1, 2);
+    riddle_plot *figure = riddle_plot_new("Ensembles of the paper's simulation (192 granules, 100 steps)", 1, 2);
     for (int p = 0; p < 2; p++) {
-        plot_panel(figure, 0, p, "processor time [s]", p ? "standard error of Type II [points]" : "relative standard error of d43 [-]");
-        plot_log_x(figure);
-        plot_log_y(figure);
-        plot_line(figure, "4 to 512 replicates", x, y[p], points);
-        plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+        riddle_plot_panel(figure, 0, p, "processor time [s]",
+                          p ? "standard error of Type II [points]" : "relative standard error of d43 [-]");
+        riddle_plot_log_x(figure);
+        riddle_plot_log_y(figure);
+        riddle_plot_line(figure, "4 to 512 replicates", x, y[p], points);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
         double guide[2] = {y[p][0], y[p][0] * sqrt(x[0] / x[points - 1])}, ends[2] = {x[0], x[points - 1]};
-        plot_line(figure, "one over root n", ends, guide, 2);
-        plot_style(figure, PLOT_DASHED | PLOT_THIN, PLOT_GREY);
+        riddle_plot_line(figure, "one over root n", ends, guide, 2);
+        riddle_plot_style(figure, RIDDLE_PLOT_DASHED | RIDDLE_PLOT_THIN, RIDDLE_PLOT_GREY);
     }
-    plot_write(figure, self->out, "ensembles.svg");
+    riddle_plot_write(figure, self->out, "ensembles.svg");
     free(size);
     free(share);
 }
@@ -234,8 +236,8 @@ static void bench_contacts(const program *self, json *report) {
     const int n = self->quick ? 1000 : 4000;
     double x[12], y[12], exact = 0.0, exact_seconds = 0.0;
     int points = 0;
-    csv *file = csv_open(self->out, "contacts.csv", "path_of_a_step_in_mean_diameters,seconds,collisions,exact,swept_seconds");
-    text_table t = table_begin("contacts|path of a step [diameters]|collisions|missed [%]|time [ms]");
+    riddle_io_file *file = csv_open(self->out, "contacts.csv", "path_of_a_step_in_mean_diameters,seconds,collisions,exact,swept_seconds");
+    riddle_io_table t = riddle_io_table_begin("contacts|path of a step [diameters]|collisions|missed [%]|time [ms]");
     json_array_begin(report, "contacts");
     for (int k = -1; k < (self->quick ? 7 : 9) && !common_interrupted(); k++) {
         granulation_def def = granulation_default_def();
@@ -262,13 +264,13 @@ static void bench_contacts(const program *self, json *report) {
             x[points] = seconds;
             y[points++] = fabs(met / exact - 1.0);
         }
-        table_cell(&t, k < 0 ? "swept" : "end of step");
-        table_cell(&t, "%.3f", path);
-        table_cell(&t, "%.0f", met);
-        table_cell(&t, "%.2f", 100.0 * (1.0 - met / exact));
-        table_cell(&t, "%.1f", 1e3 * seconds);
+        riddle_io_table_cell(&t, k < 0 ? "swept" : "end of step");
+        riddle_io_table_cell(&t, "%.3f", path);
+        riddle_io_table_cell(&t, "%.0f", met);
+        riddle_io_table_cell(&t, "%.2f", 100.0 * (1.0 - met / exact));
+        riddle_io_table_cell(&t, "%.1f", 1e3 * seconds);
         double line[5] = {path, seconds, met, exact, exact_seconds};
-        csv_row(file, line, 5);
+        riddle_io_row(file, line, 5);
         json_object_begin(report, NULL);
         json_string(report, "contacts", k < 0 ? "swept" : "end of step");
         json_number(report, "path_in_diameters", path);
@@ -278,16 +280,16 @@ static void bench_contacts(const program *self, json *report) {
     }
     json_array_end(report);
     table_end(&t);
-    csv_close(file);
-    plot *figure = plot_new("Contacts: time-stepped against event-driven", 1, 1);
-    plot_panel(figure, 0, 0, "processor time [s]", "share of the collisions missed or too many [-]");
-    plot_log_x(figure);
-    plot_log_y(figure);
-    plot_line(figure, "end of step, steps 1 to 1/256", x, y, points);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_vertical(figure, "swept: none missed", exact_seconds);
-    plot_horizontal(figure, "scatter of a run", 1.0 / sqrt(exact > 1.0 ? exact : 1.0));
-    plot_write(figure, self->out, "contacts.svg");
+    riddle_io_close(file);
+    riddle_plot *figure = riddle_plot_new("Contacts: time-stepped against event-driven", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "processor time [s]", "share of the collisions missed or too many [-]");
+    riddle_plot_log_x(figure);
+    riddle_plot_log_y(figure);
+    riddle_plot_line(figure, "end of step, steps 1 to 1/256", x, y, points);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_vertical(figure, "swept: none missed", exact_seconds);
+    riddle_plot_horizontal(figure, "scatter of a run", 1.0 / sqrt(exact > 1.0 ? exact : 1.0));
+    riddle_plot_write(figure, self->out, "contacts.svg");
 }
 
 /* 4: cost against the number of granules; the fastest of some steps */
@@ -295,8 +297,9 @@ static void bench_cost(const program *self, json *report) {
     const int numbers[5] = {200, 2000, 20000, 200000, 1000000};
     double x[5], y[2][5];
     int points = self->quick ? 3 : 5;
-    text_table t = table_begin("granules|end of step [s a step]|ns a granule|swept [s a step]|ns a granule|collisions swept");
-    csv *file = csv_open(self->out, "cost.csv", "granules,end_of_step_s,swept_s,swept_collisions");
+    riddle_io_table t =
+        riddle_io_table_begin("granules|end of step [s a step]|ns a granule|swept [s a step]|ns a granule|collisions swept");
+    riddle_io_file *file = csv_open(self->out, "cost.csv", "granules,end_of_step_s,swept_s,swept_collisions");
     json_array_begin(report, "cost");
     for (int k = 0; k < points && !common_interrupted(); k++) {
         int n = numbers[k], repeats = n < 1000 ? 200 : n < 100000 ? 20 : 6;
@@ -320,15 +323,15 @@ static void bench_cost(const program *self, json *report) {
             granulation_sim_free(&sim);
         }
         x[k] = n;
-        table_cell(&t, "%d", n);
+        riddle_io_table_cell(&t, "%d", n);
         for (int mode = 0; mode < 2; mode++) {
             y[mode][k] = 1e9 * best[mode] / n;
-            table_cell(&t, "%.3g", best[mode]);
-            table_cell(&t, "%.0f", y[mode][k]);
+            riddle_io_table_cell(&t, "%.3g", best[mode]);
+            riddle_io_table_cell(&t, "%.0f", y[mode][k]);
         }
-        table_cell(&t, "%.0f", collisions);
+        riddle_io_table_cell(&t, "%.0f", collisions);
         double line[4] = {n, best[0], best[1], collisions};
-        csv_row(file, line, 4);
+        riddle_io_row(file, line, 4);
         json_object_begin(report, NULL);
         json_integer(report, "granules", n);
         json_number(report, "end_of_step_s", best[0]);
@@ -337,16 +340,16 @@ static void bench_cost(const program *self, json *report) {
     }
     json_array_end(report);
     table_end(&t);
-    csv_close(file);
-    plot *figure = plot_new("Cost of a step at the paper's density, one core", 1, 1);
-    plot_panel(figure, 0, 0, "granules [-]", "processor time a granule and step [ns]");
-    plot_log_x(figure);
-    plot_range_y(figure, 0.0, 1.2 * fmax(fmax(y[0][points - 1], y[1][points - 1]), fmax(y[0][0], y[1][0])));
-    plot_line(figure, "paper's rule, steps of 3 diameters", x, y[0], points);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_line(figure, "swept, steps of a third of a diameter", x, y[1], points);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_write(figure, self->out, "cost.svg");
+    riddle_io_close(file);
+    riddle_plot *figure = riddle_plot_new("Cost of a step at the paper's density, one core", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "granules [-]", "processor time a granule and step [ns]");
+    riddle_plot_log_x(figure);
+    riddle_plot_range_y(figure, 0.0, 1.2 * fmax(fmax(y[0][points - 1], y[1][points - 1]), fmax(y[0][0], y[1][0])));
+    riddle_plot_line(figure, "paper's rule, steps of 3 diameters", x, y[0], points);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_line(figure, "swept, steps of a third of a diameter", x, y[1], points);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_write(figure, self->out, "cost.svg");
 }
 
 /* 5: the two studies of the paper, 4 + 4 rows of 50 replicates */

@@ -214,8 +214,8 @@ int main(int argc, char **argv) {
     }
 
     json *report = json_open(self.json);
-    text_table t = table_begin("law|ns|rms error [%]|largest [%]");
-    csv *file = csv_open(self.out, "laws.csv", "law,ns,rms_error,largest_error");
+    riddle_io_table t = riddle_io_table_begin("law|ns|rms error [%]|largest [%]");
+    riddle_io_file *file = csv_open(self.out, "laws.csv", "law,ns,rms_error,largest_error");
     json_array_begin(report, "laws");
     for (int l = 0; l < LAWS + ORDERS; l++) {
         char name[60];
@@ -223,10 +223,10 @@ int main(int argc, char **argv) {
         double rms = l < LAWS ? laws[l].rms : sqrt(of_series[l - LAWS].square / (double)of_series[l - LAWS].n);
         if (l < LAWS) snprintf(name, sizeof name, "%s", laws[l].name);
         else snprintf(name, sizeof name, "series of %d terms", l - LAWS + 2);
-        table_cell(&t, "%s", name);
-        table_cell(&t, "%.1f", ns);
-        table_cell(&t, "%.3g", 100.0 * rms);
-        table_cell(&t, "%.3g", 100.0 * worst);
+        riddle_io_table_cell(&t, "%s", name);
+        riddle_io_table_cell(&t, "%.1f", ns);
+        riddle_io_table_cell(&t, "%.3g", 100.0 * rms);
+        riddle_io_table_cell(&t, "%.3g", 100.0 * worst);
         csv_line(file, "\"%s\",%.3f,%.5g,%.5g", name, ns, rms, worst);
         json_object_begin(report, NULL);
         json_string(report, "law", name);
@@ -236,26 +236,26 @@ int main(int argc, char **argv) {
         json_object_end(report);
     }
     json_array_end(report);
-    csv_close(file);
+    riddle_io_close(file);
     table_end(&t);
 
-    plot *figure = plot_new("Capillary force, equations of Elskamp & Kruggel-Emden (2019): error against time", 1, 1);
-    plot_panel(figure, 0, 0, "time of one evaluation [ns]", "largest error, gaps to 0.9 of rupture [%]");
-    plot_log_x(figure);
-    plot_log_y(figure);
+    riddle_plot *figure = riddle_plot_new("Capillary force, equations of Elskamp & Kruggel-Emden (2019): error against time", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "time of one evaluation [ns]", "largest error, gaps to 0.9 of rupture [%]");
+    riddle_plot_log_x(figure);
+    riddle_plot_log_y(figure);
     double x[ORDERS], y[ORDERS];
     for (int n = 0; n < ORDERS; n++) {
         x[n] = series_ns[n];
         y[n] = 100.0 * of_series[n].worst;
     }
-    plot_line(figure, "series of 2 to 9 terms", x, y, ORDERS);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+    riddle_plot_line(figure, "series of 2 to 9 terms", x, y, ORDERS);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     for (int l = LAWS - 1; l >= 0; l--) {
         double ns = laws[l].ns, percent = 100.0 * laws[l].worst;
-        plot_points(figure, laws[l].name, &ns, &percent, 1);
+        riddle_plot_points(figure, laws[l].name, &ns, &percent, 1);
     }
-    plot_legend_outside(figure);
-    plot_write(figure, self.out, "laws.svg");
+    riddle_plot_legend_outside(figure);
+    riddle_plot_write(figure, self.out, "laws.svg");
 
     /* ---- 2: everything else ---- */
     bridge_liquid liquid = bridge_pair_default_def().liquid;
@@ -310,23 +310,23 @@ int main(int argc, char **argv) {
                  {"Young-Laplace, one bridge", "young_laplace_s", 1e-6 * us_solve},
                  {"prepare a kind, equal spheres", "prepare_s", 1e-3 * ms_prepare},
                  {"prepare a kind, plate", "prepare_plate_s", 1e-3 * ms_prepare_plate}};
-    t = table_begin("what|time");
+    t = riddle_io_table_begin("what|time");
     for (size_t k = 0; k < sizeof costs / sizeof *costs; k++) {
         double s = costs[k].seconds;
-        table_cell(&t, "%s", costs[k].what);
-        table_cell(&t, s < 1e-6 ? "%.1f ns" : (s < 1e-3 ? "%.1f us" : "%.2f ms"), s * (s < 1e-6 ? 1e9 : (s < 1e-3 ? 1e6 : 1e3)));
+        riddle_io_table_cell(&t, "%s", costs[k].what);
+        riddle_io_table_cell(&t, s < 1e-6 ? "%.1f ns" : (s < 1e-3 ? "%.1f us" : "%.2f ms"), s * (s < 1e-6 ? 1e9 : (s < 1e-3 ? 1e6 : 1e3)));
         json_number(report, costs[k].key, s);
     }
     table_end(&t);
 
     /* ---- 3: the pairs ---- */
-    t = table_begin("kind of pair|force off [%]|rupture gap off [%]");
+    t = riddle_io_table_begin("kind of pair|force off [%]|rupture gap off [%]");
     for (int kind = 0; kind < KINDS; kind++) {
         def = kind_def(kind);
         bridge_pair_prepare(&pair, &def);
-        table_cell(&t, "%s", kind_names[kind]);
-        table_cell(&t, "%.3f", 100.0 * pair.deviation);
-        table_cell(&t, "%.4f", 100.0 * pair.rupture_deviation);
+        riddle_io_table_cell(&t, "%s", kind_names[kind]);
+        riddle_io_table_cell(&t, "%.3f", 100.0 * pair.deviation);
+        riddle_io_table_cell(&t, "%.4f", 100.0 * pair.rupture_deviation);
     }
     table_end(&t);
     json_program(report, &self);

@@ -54,7 +54,7 @@ static double ours(double p, double n, int k) {
     return screen_dong(p, n);
 }
 
-static void bench_implicit(const program *self, plot *figure, json *report) {
+static void bench_implicit(const program *self, riddle_plot *figure, json *report) {
     typedef struct method {
         const char *name;
         double (*solve)(double, double, int);
@@ -69,11 +69,11 @@ static void bench_implicit(const program *self, plot *figure, json *report) {
         if (i % 10 == 1) place_p[i] = 1.0;
         place_y[i] = bisection(place_p[i], place_n[i], 1100); /* to the last bit that the logarithms allow */
     }
-    csv *file = csv_open(self->out, "implicit.csv", "method,iterations,error,ns_per_call");
-    plot_panel(figure, 0, 0, "time per call [ns]", "largest relative error of Y [-]");
-    plot_title(figure, "Dong: Y = (1 - p Y)^N");
-    plot_log_x(figure);
-    plot_log_y(figure);
+    riddle_io_file *file = csv_open(self->out, "implicit.csv", "method,iterations,error,ns_per_call");
+    riddle_plot_panel(figure, 0, 0, "time per call [ns]", "largest relative error of Y [-]");
+    riddle_plot_title(figure, "Dong: Y = (1 - p Y)^N");
+    riddle_plot_log_x(figure);
+    riddle_plot_log_y(figure);
     for (size_t m = 0; m < sizeof methods / sizeof methods[0]; m++) {
         double x[16], y[16];
         int n = 0;
@@ -88,15 +88,15 @@ static void bench_implicit(const program *self, plot *figure, json *report) {
             y[n] = worst;
             csv_line(file, "%s,%d,%.17g,%.17g", methods[m].name, k, y[n], x[n]);
         }
-        plot_line(figure, methods[m].name, x, y, n);
-        plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+        riddle_plot_line(figure, methods[m].name, x, y, n);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
         common_print("model 1, %-14s %7.0f ns, error %.1e\n", methods[m].name, x[n - 1], y[n - 1]);
         if (methods[m].solve == ours) {
             json_number(report, "dong_s_per_call", 1e-9 * x[n - 1]);
             json_number(report, "dong_largest_relative_error", y[n - 1]);
         }
     }
-    csv_close(file);
+    riddle_io_close(file);
 }
 
 /* ---- 2: model 3 ---- */
@@ -147,21 +147,21 @@ static double error_of(const double *y, const double *exact) {
     return worst > 1e-16 ? worst : 1e-16;
 }
 
-static void bench_soldinger(const program *self, plot *figure, json *report) {
+static void bench_soldinger(const program *self, riddle_plot *figure, json *report) {
     const double slow[6] = {3.0, -1.5, 1.0, 4.0, -0.5, 2.0};
     double published[6], y[2 * WHEN], exact[2 * WHEN];
     screen_operation initial = {0.001, 50.6, 0.0, 0.0};
     screen_published(SCREEN_SOLDINGER, published);
-    csv *file = csv_open(self->out, "soldinger.csv", "parameters,method,step_or_tolerance,error,s_per_case");
+    riddle_io_file *file = csv_open(self->out, "soldinger.csv", "parameters,method,step_or_tolerance,error,s_per_case");
     for (int set = 0; set < 2; set++) {
         const double *p = set ? slow : published;
         screen_def def = batch();
         def.tolerance = 1e-14;
         screen_predict(&def, SCREEN_SOLDINGER, p, &initial, WHEN, when, exact, NULL, NULL);
-        plot_panel(figure, 1, set, "run time of a case [s]", "largest error of retained [-]");
-        plot_title(figure, set ? "Soldinger, slow stratification" : "Soldinger, published parameters");
-        plot_log_x(figure);
-        plot_log_y(figure);
+        riddle_plot_panel(figure, 1, set, "run time of a case [s]", "largest error of retained [-]");
+        riddle_plot_title(figure, set ? "Soldinger, slow stratification" : "Soldinger, published parameters");
+        riddle_plot_log_x(figure);
+        riddle_plot_log_y(figure);
         for (int method = 0; method < 3; method++) {
             static const char *const names[] = {"explicit, as the paper", "positive, fixed step", "adaptive"};
             double seconds[16], errors[16];
@@ -184,14 +184,14 @@ static void bench_soldinger(const program *self, plot *figure, json *report) {
                 errors[n++] = error;
             }
             if (n) {
-                plot_line(figure, names[method], seconds, errors, n);
-                plot_style(figure, PLOT_MARKED, method);
+                riddle_plot_line(figure, names[method], seconds, errors, n);
+                riddle_plot_style(figure, RIDDLE_PLOT_MARKED, method);
                 common_print("model 3, %-9s %-23s best %.1e in %.1e s\n", set ? "slow" : "published", names[method], errors[n - 1],
                              seconds[n - 1]);
             } else {
                 common_print("model 3, %-9s %-23s diverges at every step down to %.0e s\n", set ? "slow" : "published", names[method],
                              0.5 * riddle_exp(-1.3862943611198906 * (levels - 1)));
-                plot_text_share(figure, 0.29, 0.9, "explicit step: diverges at any size");
+                riddle_plot_text_share(figure, 0.29, 0.9, "explicit step: diverges at any size");
             }
             if (method == 2) {
                 json_number(report, set ? "soldinger_slow_error" : "soldinger_published_error", errors[n - 1]);
@@ -199,7 +199,7 @@ static void bench_soldinger(const program *self, plot *figure, json *report) {
             }
         }
     }
-    csv_close(file);
+    riddle_io_close(file);
 }
 
 /* ---- 3: the fitter ---- */
@@ -225,18 +225,18 @@ static void make_cases(screen_case *cases, double noise, double misfit, uint64_t
     }
 }
 
-static void bench_fit(const program *self, plot *figure, json *report) {
+static void bench_fit(const program *self, riddle_plot *figure, json *report) {
     static const char *const names[] = {"0 first order", "1 Dong", "2 Subasinghe"};
     screen_case cases[CASES];
     screen_def def = batch();
-    csv *file = csv_open(self->out, "fit.csv", "data,model,starts,deviation,above_best,processor_s");
+    riddle_io_file *file = csv_open(self->out, "fit.csv", "data,model,starts,deviation,above_best,processor_s");
     for (int set = 0; set < 2; set++) {
         make_cases(cases, set ? 0.0 : 0.02, set ? 0.15 : 0.0, self->seed);
-        plot_panel(figure, 2, set, "processor time of a fit [s]", "above the best deviation [-]");
-        plot_title(figure, set ? "fits: part never passes" : "fits: curves of Subasinghe, noise 0.02");
-        plot_log_x(figure);
-        plot_log_y(figure);
-        plot_range_y(figure, 3e-11, 1e-3);
+        riddle_plot_panel(figure, 2, set, "processor time of a fit [s]", "above the best deviation [-]");
+        riddle_plot_title(figure, set ? "fits: part never passes" : "fits: curves of Subasinghe, noise 0.02");
+        riddle_plot_log_x(figure);
+        riddle_plot_log_y(figure);
+        riddle_plot_range_y(figure, 3e-11, 1e-3);
         for (int m = 0; m < 3; m++) {
             static const int counts[] = {1, 2, 5, 10, 20};
             const int seeds = self->quick ? 1 : 6, n = self->quick ? 2 : 5;
@@ -264,8 +264,8 @@ static void bench_fit(const program *self, plot *figure, json *report) {
                 for (int s = 0; s < seeds; s++) mean[k] += (deviation[s][k] - best) / seeds;
                 csv_line(file, "%s,%d,%d,%.17g,%.17g,%.17g", set ? "stuck" : "noise", m, counts[k], best + mean[k], mean[k], seconds[k]);
             }
-            plot_line(figure, names[m], seconds, mean, n);
-            plot_style(figure, PLOT_MARKED, m);
+            riddle_plot_line(figure, names[m], seconds, mean, n);
+            riddle_plot_style(figure, RIDDLE_PLOT_MARKED, m);
             common_print("fit of %s to %s data: %d starts %.2f s, %.1e above the best of %d seeds (%.6f); all %d of %d starts of the last "
                          "at its best\n",
                          names[m], set ? "stuck" : "noisy", counts[n - 1], seconds[n - 1], mean[n - 1], seeds, best, fit.starts_at_best,
@@ -276,7 +276,7 @@ static void bench_fit(const program *self, plot *figure, json *report) {
             }
         }
     }
-    csv_close(file);
+    riddle_io_close(file);
 }
 
 /* ---- 4: time a call ---- */
@@ -313,13 +313,13 @@ static void bench_calls(const program *self, json *report) {
 int main(int argc, char **argv) {
     program self = program_start("bench_screen_models", "Error against run time of screen_models.h.", NULL, 0, argc, argv);
     json *report = json_open(self.json);
-    plot *figure = plot_new("screen_models.h: error against run time", 3, 2);
+    riddle_plot *figure = riddle_plot_new("screen_models.h: error against run time", 3, 2);
     bench_implicit(&self, figure, report);
     bench_soldinger(&self, figure, report);
     bench_fit(&self, figure, report);
     bench_calls(&self, report);
     json_program(report, &self);
-    plot_write(figure, self.out, "screen_models_accuracy.svg");
+    riddle_plot_write(figure, self.out, "screen_models_accuracy.svg");
     json_close(report);
     return common_exit_status();
 }

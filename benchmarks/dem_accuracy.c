@@ -152,7 +152,8 @@ static int own(const impact *of, int division, int phases, const pair_state *exa
 
 static const char *mode_name(dem_restitution mode) { return mode == DEM_CLIPPED ? "clipped" : "naive"; }
 
-static void record(csv *file, json *report, const char *scene, const impact *of, const char *method, int division, const outcome *o) {
+static void record(riddle_io_file *file, json *report, const char *scene, const impact *of, const char *method, int division,
+                   const outcome *o) {
     char ns[40] = "";
     if (o->cpu_ns > 0.0) snprintf(ns, sizeof ns, "%.9g", o->cpu_ns);
     csv_line(file, "%s,%.4f,%s,\"%s\",%d,%.9g,%s,%.9g,%.9g,%.9g", scene, of->restitution, mode_name(of->mode), method, division, o->effort,
@@ -171,12 +172,12 @@ static void record(csv *file, json *report, const char *scene, const impact *of,
     json_object_end(report);
 }
 
-static void impacts(const program *self, csv *file, json *report, plot *figure, progress *bar) {
+static void impacts(const program *self, riddle_io_file *file, json *report, riddle_plot *figure, progress *bar) {
     const double restitutions[2] = {0.78, 0.4351}, angles[3] = {0.0, RIDDLE_PI / 6.0, RIDDLE_PI / 3.0};
     const char *const scenes[3] = {"head-on", "oblique 30 deg", "oblique 60 deg"};
     const int phases = self->quick ? 50 : PHASES_MAX;
     double x[LEVELS], summary[2][2][METHODS] = {{{0.0}}}, by_mode[2][2][2][LEVELS], steps[LEVELS];
-    text_table t = table_begin(
+    riddle_io_table t = riddle_io_table_begin(
         "impact|e|convention|t_c/dt|dem.h: evaluations|bias|rms|predicted Verlet: rms|leapfrog: rms|ns an impact|ns, without correction");
     for (int k = 0; k < 3; k++) {
         for (int r = 0; r < 2; r++) {
@@ -194,17 +195,17 @@ static void impacts(const program *self, csv *file, json *report, plot *figure, 
                     if (k == 0) by_mode[0][mode][r][level] = o[DEM][level].rms, by_mode[1][mode][r][level] = o[VERLET][level].rms;
                     if (divisions[level] == 20 || divisions[level] == 100) {
                         const outcome *d = &o[DEM][level];
-                        table_cell(&t, "%s", scenes[k]);
-                        table_cell(&t, "%g", of.restitution);
-                        table_cell(&t, "%s", mode_name(of.mode));
-                        table_cell(&t, "%d", divisions[level]);
-                        table_cell(&t, "%.1f", d->effort);
-                        table_cell(&t, "%.1e", d->bias);
-                        table_cell(&t, "%.1e", d->rms);
-                        table_cell(&t, "%.1e", o[VERLET][level].rms);
-                        table_cell(&t, "%.1e", o[LEAPFROG][level].rms);
-                        table_cell(&t, "%.0f", d->cpu_ns);
-                        table_cell(&t, "%.0f", o[UNRESOLVED][level].cpu_ns);
+                        riddle_io_table_cell(&t, "%s", scenes[k]);
+                        riddle_io_table_cell(&t, "%g", of.restitution);
+                        riddle_io_table_cell(&t, "%s", mode_name(of.mode));
+                        riddle_io_table_cell(&t, "%d", divisions[level]);
+                        riddle_io_table_cell(&t, "%.1f", d->effort);
+                        riddle_io_table_cell(&t, "%.1e", d->bias);
+                        riddle_io_table_cell(&t, "%.1e", d->rms);
+                        riddle_io_table_cell(&t, "%.1e", o[VERLET][level].rms);
+                        riddle_io_table_cell(&t, "%.1e", o[LEAPFROG][level].rms);
+                        riddle_io_table_cell(&t, "%.0f", d->cpu_ns);
+                        riddle_io_table_cell(&t, "%.0f", o[UNRESOLVED][level].cpu_ns);
                     }
                     progress_add(bar, 1.0);
                 }
@@ -212,11 +213,12 @@ static void impacts(const program *self, csv *file, json *report, plot *figure, 
                 if (k == 0)
                     for (int m = DEM; m < METHODS; m++) summary[mode][r][m] = o[m][2].rms;
                 if (r == 0 && mode == 0 && k < 2) { /* e = 0.78, clipped */
-                    plot_panel(figure, 0, k, k ? "evaluations of the contact law per impact" : "processor time per impact [\xc2\xb5s]",
-                               k ? "rms error of velocity and spin, over v [-]" : "rms error of restitution [-]");
-                    plot_title(figure, k ? "Oblique impact, 30\xc2\xb0, friction" : "Head-on impact, e = 0.78: run time");
-                    plot_log_x(figure);
-                    plot_log_y(figure);
+                    riddle_plot_panel(figure, 0, k,
+                                      k ? "evaluations of the contact law per impact" : "processor time per impact [\xc2\xb5s]",
+                                      k ? "rms error of velocity and spin, over v [-]" : "rms error of restitution [-]");
+                    riddle_plot_title(figure, k ? "Oblique impact, 30\xc2\xb0, friction" : "Head-on impact, e = 0.78: run time");
+                    riddle_plot_log_x(figure);
+                    riddle_plot_log_y(figure);
                     for (int m = DEM; m < methods; m++) {
                         double y[LEVELS];
                         if (k == 0 ? m > UNRESOLVED : m == UNRESOLVED) continue;
@@ -224,8 +226,8 @@ static void impacts(const program *self, csv *file, json *report, plot *figure, 
                             x[level] = k ? o[m][level].effort : 1e-3 * o[m][level].cpu_ns;
                             y[level] = o[m][level].rms;
                         }
-                        plot_line(figure, method_names[m], x, y, LEVELS);
-                        plot_style(figure, PLOT_MARKED, colours[m]);
+                        riddle_plot_line(figure, method_names[m], x, y, LEVELS);
+                        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, colours[m]);
                     }
                 }
             }
@@ -233,21 +235,21 @@ static void impacts(const program *self, csv *file, json *report, plot *figure, 
     }
     table_end(&t);
     common_print("\n");
-    plot_panel(figure, 1, 1, "steps per contact time", "rms error of restitution [-]");
-    plot_title(figure, "Head-on: convention and e");
-    plot_log_x(figure);
-    plot_log_y(figure);
+    riddle_plot_panel(figure, 1, 1, "steps per contact time", "rms error of restitution [-]");
+    riddle_plot_title(figure, "Head-on: convention and e");
+    riddle_plot_log_x(figure);
+    riddle_plot_log_y(figure);
     for (int r = 0; r < 2; r++) {
         for (int mode = 0; mode < 2; mode++) {
             char label[60];
             snprintf(label, sizeof label, "e = %g, %s", restitutions[r], mode ? "naive" : "clipped");
-            plot_line(figure, label, steps, by_mode[0][mode][r], LEVELS);
-            plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-            plot_line(figure, NULL, steps, by_mode[1][mode][r], LEVELS);
-            plot_style(figure, PLOT_DASHED, PLOT_SAME);
+            riddle_plot_line(figure, label, steps, by_mode[0][mode][r], LEVELS);
+            riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+            riddle_plot_line(figure, NULL, steps, by_mode[1][mode][r], LEVELS);
+            riddle_plot_style(figure, RIDDLE_PLOT_DASHED, RIDDLE_PLOT_SAME);
         }
     }
-    plot_text_share(figure, 0.03, 0.06, "dashed: predicted Verlet");
+    riddle_plot_text_share(figure, 0.03, 0.06, "dashed: predicted Verlet");
     json_array_end(report);
     json_object_begin(report, "restitution_rms_at_tc_20");
     for (int m = DEM; m < METHODS; m++) json_number(report, method_names[m], summary[0][0][m]);
@@ -419,12 +421,12 @@ static double stack_error(const double *z, const stack *exact) {
     return sqrt(sum) / diameter;
 }
 
-static void stacks(const program *self, csv *file, json *report, plot *figure, progress *bar) {
+static void stacks(const program *self, riddle_io_file *file, json *report, riddle_plot *figure, progress *bar) {
     const double restitutions[3] = {0.78, 0.4351, 1.0};
     const int phases = self->quick ? 2 : STACK_PHASES;
-    text_table t =
-        table_begin("stack|e|convention|t_c/dt|dem.h: evaluations|rms error [d]|predicted Verlet: rms|leapfrog: rms|us a run|us, "
-                    "without correction|ledger");
+    riddle_io_table t =
+        riddle_io_table_begin("stack|e|convention|t_c/dt|dem.h: evaluations|rms error [d]|predicted Verlet: rms|leapfrog: rms|us a run|us, "
+                              "without correction|ledger");
     for (int r = 0; r < 3; r++) {
         for (int mode = 0; mode < (restitutions[r] < 1.0 ? 2 : 1); mode++) { /* without a dashpot both conventions are one */
             const stack_law law = stack_law_of(restitutions[r], mode ? DEM_NAIVE : DEM_CLIPPED);
@@ -479,31 +481,31 @@ static void stacks(const program *self, csv *file, json *report, plot *figure, p
                 for (int m = DEM; m < METHODS; m++) o[m][level].cpu_ns = m <= UNRESOLVED ? middle_of(ns[m], phases) : (double)NAN;
                 for (int m = DEM; m < METHODS; m++) record(file, report, "stack", &as, method_names[m], divisions[level], &o[m][level]);
                 if (divisions[level] == 20 || divisions[level] == 100) {
-                    table_cell(&t, "10 spheres");
-                    table_cell(&t, "%g", restitutions[r]);
-                    table_cell(&t, "%s", mode_name(as.mode));
-                    table_cell(&t, "%d", divisions[level]);
-                    table_cell(&t, "%.0f", o[DEM][level].effort);
-                    table_cell(&t, "%.1e", o[DEM][level].rms);
-                    table_cell(&t, "%.1e", o[VERLET][level].rms);
-                    table_cell(&t, "%.1e", o[LEAPFROG][level].rms);
-                    table_cell(&t, "%.0f", 1e-3 * o[DEM][level].cpu_ns);
-                    table_cell(&t, "%.0f", 1e-3 * o[UNRESOLVED][level].cpu_ns);
-                    table_cell(&t, "%.1e", worst_ledger);
+                    riddle_io_table_cell(&t, "10 spheres");
+                    riddle_io_table_cell(&t, "%g", restitutions[r]);
+                    riddle_io_table_cell(&t, "%s", mode_name(as.mode));
+                    riddle_io_table_cell(&t, "%d", divisions[level]);
+                    riddle_io_table_cell(&t, "%.0f", o[DEM][level].effort);
+                    riddle_io_table_cell(&t, "%.1e", o[DEM][level].rms);
+                    riddle_io_table_cell(&t, "%.1e", o[VERLET][level].rms);
+                    riddle_io_table_cell(&t, "%.1e", o[LEAPFROG][level].rms);
+                    riddle_io_table_cell(&t, "%.0f", 1e-3 * o[DEM][level].cpu_ns);
+                    riddle_io_table_cell(&t, "%.0f", 1e-3 * o[UNRESOLVED][level].cpu_ns);
+                    riddle_io_table_cell(&t, "%.1e", worst_ledger);
                 }
                 progress_add(bar, 2.0);
             }
             if (r == 0 && mode == 0 && !common_interrupted()) {
-                plot_panel(figure, 1, 0, "evaluations of the contact law", "rms error of height / diameter [-]");
-                plot_title(figure, "Ten spheres fall on a floor, 40 ms");
-                plot_log_x(figure);
-                plot_log_y(figure);
+                riddle_plot_panel(figure, 1, 0, "evaluations of the contact law", "rms error of height / diameter [-]");
+                riddle_plot_title(figure, "Ten spheres fall on a floor, 40 ms");
+                riddle_plot_log_x(figure);
+                riddle_plot_log_y(figure);
                 for (int m = DEM; m < METHODS; m++) {
                     double x[LEVELS], y[LEVELS];
                     if (m == UNRESOLVED) continue;
                     for (int level = 0; level < LEVELS; level++) x[level] = o[m][level].effort, y[level] = o[m][level].rms;
-                    plot_line(figure, method_names[m], x, y, LEVELS);
-                    plot_style(figure, PLOT_MARKED, colours[m]);
+                    riddle_plot_line(figure, method_names[m], x, y, LEVELS);
+                    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, colours[m]);
                 }
             }
         }
@@ -520,7 +522,7 @@ static void layers(const program *self, json *report) {
     const int skips[4] = {0, DEM_SKIP_PAIRS, DEM_SKIP_SPACE, DEM_SKIP_ALL};
     const stack start = stack_start(0.0);
     uint64_t hash[4];
-    text_table t = table_begin("the stack, t_c/20, skipping|us a run|looks a particle-step|hash");
+    riddle_io_table t = riddle_io_table_begin("the stack, t_c/20, skipping|us a run|looks a particle-step|hash");
     (void)self;
     json_array_begin(report, "skipping");
     for (int k = 0; k < 4; k++) {
@@ -538,10 +540,10 @@ static void layers(const program *self, json *report) {
             }
         }
         const double typical = middle_of(ns, REPEATS);
-        table_cell(&t, "%s", names[k]);
-        table_cell(&t, "%.0f", 1e-3 * typical);
-        table_cell(&t, "%.4f", looks);
-        table_cell(&t, "%016llx", (unsigned long long)hash[k]);
+        riddle_io_table_cell(&t, "%s", names[k]);
+        riddle_io_table_cell(&t, "%.0f", 1e-3 * typical);
+        riddle_io_table_cell(&t, "%.4f", looks);
+        riddle_io_table_cell(&t, "%016llx", (unsigned long long)hash[k]);
         json_object_begin(report, NULL);
         json_string(report, "skip", names[k]);
         json_number(report, "processor_ns", typical);
@@ -558,10 +560,10 @@ int main(int argc, char **argv) {
     program self = program_start("dem_accuracy", "dem.h: error against run time on impacts and a stack; plain integrators beside it.", NULL,
                                  0, argc, argv);
     json *report = json_open(self.json);
-    csv *file =
+    riddle_io_file *file =
         csv_open(self.out, "dem_accuracy.csv",
                  "scene,restitution,convention,integrator,steps_per_contact,evaluations,processor_ns,error_bias,error_rms,error_max");
-    plot *figure = plot_new("dem.h: error against effort", 2, 2);
+    riddle_plot *figure = riddle_plot_new("dem.h: error against effort", 2, 2);
     progress bar;
     progress_begin(&bar, "accuracy", LEVELS * (12.0 + 10.0));
     json_array_begin(report, "runs");
@@ -570,8 +572,8 @@ int main(int argc, char **argv) {
     progress_end(&bar);
     if (!common_interrupted()) {
         layers(&self, report);
-        csv_close(file);
-        plot_write(figure, self.out, "dem_accuracy.svg");
+        riddle_io_close(file);
+        riddle_plot_write(figure, self.out, "dem_accuracy.svg");
         json_bool(report, "deterministic_build", dem_build_is_deterministic() != 0);
         json_program(report, &self);
         json_close(report);

@@ -93,7 +93,7 @@ static int references_read(reference (*references)[SCENES], const char *folder) 
     char path[1000], message[1200];
     csv_data data;
     memset(references, 0, SIZES * sizeof *references);
-    output_path(path, sizeof path, folder, "lammps.csv");
+    riddle_io_path(path, sizeof path, folder, "lammps.csv");
     if (csv_read(path, &data, message, sizeof message) != 0) return -1;
     for (int row = 0; row < data.rows; row++) {
         const int size = size_of(csv_value(&data, row, "spheres")), scene = scene_of(&data, row);
@@ -154,12 +154,12 @@ static void compare(const program *self, const char *path, reference (*reference
         if (strcmp(codes[k], "LAMMPS") == 0) base = k;
 
     json *report = json_open(self->json);
-    csv *file = csv_open(self->out, "compare.csv", "code,spheres,scene,friction,particle_steps_per_cpu_s,ratio,same_physics");
+    riddle_io_file *file = csv_open(self->out, "compare.csv", "code,spheres,scene,friction,particle_steps_per_cpu_s,ratio,same_physics");
     char header[200];
     snprintf(header, sizeof header,
              "spheres|bed|code|particle-steps per CPU second|over %s|mean height [m]|kinetic energy [J]|same physics",
              n_codes ? codes[base] : "");
-    text_table t = table_begin(header);
+    riddle_io_table t = riddle_io_table_begin(header);
     json_array_begin(report, "beds");
     for (int size = 0; size < SIZES; size++) {
         for (int scene = 0; scene < SCENES; scene++) {
@@ -177,14 +177,14 @@ static void compare(const program *self, const char *path, reference (*reference
                 const reference *of = &references[size][scene];
                 const bool judged = of->known && steps == FULL_STEPS, same = judged && same_physics(of, scene, height, energy);
                 wrong += judged && !same && strncmp(codes[k], "Riddle", 6) == 0; /* another code's is told, but no failure of this one */
-                table_cell(&t, "%d", sizes[size]);
-                table_cell(&t, "%s", scene_names[scene]);
-                table_cell(&t, "%s", codes[k]);
-                table_cell(&t, "%.3g", own);
-                table_cell(&t, "%.2f", ratio);
-                table_cell(&t, "%.7f", height);
-                table_cell(&t, "%.5g", energy);
-                table_cell(&t, "%s", !judged ? "-" : same ? "yes" : "NO");
+                riddle_io_table_cell(&t, "%d", sizes[size]);
+                riddle_io_table_cell(&t, "%s", scene_names[scene]);
+                riddle_io_table_cell(&t, "%s", codes[k]);
+                riddle_io_table_cell(&t, "%.3g", own);
+                riddle_io_table_cell(&t, "%.2f", ratio);
+                riddle_io_table_cell(&t, "%.7f", height);
+                riddle_io_table_cell(&t, "%.5g", energy);
+                riddle_io_table_cell(&t, "%s", !judged ? "-" : same ? "yes" : "NO");
                 csv_line(file, "%s,%d,%s,%d,%.17g,%.17g,%s", codes[k], sizes[size], is_static(scene) ? "static" : "vibrated",
                          has_friction(scene), own, ratio,
                          !judged ? ""
@@ -208,9 +208,9 @@ static void compare(const program *self, const char *path, reference (*reference
     }
     json_array_end(report);
     table_end(&t);
-    csv_close(file);
-    plot *figure = plot_new("Beds of spheres, one core", 2, 1);
-    plot_panel_size(figure, 900.0, 260.0);
+    riddle_io_close(file);
+    riddle_plot *figure = riddle_plot_new("Beds of spheres, one core", 2, 1);
+    riddle_plot_panel_size(figure, 900.0, 260.0);
     for (int friction = 1; friction >= 0; friction--) {
         static const char *const size_marks[SIZES] = {"2k", "20k", "100k"};
         double shown[CODES][SIZES * SCENES];
@@ -225,12 +225,12 @@ static void compare(const program *self, const char *path, reference (*reference
             n++;
         }
         if (!n) continue;
-        plot_panel(figure, friction ? 0 : 1, 0, "", "1e6 particle-steps per CPU s");
-        plot_title(figure, friction ? "Friction 0.2 with history" : "Without friction");
-        plot_legend_outside(figure);
-        for (int k = 0; k < n_codes; k++) plot_bars(figure, codes[k], groups, shown[k], n);
+        riddle_plot_panel(figure, friction ? 0 : 1, 0, "", "1e6 particle-steps per CPU s");
+        riddle_plot_title(figure, friction ? "Friction 0.2 with history" : "Without friction");
+        riddle_plot_legend_outside(figure);
+        for (int k = 0; k < n_codes; k++) riddle_plot_bars(figure, codes[k], groups, shown[k], n);
     }
-    plot_write(figure, self->out, "compare.svg");
+    riddle_plot_write(figure, self->out, "compare.svg");
     json_program(report, self);
     json_close(report);
     csv_free(&data);
@@ -281,9 +281,10 @@ int main(int argc, char **argv) {
         }
     }
     json *report = json_open(self.json);
-    csv *file = csv_open(self.out, "dem_beds.csv",
-                         "code,spheres,scene,friction,steps,cpu_s,wall_s,threads,mean_height_m,kinetic_energy_J,particle_steps_per_cpu_s");
-    text_table t = table_begin(
+    riddle_io_file *file =
+        csv_open(self.out, "dem_beds.csv",
+                 "code,spheres,scene,friction,steps,cpu_s,wall_s,threads,mean_height_m,kinetic_energy_J,particle_steps_per_cpu_s");
+    riddle_io_table t = riddle_io_table_begin(
         "spheres|bed|threads|particle-steps per CPU second|per second|over one thread|contacts a sphere|looks a step|mean height [m]|"
         "kinetic energy [J]|same physics");
     progress bar;
@@ -329,17 +330,17 @@ int main(int argc, char **argv) {
                 const bool judged = of->known && steps == FULL_STEPS, same = judged && same_physics(of, scene, q->height, q->energy);
                 if (!variant) speeds[size][scene] = 1e-6 * all / cpu_s;
                 wrong += judged && !same;
-                table_cell(&t, "%d", b.n);
-                table_cell(&t, "%s", scene_names[scene]);
-                table_cell(&t, "%d", q->threads);
-                table_cell(&t, "%.3g", all / cpu_s);
-                table_cell(&t, "%.3g", all / wall_s);
-                table_cell(&t, "%.2f", speed_up);
-                table_cell(&t, "%.3f", q->contacts);
-                table_cell(&t, "%.3f", q->looks);
-                table_cell(&t, "%.7f", q->height);
-                table_cell(&t, "%.5g", q->energy);
-                table_cell(&t, "%s", !judged ? "-" : same ? "yes" : "NO");
+                riddle_io_table_cell(&t, "%d", b.n);
+                riddle_io_table_cell(&t, "%s", scene_names[scene]);
+                riddle_io_table_cell(&t, "%d", q->threads);
+                riddle_io_table_cell(&t, "%.3g", all / cpu_s);
+                riddle_io_table_cell(&t, "%.3g", all / wall_s);
+                riddle_io_table_cell(&t, "%.2f", speed_up);
+                riddle_io_table_cell(&t, "%.3f", q->contacts);
+                riddle_io_table_cell(&t, "%.3f", q->looks);
+                riddle_io_table_cell(&t, "%.7f", q->height);
+                riddle_io_table_cell(&t, "%.5g", q->energy);
+                riddle_io_table_cell(&t, "%s", !judged ? "-" : same ? "yes" : "NO");
                 json_object_begin(report, NULL);
                 json_integer(report, "spheres", b.n);
                 json_string(report, "scene", is_static(scene) ? "static" : "vibrated");
@@ -371,14 +372,14 @@ int main(int argc, char **argv) {
     json_bool(report, "same_bits", changed == 0);
     json_bool(report, "deterministic_build", dem_build_is_deterministic() != 0);
     table_end(&t);
-    csv_close(file);
-    plot *figure = plot_new("dem.h: beds of spheres, one thread", 1, 1);
-    plot_panel(figure, 0, 0, "", "million particle-steps per CPU second");
+    riddle_io_close(file);
+    riddle_plot *figure = riddle_plot_new("dem.h: beds of spheres, one thread", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "", "million particle-steps per CPU second");
     const char *const groups[SCENES] = {"vibrated", "static", "vibrated, \xc2\xb5 = 0", "static, \xc2\xb5 = 0"};
     for (int size = 0; size < SIZES; size++) {
-        if (size_choice == 0 || size_choice == size + 1) plot_bars(figure, size_names[size], groups, speeds[size], SCENES);
+        if (size_choice == 0 || size_choice == size + 1) riddle_plot_bars(figure, size_names[size], groups, speeds[size], SCENES);
     }
-    plot_write(figure, self.out, "dem_beds.svg");
+    riddle_plot_write(figure, self.out, "dem_beds.svg");
     json_program(report, &self);
     json_close(report);
     if (wrong) common_fail("%d runs are not the same physics as the references", wrong);

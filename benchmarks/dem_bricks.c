@@ -58,14 +58,14 @@ static dem_status add_bodies(dem_world *w, int shape, int n, uint64_t seed) {
 
 /* The bodies' states: centre, quaternion of the shape's principal axes, velocity, spin. */
 static void write_state(const dem_world *w, const char *out) {
-    csv *file = csv_open(out, "state.csv", "x_m,y_m,z_m,q_w,q_x,q_y,q_z,v_x_m_s,v_y_m_s,v_z_m_s,w_x_1_s,w_y_1_s,w_z_1_s");
+    riddle_io_file *file = csv_open(out, "state.csv", "x_m,y_m,z_m,q_w,q_x,q_y,q_z,v_x_m_s,v_y_m_s,v_z_m_s,w_x_1_s,w_y_1_s,w_z_1_s");
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem_vec x = dem_position(w, i), v = dem_velocity(w, i), s = dem_spin(w, i);
         const dem_quaternion q = dem_orientation(w, i);
         csv_line(file, "%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", x.x, x.y, x.z, q.w, q.x, q.y, q.z,
                  v.x, v.y, v.z, s.x, s.y, s.z);
     }
-    csv_close(file);
+    riddle_io_close(file);
 }
 
 /* A picture of the bricks, bricks.png. */
@@ -123,7 +123,7 @@ static int tell_rebounds(const program *self, int hits) {
     static const double e[5] = {0.29, 0.50, 0.65, 0.75, 0.90};
     uint64_t seed = self->seed;
     double means[5], scatters[5];
-    csv *file = csv_open(self->out, "rebound.csv", "restitution,mean,scatter,angle_deg");
+    riddle_io_file *file = csv_open(self->out, "rebound.csv", "restitution,mean,scatter,angle_deg");
     for (int k = 0; k < 5; k++) {
         double mean, scatter, angle;
         const dem_status status = rebound(e[k], hits, &seed, &mean, &scatter, &angle);
@@ -132,14 +132,14 @@ static int tell_rebounds(const program *self, int hits) {
         means[k] = mean, scatters[k] = scatter;
         common_print("restitution %.2f: %.3f +- %.3f, angle %.1f degrees\n", e[k], mean, scatter, angle);
     }
-    csv_close(file);
-    plot *figure = plot_new("Bricks that hit a plane: speed after over before", 1, 1);
-    plot_panel(figure, 0, 0, "restitution of the contact [-]", "coefficient of restitution of the brick [-]");
-    plot_line(figure, "mean", e, means, 5);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_line(figure, "standard deviation over orientations", e, scatters, 5);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_write(figure, self->out, "rebound.svg");
+    riddle_io_close(file);
+    riddle_plot *figure = riddle_plot_new("Bricks that hit a plane: speed after over before", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "restitution of the contact [-]", "coefficient of restitution of the brick [-]");
+    riddle_plot_line(figure, "mean", e, means, 5);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_line(figure, "standard deviation over orientations", e, scatters, 5);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_write(figure, self->out, "rebound.svg");
     return common_exit_status();
 }
 
@@ -241,15 +241,15 @@ static int tell_pairs(const program *self, int n) {
         common_print("%s: %.2f points, %.0f ns for them, %.0f ns without the step before, %.0f ns of a step\n", kinds[k], points[k], own[0],
                      own[1], own[2]);
     }
-    csv *file = csv_open(self->out, "pairs.csv", "pair,points,known_ns,new_ns,step_ns");
+    riddle_io_file *file = csv_open(self->out, "pairs.csv", "pair,points,known_ns,new_ns,step_ns");
     for (int k = 0; k < 2; k++) csv_line(file, "%s,%.3g,%.4g,%.4g,%.4g", kinds[k], points[k], ns[0][k], ns[1][k], ns[2][k]);
-    csv_close(file);
-    plot *figure = plot_new("A touching pair of bricks", 1, 1);
-    plot_panel(figure, 0, 0, "1: turned at random, 2: face on face", "processor time [ns]");
-    plot_points(figure, "its points", number, ns[0], 2);
-    plot_points(figure, "without the step before", number, ns[1], 2);
-    plot_points(figure, "all of a step", number, ns[2], 2);
-    plot_write(figure, self->out, "pairs.svg");
+    riddle_io_close(file);
+    riddle_plot *figure = riddle_plot_new("A touching pair of bricks", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "1: turned at random, 2: face on face", "processor time [ns]");
+    riddle_plot_points(figure, "its points", number, ns[0], 2);
+    riddle_plot_points(figure, "without the step before", number, ns[1], 2);
+    riddle_plot_points(figure, "all of a step", number, ns[2], 2);
+    riddle_plot_write(figure, self->out, "pairs.svg");
     json *report = json_open(self->json);
     json_array(report, "points_ns", ns[0], 2), json_array(report, "points_new_ns", ns[1], 2), json_array(report, "step_ns", ns[2], 2);
     json_program(report, self);
@@ -272,11 +272,11 @@ static dem_status settle_down(dem_world *w, const program *self, double time) {
         progress_add(&bar, 1.0);
     }
     progress_end(&bar);
-    plot *figure = plot_new("A bed that settles", 1, 1);
-    plot_panel(figure, 0, 0, "time [ms]", "kinetic energy a particle [nJ]");
-    plot_log_y(figure);
-    plot_line(figure, NULL, t, energy, n);
-    plot_write(figure, self->out, "settling.svg");
+    riddle_plot *figure = riddle_plot_new("A bed that settles", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "time [ms]", "kinetic energy a particle [nJ]");
+    riddle_plot_log_y(figure);
+    riddle_plot_line(figure, NULL, t, energy, n);
+    riddle_plot_write(figure, self->out, "settling.svg");
     return status;
 }
 

@@ -93,14 +93,14 @@ int main(int argc, char **argv) {
     if (status != DEM_OK) common_fail("%s", dem_status_text(status));
     if (common_exit_status() == 0) {
         json *report = json_open(self.json);
-        csv *file = csv_open(self.out, "dem_container.csv", "container,contact_step_s,over_planes,contacts");
-        text_table t = table_begin("container|contacts|ns a contact and step|over planes");
+        riddle_io_file *file = csv_open(self.out, "dem_container.csv", "container,contact_step_s,over_planes,contacts");
+        riddle_io_table t = riddle_io_table_begin("container|contacts|ns a contact and step|over planes");
         json_array_begin(report, "containers");
         for (int k = 0; k < KINDS; k++) {
             const double over = best[k] / best[0];
             csv_line(file, "%s,%.9g,%.9g,%ld", name[k], best[k], over, (long)dem_contact_count(&world[k]));
-            table_cell(&t, "%s", name[k]), table_cell(&t, "%ld", (long)dem_contact_count(&world[k]));
-            table_cell(&t, "%.1f", 1e9 * best[k]), table_cell(&t, "%.2f", over);
+            riddle_io_table_cell(&t, "%s", name[k]), riddle_io_table_cell(&t, "%ld", (long)dem_contact_count(&world[k]));
+            riddle_io_table_cell(&t, "%.1f", 1e9 * best[k]), riddle_io_table_cell(&t, "%.2f", over);
             json_object_begin(report, NULL);
             json_string(report, "container", name[k]);
             json_number(report, "contact_step_s", best[k]);
@@ -108,12 +108,12 @@ int main(int argc, char **argv) {
             json_object_end(report);
         }
         json_array_end(report);
-        table_end(&t), csv_close(file);
+        table_end(&t), riddle_io_close(file);
         const double number[KINDS] = {1, 2, 3}, times[KINDS] = {1.0, best[1] / best[0], best[2] / best[0]};
-        plot *figure = plot_new("A bed at rest, one core", 1, 1);
-        plot_panel(figure, 0, 0, "1 five planes, 2 dem_add_box, 3 triangles", "time of a contact and step over planes [-]");
-        plot_points(figure, NULL, number, times, KINDS);
-        plot_write(figure, self.out, "dem_container.svg");
+        riddle_plot *figure = riddle_plot_new("A bed at rest, one core", 1, 1);
+        riddle_plot_panel(figure, 0, 0, "1 five planes, 2 dem_add_box, 3 triangles", "time of a contact and step over planes [-]");
+        riddle_plot_points(figure, NULL, number, times, KINDS);
+        riddle_plot_write(figure, self.out, "dem_container.svg");
         json_program(report, &self);
         json_close(report);
     }

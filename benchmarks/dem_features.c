@@ -170,10 +170,12 @@ int main(int argc, char **argv) {
                                (feature_choice == 0 ? k != THREADS || self.threads > 1 : feature_choice == k + 1);
 
     json *report = json_open(self.json);
-    csv *file = csv_open(self.out, "dem_features.csv",
-                         "spheres,scene,feature,threads,cpu_ns_per_particle_step,wall_ns_per_particle_step,instructions_per_particle_step,"
-                         "contacts_per_sphere,looks_per_particle_step");
-    text_table t = table_begin("scene|feature|ns a particle-step|over friction|wall ns|instructions|contacts a sphere|looks a step");
+    riddle_io_file *file =
+        csv_open(self.out, "dem_features.csv",
+                 "spheres,scene,feature,threads,cpu_ns_per_particle_step,wall_ns_per_particle_step,instructions_per_particle_step,"
+                 "contacts_per_sphere,looks_per_particle_step");
+    riddle_io_table t =
+        riddle_io_table_begin("scene|feature|ns a particle-step|over friction|wall ns|instructions|contacts a sphere|looks a step");
     progress bar;
     progress_begin(&bar, "features", (double)SCENES * repeats * FEATURES);
     json_array_begin(report, "features");
@@ -207,16 +209,16 @@ int main(int argc, char **argv) {
             const outcome *o = &outcomes[scene][k];
             const double wall_ns = median(wall[k], repeats);
             const int threads = features[k].threaded ? self.threads : 1;
-            table_cell(&t, "%s", scene_names[scene]);
-            table_cell(&t, "%s", features[k].name);
-            table_cell(&t, "%.1f", ns[scene][k]);
-            if (wanted[scene][FRICTION]) table_cell(&t, "%.2f", ns[scene][k] / ns[scene][FRICTION]);
-            else table_cell(&t, "-");
-            table_cell(&t, "%.1f", wall_ns);
-            if (counts[scene][k] > 0.0) table_cell(&t, "%.1f", counts[scene][k]);
-            else table_cell(&t, "-");
-            table_cell(&t, "%.3f", o->contacts);
-            table_cell(&t, "%.3f", o->looks);
+            riddle_io_table_cell(&t, "%s", scene_names[scene]);
+            riddle_io_table_cell(&t, "%s", features[k].name);
+            riddle_io_table_cell(&t, "%.1f", ns[scene][k]);
+            if (wanted[scene][FRICTION]) riddle_io_table_cell(&t, "%.2f", ns[scene][k] / ns[scene][FRICTION]);
+            else riddle_io_table_cell(&t, "-");
+            riddle_io_table_cell(&t, "%.1f", wall_ns);
+            if (counts[scene][k] > 0.0) riddle_io_table_cell(&t, "%.1f", counts[scene][k]);
+            else riddle_io_table_cell(&t, "-");
+            riddle_io_table_cell(&t, "%.3f", o->contacts);
+            riddle_io_table_cell(&t, "%.3f", o->looks);
             char instructions[40] = "";
             if (counts[scene][k] > 0.0) snprintf(instructions, sizeof instructions, "%.6g", counts[scene][k]);
             csv_line(file, "%d,%s,%s,%d,%.6g,%.6g,%s,%.6g,%.6g", sizes[size_choice], scene_names[scene], features[k].key, threads,
@@ -238,20 +240,20 @@ int main(int argc, char **argv) {
     json_array_end(report);
     json_bool(report, "same_bits", !changed);
     table_end(&t);
-    csv_close(file);
+    riddle_io_close(file);
     const int columns = counted ? 2 : 1, shown = THREADS; /* processor time of threads that wait says nothing */
     const char *names[FEATURES];
     for (int k = 0; k < shown; k++) names[k] = features[k].key;
-    plot *figure = plot_new("dem.h: what each feature costs", SCENES, columns);
-    plot_panel_size(figure, 760.0, 260.0);
+    riddle_plot *figure = riddle_plot_new("dem.h: what each feature costs", SCENES, columns);
+    riddle_plot_panel_size(figure, 760.0, 260.0);
     for (int scene = 0; scene < SCENES; scene++) {
         for (int column = 0; column < columns && (scene_choice == 0 || scene_choice == scene + 1); column++) {
-            plot_panel(figure, scene, column, "", column ? "instructions a particle-step" : "ns a particle-step");
-            plot_title(figure, scene ? "Dilute, vibrated" : "Dense bed at rest");
-            plot_bars(figure, NULL, names, column ? counts[scene] : ns[scene], shown);
+            riddle_plot_panel(figure, scene, column, "", column ? "instructions a particle-step" : "ns a particle-step");
+            riddle_plot_title(figure, scene ? "Dilute, vibrated" : "Dense bed at rest");
+            riddle_plot_bars(figure, NULL, names, column ? counts[scene] : ns[scene], shown);
         }
     }
-    plot_write(figure, self.out, "dem_features.svg");
+    riddle_plot_write(figure, self.out, "dem_features.svg");
     json_program(report, &self);
     json_close(report);
     return common_exit_status();

@@ -1,4 +1,4 @@
-/* dem.h with examples/wet_contact.h: error of the interval between evaluations of liquid bridges.
+/* dem.h with dem_wet.h: error of the interval between evaluations of liquid bridges.
 
    Pairs of wet spheres of 5 mm, those of the batch screen, collide at all angles (as often as in a gas: sin 2 theta) and phases of the
    interval, and rebound or stay together. After 30 ms they are compared with pairs whose bridges are evaluated in every step: error of
@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "common.h"
-#include "examples/wet_contact.h"
+#include "dem_wet.h"
 
 enum { ANGLES = 9, SPEEDS = 4, LEVELS = 6 };
 static const double speeds[SPEEDS] = {0.1, 0.2, 0.4, 0.8};                              /* [m/s] */
@@ -113,12 +113,12 @@ int main(int argc, char **argv) {
     outcome *exact = calloc((size_t)(ANGLES * phases), sizeof *exact), *out = calloc((size_t)(ANGLES * phases), sizeof *out);
     if (!exact || !out) common_fail("out of memory");
     json *report = json_open(self.json);
-    csv *file = csv_open(self.out, "dem_links.csv", "speed_m_s,interval_s,error_rms,energy_error,other_fate");
-    plot *figure = plot_new("How seldom may liquid bridges be evaluated?", 1, 1);
-    plot_panel(figure, 0, 0, "interval [s]", "rms error of velocity and spin, over v [-]");
-    plot_log_x(figure);
-    plot_log_y(figure);
-    text_table t = table_begin("v [m/s]|interval [s]|rms error|energy left, mean error|another fate");
+    riddle_io_file *file = csv_open(self.out, "dem_links.csv", "speed_m_s,interval_s,error_rms,energy_error,other_fate");
+    riddle_plot *figure = riddle_plot_new("How seldom may liquid bridges be evaluated?", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "interval [s]", "rms error of velocity and spin, over v [-]");
+    riddle_plot_log_x(figure);
+    riddle_plot_log_y(figure);
+    riddle_io_table t = riddle_io_table_begin("v [m/s]|interval [s]|rms error|energy left, mean error|another fate");
     json_array_begin(report, "runs");
     const int runs = self.quick ? 1 : SPEEDS;
     for (int s = 0; s < runs && exact && out && !common_interrupted(); s++) {
@@ -129,12 +129,12 @@ int main(int argc, char **argv) {
             const int dry = level == LEVELS;
             failed = impacts(speeds[s], dry ? 0.0 : intervals[level], steps_per_contact, dry ? 0.0 : moisture, phases, out);
             const pooled r = pool(out, exact, speeds[s], phases);
-            table_cell(&t, "%g", speeds[s]);
-            if (dry) table_cell(&t, "no bridges");
-            else table_cell(&t, "%g", intervals[level]), y[level] = r.rms;
-            table_cell(&t, "%.2e", r.rms);
-            table_cell(&t, "%+.1e", r.bias);
-            table_cell(&t, "%.4f", r.strayed);
+            riddle_io_table_cell(&t, "%g", speeds[s]);
+            if (dry) riddle_io_table_cell(&t, "no bridges");
+            else riddle_io_table_cell(&t, "%g", intervals[level]), y[level] = r.rms;
+            riddle_io_table_cell(&t, "%.2e", r.rms);
+            riddle_io_table_cell(&t, "%+.1e", r.bias);
+            riddle_io_table_cell(&t, "%.4f", r.strayed);
             csv_line(file, "%g,%g,%.9g,%.9g,%.9g", speeds[s], dry ? (double)NAN : intervals[level], r.rms, r.bias, r.strayed);
             json_object_begin(report, NULL);
             json_number(report, "speed_m_s", speeds[s]);
@@ -145,13 +145,13 @@ int main(int argc, char **argv) {
             json_object_end(report);
         }
         snprintf(label, sizeof label, "%g m/s", speeds[s]);
-        plot_line(figure, label, intervals, y, failed ? 0 : LEVELS);
-        plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+        riddle_plot_line(figure, label, intervals, y, failed ? 0 : LEVELS);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     }
     json_array_end(report);
     table_end(&t);
-    plot_write(figure, self.out, "dem_links.svg");
-    csv_close(file);
+    riddle_plot_write(figure, self.out, "dem_links.svg");
+    riddle_io_close(file);
     json_program(report, &self);
     json_close(report);
     free(exact);

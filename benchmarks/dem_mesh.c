@@ -121,8 +121,8 @@ int main(int argc, char **argv) {
     if (common_interrupted()) return common_exit_status();
 
     json *report = json_open(self.json);
-    csv *file = csv_open(self.out, "dem_mesh.csv", "triangles,spheres,step_s,over_plane,build_s,bytes_a_triangle");
-    text_table t = table_begin("floor|triangles|spheres|ns a step of a sphere|over the plane|build [ms]|bytes a triangle");
+    riddle_io_file *file = csv_open(self.out, "dem_mesh.csv", "triangles,spheres,step_s,over_plane,build_s,bytes_a_triangle");
+    riddle_io_table t = riddle_io_table_begin("floor|triangles|spheres|ns a step of a sphere|over the plane|build [ms]|bytes a triangle");
     double count[POINTS_MAX], over[POINTS_MAX], build[POINTS_MAX];
     json_array_begin(report, "points");
     for (int k = 0; k < n; k++) {
@@ -130,13 +130,13 @@ int main(int argc, char **argv) {
         const int spheres = rows[p->few] * rows[p->few];
         count[k] = p->triangles, over[k] = p->step_s / points[p->few ? many : 0].step_s, build[k] = p->build_s;
         csv_line(file, "%d,%d,%.9g,%.9g,%.9g,%.9g", p->triangles, spheres, p->step_s, over[k], p->build_s, p->bytes);
-        table_cell(&t, "%s", p->across == 0 ? "plane" : "triangles");
-        table_cell(&t, "%d", p->triangles);
-        table_cell(&t, "%d", spheres);
-        table_cell(&t, "%.0f", 1e9 * p->step_s);
-        table_cell(&t, "%.2f", over[k]);
-        table_cell(&t, "%.3g", 1e3 * p->build_s);
-        table_cell(&t, "%.0f", p->bytes);
+        riddle_io_table_cell(&t, "%s", p->across == 0 ? "plane" : "triangles");
+        riddle_io_table_cell(&t, "%d", p->triangles);
+        riddle_io_table_cell(&t, "%d", spheres);
+        riddle_io_table_cell(&t, "%.0f", 1e9 * p->step_s);
+        riddle_io_table_cell(&t, "%.2f", over[k]);
+        riddle_io_table_cell(&t, "%.3g", 1e3 * p->build_s);
+        riddle_io_table_cell(&t, "%.0f", p->bytes);
         json_object_begin(report, NULL);
         json_integer(report, "spheres", spheres);
         json_integer(report, "triangles", p->triangles);
@@ -149,18 +149,18 @@ int main(int argc, char **argv) {
     }
     json_array_end(report);
     table_end(&t);
-    csv_close(file);
-    plot *figure = plot_new("A wall of triangles, one core; 112 bytes each: the last tree, 110 MB, exceeds the cache", 1, 2);
-    plot_panel(figure, 0, 0, "triangles [-]", "step over that on a plane [-]");
-    plot_log_x(figure), plot_log_y(figure);
-    plot_line(figure, "400 spheres, far apart", count + 1, over + 1, many - 1);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_line(figure, "9 spheres", count + many + 1, over + many + 1, n - many - 1);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_panel(figure, 0, 1, "triangles [-]", "dem_add_mesh: time [s]");
-    plot_log_x(figure), plot_log_y(figure);
-    plot_points(figure, NULL, count + 1, build + 1, many - 1);
-    plot_write(figure, self.out, "dem_mesh.svg");
+    riddle_io_close(file);
+    riddle_plot *figure = riddle_plot_new("A wall of triangles, one core; 112 bytes each: the last tree, 110 MB, exceeds the cache", 1, 2);
+    riddle_plot_panel(figure, 0, 0, "triangles [-]", "step over that on a plane [-]");
+    riddle_plot_log_x(figure), riddle_plot_log_y(figure);
+    riddle_plot_line(figure, "400 spheres, far apart", count + 1, over + 1, many - 1);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_line(figure, "9 spheres", count + many + 1, over + many + 1, n - many - 1);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_panel(figure, 0, 1, "triangles [-]", "dem_add_mesh: time [s]");
+    riddle_plot_log_x(figure), riddle_plot_log_y(figure);
+    riddle_plot_points(figure, NULL, count + 1, build + 1, many - 1);
+    riddle_plot_write(figure, self.out, "dem_mesh.svg");
     json_program(report, &self);
     json_close(report);
     return common_exit_status();

@@ -204,9 +204,10 @@ int main(int argc, char **argv) {
     progress_end(&bar);
 
     json *report = json_open(self.json);
-    csv *file = csv_open(self.out, "dem_scaling.csv",
-                         "bed,spheres,size_ratio,by_mass,steps,step_s,over_base,fill_s,contacts,looks,steps_a_list,bytes_a_sphere");
-    text_table t = table_begin(
+    riddle_io_file *file =
+        csv_open(self.out, "dem_scaling.csv",
+                 "bed,spheres,size_ratio,by_mass,steps,step_s,over_base,fill_s,contacts,looks,steps_a_list,bytes_a_sphere");
+    riddle_io_table t = riddle_io_table_begin(
         "state|spheres|sizes|ns a particle-step|over 20 000 equal|contacts a sphere|looks a step|steps a list|bytes a sphere|fill [s]");
     double count[POINTS_MAX], sizes[POINTS_MAX], over[POINTS_MAX];
     json_array_begin(report, "points");
@@ -215,16 +216,16 @@ int main(int argc, char **argv) {
         count[k] = p->spheres, sizes[k] = p->ratio, over[k] = p->over_base;
         csv_line(file, "%d,%d,%.17g,%d,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", p->bed > 0, p->spheres, p->ratio, p->by_mass, p->steps,
                  p->step_s, over[k], p->fill_s, p->contacts, p->looks, p->steps_a_list, p->bytes);
-        table_cell(&t, "%s", p->bed ? "bed" : "gas");
-        table_cell(&t, "%d", p->spheres);
-        table_cell(&t, p->ratio == 1.0 ? "equal" : "1 : %g, by %s", p->ratio, p->by_mass ? "mass" : "number");
-        table_cell(&t, "%.0f", 1e9 * p->step_s);
-        table_cell(&t, "%.2f", over[k]);
-        table_cell(&t, "%.2f", p->contacts);
-        table_cell(&t, "%.2f", p->looks);
-        table_cell(&t, "%.0f", p->steps_a_list);
-        table_cell(&t, "%.0f", p->bytes);
-        table_cell(&t, "%.2f", p->fill_s);
+        riddle_io_table_cell(&t, "%s", p->bed ? "bed" : "gas");
+        riddle_io_table_cell(&t, "%d", p->spheres);
+        riddle_io_table_cell(&t, p->ratio == 1.0 ? "equal" : "1 : %g, by %s", p->ratio, p->by_mass ? "mass" : "number");
+        riddle_io_table_cell(&t, "%.0f", 1e9 * p->step_s);
+        riddle_io_table_cell(&t, "%.2f", over[k]);
+        riddle_io_table_cell(&t, "%.2f", p->contacts);
+        riddle_io_table_cell(&t, "%.2f", p->looks);
+        riddle_io_table_cell(&t, "%.0f", p->steps_a_list);
+        riddle_io_table_cell(&t, "%.0f", p->bytes);
+        riddle_io_table_cell(&t, "%.2f", p->fill_s);
         json_object_begin(report, NULL);
         json_string(report, "state", p->bed ? "bed" : "gas");
         json_integer(report, "spheres", p->spheres);
@@ -238,25 +239,25 @@ int main(int argc, char **argv) {
     }
     json_array_end(report);
     table_end(&t);
-    csv_close(file);
-    plot *figure = plot_new("Cost of a particle-step, one core", 1, 2);
-    plot_panel(figure, 0, 0, "number of equal spheres [-]", "over that of 20 000 equal spheres [-]");
-    plot_log_x(figure);
-    plot_range_y(figure, 0.0, 3.0);
-    plot_horizontal(figure, "aim: at most 1.5", 1.5);
-    plot_line(figure, "bed at rest", count, over, gases);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_line(figure, "gas", count + gases, over + gases, by_number - gases);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_panel(figure, 0, 1, "largest over smallest diameter [-]", "over that of 20 000 equal spheres [-]");
-    plot_log_x(figure);
-    plot_range_y(figure, 0.0, 3.0);
-    plot_horizontal(figure, "aim: at most 1.5", 1.5);
-    plot_line(figure, "diameters even by number", sizes + by_number, over + by_number, by_mass - by_number);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_line(figure, "diameters even by mass", sizes + by_mass, over + by_mass, n - by_mass);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_write(figure, self.out, "dem_scaling.svg");
+    riddle_io_close(file);
+    riddle_plot *figure = riddle_plot_new("Cost of a particle-step, one core", 1, 2);
+    riddle_plot_panel(figure, 0, 0, "number of equal spheres [-]", "over that of 20 000 equal spheres [-]");
+    riddle_plot_log_x(figure);
+    riddle_plot_range_y(figure, 0.0, 3.0);
+    riddle_plot_horizontal(figure, "aim: at most 1.5", 1.5);
+    riddle_plot_line(figure, "bed at rest", count, over, gases);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_line(figure, "gas", count + gases, over + gases, by_number - gases);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_panel(figure, 0, 1, "largest over smallest diameter [-]", "over that of 20 000 equal spheres [-]");
+    riddle_plot_log_x(figure);
+    riddle_plot_range_y(figure, 0.0, 3.0);
+    riddle_plot_horizontal(figure, "aim: at most 1.5", 1.5);
+    riddle_plot_line(figure, "diameters even by number", sizes + by_number, over + by_number, by_mass - by_number);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_line(figure, "diameters even by mass", sizes + by_mass, over + by_mass, n - by_mass);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_write(figure, self.out, "dem_scaling.svg");
     json_program(report, &self);
     json_close(report);
     return common_exit_status();

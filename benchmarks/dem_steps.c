@@ -240,11 +240,13 @@ int main(int argc, char **argv) {
     pooled of_impact[2][LEVELS][METHODS];
     balance of_scene[SCENES][LEVELS];
     json *report = json_open(self.json);
-    csv *file = csv_open(self.out, "dem_steps.csv", "scene,integrator,steps_per_contact,cpu_s,error_rms,energy_error_rel,energy_error_max");
+    riddle_io_file *file =
+        csv_open(self.out, "dem_steps.csv", "scene,integrator,steps_per_contact,cpu_s,error_rms,energy_error_rel,energy_error_max");
     progress bar;
     progress_begin(&bar, "steps", LEVELS * (2.0 + SCENES));
     json_array_begin(report, "runs");
-    text_table t = table_begin("impacts, e|t_c/dt|dem.h: rms|energy|largest|Verlet: rms|energy|largest|leapfrog: rms|energy|largest");
+    riddle_io_table t =
+        riddle_io_table_begin("impacts, e|t_c/dt|dem.h: rms|energy|largest|Verlet: rms|energy|largest|leapfrog: rms|energy|largest");
     for (int r = 0; r < 2; r++) {
         pair_state exact[ANGLES];
         for (int a = 0; a < ANGLES; a++) {
@@ -255,12 +257,12 @@ int main(int argc, char **argv) {
             double cpu_s;
             pooled *o = of_impact[r][level];
             if (impacts(restitutions[r], (int)divisions[level], phases, exact, o, &cpu_s) != 0) return common_exit_status();
-            table_cell(&t, "%g", restitutions[r]);
-            table_cell(&t, "%g", divisions[level]);
+            riddle_io_table_cell(&t, "%g", restitutions[r]);
+            riddle_io_table_cell(&t, "%g", divisions[level]);
             for (int m = 0; m < METHODS; m++) {
-                table_cell(&t, "%.1e", o[m].rms);
-                table_cell(&t, "%+.1e", o[m].bias);
-                table_cell(&t, "%.1e", o[m].most);
+                riddle_io_table_cell(&t, "%.1e", o[m].rms);
+                riddle_io_table_cell(&t, "%+.1e", o[m].bias);
+                riddle_io_table_cell(&t, "%.1e", o[m].most);
                 char cost[40] = "";
                 if (m == DEM) snprintf(cost, sizeof cost, "%.6g", cpu_s);
                 csv_line(file, "impact e %g,\"%s\",%g,%s,%.9g,%.9g,%.9g", restitutions[r], method_names[m], divisions[level], cost,
@@ -305,41 +307,41 @@ int main(int argc, char **argv) {
     bed_free(&b);
     if (common_interrupted()) return common_exit_status();
     common_print("\nenergy error over the energy turned over\n");
-    t = table_begin("t_c/dt|elastic bed|the same, Verlet|at rest, e 0.78|at rest, e 0.44|vibrated|drum|screen|all, processor s");
+    t = riddle_io_table_begin("t_c/dt|elastic bed|the same, Verlet|at rest, e 0.78|at rest, e 0.44|vibrated|drum|screen|all, processor s");
     for (int level = 0; level < LEVELS; level++) {
         double cpu_s = 0.0;
-        table_cell(&t, "%g", divisions[level]);
+        riddle_io_table_cell(&t, "%g", divisions[level]);
         for (int scene = 0; scene < SCENES; scene++) {
             const balance *r = &of_scene[scene][level];
             cpu_s += r->cpu_s;
-            if (is_stable(r, &of_scene[scene][LEVELS - 1])) table_cell(&t, "%.1e", r->error);
-            else table_cell(&t, "unstable");
+            if (is_stable(r, &of_scene[scene][LEVELS - 1])) riddle_io_table_cell(&t, "%.1e", r->error);
+            else riddle_io_table_cell(&t, "unstable");
         }
-        table_cell(&t, "%.2f", cpu_s);
+        riddle_io_table_cell(&t, "%.2f", cpu_s);
     }
     table_end(&t);
 
-    plot *figure = plot_new("dem.h: how large may a step be?", 1, 3);
-    plot_panel_size(figure, 430.0, 380.0);
+    riddle_plot *figure = riddle_plot_new("dem.h: how large may a step be?", 1, 3);
+    riddle_plot_panel_size(figure, 430.0, 380.0);
     for (int r = 0; r < 2; r++) {
         char title[60];
         snprintf(title, sizeof title, "Impacts at all angles, e = %g", restitutions[r]);
-        plot_panel(figure, 0, r, "steps per contact time", "rms error of velocity and spin, over v [-]");
-        plot_title(figure, title);
-        plot_log_x(figure);
-        plot_log_y(figure);
+        riddle_plot_panel(figure, 0, r, "steps per contact time", "rms error of velocity and spin, over v [-]");
+        riddle_plot_title(figure, title);
+        riddle_plot_log_x(figure);
+        riddle_plot_log_y(figure);
         for (int m = 0; m < METHODS; m++) {
             double y[LEVELS];
             for (int level = 0; level < LEVELS; level++) y[level] = of_impact[r][level][m].rms;
-            plot_line(figure, method_names[m], divisions, y, LEVELS);
-            plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+            riddle_plot_line(figure, method_names[m], divisions, y, LEVELS);
+            riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
         }
     }
-    plot_panel(figure, 0, 2, "processor time [s]", "energy error, relative [-]");
-    plot_title(figure, "Scenes");
-    plot_log_x(figure);
-    plot_log_y(figure);
-    plot_legend_outside(figure);
+    riddle_plot_panel(figure, 0, 2, "processor time [s]", "energy error, relative [-]");
+    riddle_plot_title(figure, "Scenes");
+    riddle_plot_log_x(figure);
+    riddle_plot_log_y(figure);
+    riddle_plot_legend_outside(figure);
     for (int scene = 0; scene < SCENES; scene++) {
         double x[LEVELS], y[LEVELS];
         for (int level = 0; level < LEVELS; level++) {
@@ -347,11 +349,11 @@ int main(int argc, char **argv) {
             x[level] = r->cpu_s;
             y[level] = is_stable(r, &of_scene[scene][LEVELS - 1]) ? r->error : (double)NAN;
         }
-        plot_line(figure, scene_names[scene], x, y, LEVELS);
-        plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+        riddle_plot_line(figure, scene_names[scene], x, y, LEVELS);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     }
-    plot_write(figure, self.out, "dem_steps.svg");
-    csv_close(file);
+    riddle_plot_write(figure, self.out, "dem_steps.svg");
+    riddle_io_close(file);
     json_bool(report, "deterministic_build", dem_build_is_deterministic() != 0);
     json_program(report, &self);
     json_close(report);

@@ -1,5 +1,5 @@
 /* dem.h with liquid_bridge.h: what liquid bridges cost. The bed of 20 000 spheres at rest and over a vibrating floor, dry; with bridges
-   that only attract; and with their viscous resistance, as examples/wet_contact.h composes them (films, formation at contact, rupture,
+   that only attract; and with their viscous resistance, as dem_wet.h composes them (films, formation at contact, rupture,
    neck split). Water; contact angle 15 degrees on the spheres, 45 on the floor; moisture 1 % of the spheres' mass.
 
    Figure of merit: particle-steps per second of processor time, wet over dry. Checks: liquid is conserved exactly, the same hash in every
@@ -13,7 +13,7 @@
 
 #include "bed.h"
 #include "common.h"
-#include "examples/wet_contact.h"
+#include "dem_wet.h"
 
 enum { DRY, CAPILLARY, WET, STATES, SCENES = 2, REPEATS_MAX = 99, CODES = 4 };
 static const char *const state_names[STATES] = {"dry", "capillary", "wet"};
@@ -78,11 +78,11 @@ static int bed_run(run *r, const bed *b, int vibrated, int state, double moistur
 static void draw(const program *self, const char *const *codes, double (*speed)[SCENES * STATES], int n) {
     static const char *const groups[SCENES * STATES] = {"static, dry",   "static, capillary",   "static, wet",
                                                         "vibrated, dry", "vibrated, capillary", "vibrated, wet"};
-    plot *figure = plot_new("Beds of spheres with liquid bridges, one core", 1, 1);
-    plot_panel_size(figure, 820.0, 380.0);
-    plot_panel(figure, 0, 0, "", "million particle-steps per CPU second");
-    for (int k = 0; k < n; k++) plot_bars(figure, codes[k], groups, speed[k], SCENES * STATES);
-    plot_write(figure, self->out, "dem_wet.svg");
+    riddle_plot *figure = riddle_plot_new("Beds of spheres with liquid bridges, one core", 1, 1);
+    riddle_plot_panel_size(figure, 820.0, 380.0);
+    riddle_plot_panel(figure, 0, 0, "", "million particle-steps per CPU second");
+    for (int k = 0; k < n; k++) riddle_plot_bars(figure, codes[k], groups, speed[k], SCENES * STATES);
+    riddle_plot_write(figure, self->out, "dem_wet.svg");
 }
 
 /* ---- runs of several codes ---- */
@@ -107,9 +107,10 @@ static void compare(const program *self, const char *path) {
         if (csv_column(&data, needed[k]) < 0) program_refuse(self, "compare", path, message);
     }
     json *report = json_open(self->json);
-    csv *file = csv_open(self->out, "compare.csv",
-                         "code,spheres,scene,state,particle_steps_per_cpu_s,cost_over_dry,mean_height_m,kinetic_energy_J");
-    text_table t = table_begin("scene|code|bed|particle-steps per CPU second|cost over dry|mean height [m]|kinetic energy [J]");
+    riddle_io_file *file = csv_open(self->out, "compare.csv",
+                                    "code,spheres,scene,state,particle_steps_per_cpu_s,cost_over_dry,mean_height_m,kinetic_energy_J");
+    riddle_io_table t =
+        riddle_io_table_begin("scene|code|bed|particle-steps per CPU second|cost over dry|mean height [m]|kinetic energy [J]");
     for (int k = 0; k < CODES; k++)
         for (int g = 0; g < SCENES * STATES; g++) speed[k][g] = (double)NAN;
     json_array_begin(report, "beds");
@@ -126,13 +127,13 @@ static void compare(const program *self, const char *path) {
             const double energy = csv_value(&data, row, "kinetic_energy_J");
             speed[k][g] = 1e-6 * spheres * csv_value(&data, row, "steps") / csv_value(&data, row, "cpu_s");
             const double cost = speed[k][scene * STATES] / speed[k][g];
-            table_cell(&t, "%s", scene_names[scene]);
-            table_cell(&t, "%s", code);
-            table_cell(&t, "%s", state_names[state]);
-            table_cell(&t, "%.3g", 1e6 * speed[k][g]);
-            table_cell(&t, "%.2f", cost);
-            table_cell(&t, "%.7f", height);
-            table_cell(&t, "%.5g", energy);
+            riddle_io_table_cell(&t, "%s", scene_names[scene]);
+            riddle_io_table_cell(&t, "%s", code);
+            riddle_io_table_cell(&t, "%s", state_names[state]);
+            riddle_io_table_cell(&t, "%.3g", 1e6 * speed[k][g]);
+            riddle_io_table_cell(&t, "%.2f", cost);
+            riddle_io_table_cell(&t, "%.7f", height);
+            riddle_io_table_cell(&t, "%.5g", energy);
             csv_line(file, "%s,%.0f,%s,%s,%.9g,%.6g,%.17g,%.17g", code, spheres, scene_names[scene], state_names[state], 1e6 * speed[k][g],
                      cost, height, energy);
             json_object_begin(report, NULL);
@@ -148,7 +149,7 @@ static void compare(const program *self, const char *path) {
     }
     json_array_end(report);
     table_end(&t);
-    csv_close(file);
+    riddle_io_close(file);
     draw(self, codes, speed, n);
     json_program(report, self);
     json_close(report);
@@ -183,11 +184,11 @@ int main(int argc, char **argv) {
     bed b;
     if (bed_read(&b, folder, sizes[size_choice], message, sizeof message) != 0) program_refuse(&self, "beds", folder, BED_FILES);
     json *report = json_open(self.json);
-    csv *file = csv_open(self.out, "dem_wet.csv",
-                         "code,spheres,scene,state,steps,cpu_s,mean_height_m,kinetic_energy_J,bridges_per_sphere,bridge_volume_m3");
-    text_table t =
-        table_begin("bed|state|particle-steps per CPU second|cost over dry|bridges a sphere|mean volume [m3]|liquid error|mean height [m]|"
-                    "kinetic energy [J]");
+    riddle_io_file *file = csv_open(
+        self.out, "dem_wet.csv", "code,spheres,scene,state,steps,cpu_s,mean_height_m,kinetic_energy_J,bridges_per_sphere,bridge_volume_m3");
+    riddle_io_table t = riddle_io_table_begin(
+        "bed|state|particle-steps per CPU second|cost over dry|bridges a sphere|mean volume [m3]|liquid error|mean height [m]|"
+        "kinetic energy [J]");
     double speed[1][SCENES * STATES];
     progress bar;
     progress_begin(&bar, "wet beds", (double)(scene_choice ? 1 : SCENES) * STATES * repeats * steps * b.n);
@@ -211,15 +212,15 @@ int main(int argc, char **argv) {
         const double cpu_s = median(cpu, repeats);
         speed[0][g] = 1e-6 * (double)steps * b.n / cpu_s;
         const double cost = speed[0][scene * STATES] / speed[0][g];
-        table_cell(&t, "%s", scene_names[scene]);
-        table_cell(&t, "%s", state_names[state]);
-        table_cell(&t, "%.3g", 1e6 * speed[0][g]);
-        table_cell(&t, "%.2f", cost);
-        table_cell(&t, "%.3f", r.bridges);
-        table_cell(&t, "%.3g", r.volume);
-        table_cell(&t, "%.1g", r.liquid_error);
-        table_cell(&t, "%.7f", r.height);
-        table_cell(&t, "%.5g", r.energy);
+        riddle_io_table_cell(&t, "%s", scene_names[scene]);
+        riddle_io_table_cell(&t, "%s", state_names[state]);
+        riddle_io_table_cell(&t, "%.3g", 1e6 * speed[0][g]);
+        riddle_io_table_cell(&t, "%.2f", cost);
+        riddle_io_table_cell(&t, "%.3f", r.bridges);
+        riddle_io_table_cell(&t, "%.3g", r.volume);
+        riddle_io_table_cell(&t, "%.1g", r.liquid_error);
+        riddle_io_table_cell(&t, "%.7f", r.height);
+        riddle_io_table_cell(&t, "%.5g", r.energy);
         csv_line(file, "%s,%d,%s,%s,%d,%.9g,%.17g,%.17g,%.9g,%.9g", label, b.n, scene_names[scene], state_names[state], steps, cpu_s,
                  r.height, r.energy, r.bridges, r.volume);
         json_object_begin(report, NULL);
@@ -241,7 +242,7 @@ int main(int argc, char **argv) {
     bed_free(&b);
     json_array_end(report);
     table_end(&t);
-    csv_close(file);
+    riddle_io_close(file);
     draw(&self, &label, speed, 1);
     json_program(report, &self);
     json_close(report);

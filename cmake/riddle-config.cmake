@@ -1,4 +1,5 @@
-# find_package(riddle): the targets riddle::riddle, and riddle::openmp for those who want threads too (the results are the same).
+# find_package(riddle): the targets riddle::riddle, riddle::openmp for those who want threads too (the results are the same), and
+# riddle::headers for those who choose all compiler flags themselves.
 # Beside CMakeLists.txt, which includes this file with RIDDLE_INCLUDE_DIR set to the folder of the headers.
 if(NOT DEFINED RIDDLE_INCLUDE_DIR)
   find_path(RIDDLE_INCLUDE_DIR dem.h HINTS "${CMAKE_CURRENT_LIST_DIR}/../../../include/riddle" "${CMAKE_CURRENT_LIST_DIR}/../../../../include/riddle"
@@ -11,15 +12,22 @@ if(NOT RIDDLE_INCLUDE_DIR)
 endif()
 
 if(NOT TARGET riddle::riddle)
+  add_library(riddle::headers INTERFACE IMPORTED GLOBAL)
+  if(EXISTS "${RIDDLE_INCLUDE_DIR}/include/riddle") # for #include <riddle/dem.h>
+    set(riddle_parent "${RIDDLE_INCLUDE_DIR}/include")
+  else()
+    get_filename_component(riddle_parent "${RIDDLE_INCLUDE_DIR}" DIRECTORY)
+  endif()
+  target_include_directories(riddle::headers INTERFACE "${RIDDLE_INCLUDE_DIR}" "${riddle_parent}")
+  if(UNIX OR MINGW)
+    target_link_libraries(riddle::headers INTERFACE m)
+  endif()
   add_library(riddle::riddle INTERFACE IMPORTED GLOBAL)
-  target_include_directories(riddle::riddle INTERFACE "${RIDDLE_INCLUDE_DIR}")
+  target_link_libraries(riddle::riddle INTERFACE riddle::headers)
   # docs/README.md says why. Without -ffp-contract=off the results depend on the machine.
   target_compile_options(
     riddle::riddle INTERFACE $<$<OR:$<C_COMPILER_ID:GNU,Clang,AppleClang>,$<CXX_COMPILER_ID:GNU,Clang,AppleClang>>:-ffp-contract=off
                              -fno-math-errno -fno-trapping-math>)
-  if(UNIX OR MINGW)
-    target_link_libraries(riddle::riddle INTERFACE m)
-  endif()
 endif()
 
 if(NOT TARGET riddle::openmp)

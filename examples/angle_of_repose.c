@@ -16,7 +16,7 @@
 
 enum { RINGS = 6, SECTORS = 12, CASES = 5, HEAPS_MAX = 50, AROUND = 48, FEATURES = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING };
 
-static const picture_def view = {{NULL}, 0, 0.0, {0.25, 1.0, -0.35}};
+static const picture_def view = {{NULL}, 0, 0.0, {0.25, 1.0, -0.35}, 0, 0};
 
 typedef struct heap {
     /* asked for */
@@ -56,18 +56,18 @@ static dem_mesh lathe(const double (*point)[2], int n) {
 
 /* Millimetres, as most programs write them. */
 static int write_stl(const char *folder, const char *name, const dem_mesh *m) {
-    output *file = output_open(folder, name);
-    output_print(file, "solid funnel\n");
+    riddle_io_file *file = riddle_io_open(folder, name);
+    riddle_io_print(file, "solid funnel\n");
     for (ptrdiff_t k = 0; k < m->triangles; k++) {
-        output_print(file, "facet normal 0 0 0\n outer loop\n");
+        riddle_io_print(file, "facet normal 0 0 0\n outer loop\n");
         for (int c = 0; c < 3; c++) {
             const double *x = &m->vertex[3 * m->triangle[3 * k + c]];
-            output_print(file, "  vertex %.9g %.9g %.9g\n", 1e3 * x[0], 1e3 * x[1], 1e3 * x[2]);
+            riddle_io_print(file, "  vertex %.9g %.9g %.9g\n", 1e3 * x[0], 1e3 * x[1], 1e3 * x[2]);
         }
-        output_print(file, " endloop\nendfacet\n");
+        riddle_io_print(file, " endloop\nendfacet\n");
     }
-    output_print(file, "endsolid funnel\n");
-    return (int)output_close(file);
+    riddle_io_print(file, "endsolid funnel\n");
+    return (int)riddle_io_close(file);
 }
 
 static void corners_of(const dem_mesh *m, dem_vec *low, dem_vec *high) {
@@ -184,37 +184,41 @@ static void average(const heap *h, int heaps, double *mean, double *error) {
 static void report(const program *self, const heap *all, int n, int heaps, const dem_stl_report *stl) {
     const double degree = 180.0 / RIDDLE_PI;
     double friction[CASES], angle[CASES], error[CASES];
-    text_table t = table_begin("friction [-]|angle of repose [deg]|its standard error [deg]|on the plate|largest speed [mm/s]");
-    csv *rows = csv_open(self->out, "angle_of_repose.csv", "friction,angle_deg,standard_error_deg,heaps,on_plate,largest_speed_m_s");
-    plot *figure = plot_new("Heaps poured through a funnel", 1, 2);
-    plot_panel(figure, 0, 0, "distance from the axis [mm]", "height of the surface's centres [mm]");
-    plot_equal(figure);
+    riddle_io_table t =
+        riddle_io_table_begin("friction [-]|angle of repose [deg]|its standard error [deg]|on the plate|largest speed [mm/s]");
+    riddle_io_file *rows =
+        csv_open(self->out, "angle_of_repose.csv", "friction,angle_deg,standard_error_deg,heaps,on_plate,largest_speed_m_s");
+    riddle_plot *figure = riddle_plot_new("Heaps poured through a funnel", 1, 2);
+    riddle_plot_panel(figure, 0, 0, "distance from the axis [mm]", "height of the surface's centres [mm]");
+    riddle_plot_equal(figure);
     for (int k = 0; k < n; k++) {
         const heap *h = &all[k * heaps];
         double x[RINGS], y[RINGS];
         char label[40];
         for (int q = 0; q < RINGS; q++) x[q] = 1e3 * h->radius[q], y[q] = 1e3 * h->height[q];
         snprintf(label, sizeof label, "friction %.3g", h->friction);
-        plot_line(figure, label, x, y, RINGS);
-        plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+        riddle_plot_line(figure, label, x, y, RINGS);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
         average(h, heaps, &angle[k], &error[k]);
         friction[k] = h->friction, angle[k] *= degree, error[k] *= degree;
-        table_cell(&t, "%.3g", h->friction), table_cell(&t, "%.1f", angle[k]);
-        if (heaps > 1) table_cell(&t, "%.1f", error[k]);
-        else table_cell(&t, "-");
-        table_cell(&t, "%d", h->on_plate), table_cell(&t, "%.2g", 1e3 * h->speed);
+        riddle_io_table_cell(&t, "%.3g", h->friction), riddle_io_table_cell(&t, "%.1f", angle[k]);
+        if (heaps > 1) riddle_io_table_cell(&t, "%.1f", error[k]);
+        else riddle_io_table_cell(&t, "-");
+        riddle_io_table_cell(&t, "%d", h->on_plate), riddle_io_table_cell(&t, "%.2g", 1e3 * h->speed);
         const double row[6] = {h->friction, angle[k], error[k], heaps, h->on_plate, h->speed};
-        csv_row(rows, row, 6);
+        riddle_io_row(rows, row, 6);
     }
-    table_end(&t), csv_close(rows);
+    table_end(&t), riddle_io_close(rows);
     if (heaps > 1)
         common_print("Means of %d heaps each, with other random numbers; heights, numbers and speeds are of the first.\n", heaps);
     else common_print("One heap each: how far others would be from it is not known; --heaps tells.\n");
-    plot_panel(figure, 0, 1, "coefficient of friction [-]", "angle of repose [deg]");
-    plot_line(figure, "slope of the surface", friction, angle, n);
-    plot_style(figure, PLOT_MARKED, 0);
-    if (heaps > 1) plot_error_bars(figure, "standard error of the mean", friction, angle, error, n), plot_style(figure, 0, PLOT_SAME);
-    plot_write(figure, self->out, "angle_of_repose.svg");
+    riddle_plot_panel(figure, 0, 1, "coefficient of friction [-]", "angle of repose [deg]");
+    riddle_plot_line(figure, "slope of the surface", friction, angle, n);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, 0);
+    if (heaps > 1)
+        riddle_plot_error_bars(figure, "standard error of the mean", friction, angle, error, n),
+            riddle_plot_style(figure, 0, RIDDLE_PLOT_SAME);
+    riddle_plot_write(figure, self->out, "angle_of_repose.svg");
 
     json *j = json_open(self->json);
     json_program(j, self);
@@ -264,7 +268,7 @@ int main(int argc, char **argv) {
         const int failed = write_stl(self.out, "funnel.stl", &made);
         free(made.vertex), free(made.triangle);
         if (failed) return common_exit_status();
-        stl = output_path(path, sizeof path, self.out, "funnel.stl");
+        stl = riddle_io_path(path, sizeof path, self.out, "funnel.stl");
     }
     char *bytes = input_read(stl, &size, message, sizeof message);
     if (!bytes) {
@@ -304,10 +308,10 @@ int main(int argc, char **argv) {
     for (int k = 0; k < n * repeats; k++) {
         if (heaps[k].status != DEM_OK) common_fail("friction %g: %s", heaps[k].friction, dem_status_text(heaps[k].status));
     }
-    vtk_array none = vtk_vector("position", funnel.vertex);
+    riddle_io_array none = riddle_io_vector("position", funnel.vertex);
     int *ends = malloc((size_t)funnel.triangles * sizeof *ends);
     for (int k = 0; ends && k < funnel.triangles; k++) ends[k] = 3 * k + 3;
-    if (ends) vtp_polygons(self.out, "funnel.vtp", (int)funnel.vertices, none, (int)funnel.triangles, ends, funnel.triangle, NULL, 0);
+    if (ends) riddle_io_polygons(self.out, "funnel.vtp", (int)funnel.vertices, none, (int)funnel.triangles, ends, funnel.triangle, NULL, 0);
     free(ends);
     dem_free_mesh(&funnel);
     if (!common_interrupted() && common_exit_status() == 0) report(&self, heaps, n, repeats, &found);

@@ -30,59 +30,59 @@ static const double speeds[] = {3000.0, 9000.0, 15000.0};
 /* ---- input ---- */
 
 static void refuse_file(const program *self, const char *name, const char *path, const char *reason) {
-    char text[400];
+    char text[700];
     snprintf(text, sizeof text, "a usable CSV file (%s)", reason);
     program_refuse(self, name, path, text);
 }
 
-static csv_data read_columns(const program *self, const char *name, const char *path, const char *const *columns, int n) {
-    csv_data data;
-    char message[300];
-    if (csv_read(path, &data, message, sizeof message)) refuse_file(self, name, path, message);
-    for (int i = 0; i < n; i++)
-        if (csv_column(&data, columns[i]) < 0) {
-            snprintf(message, sizeof message, "no column '%s'", columns[i]);
-            refuse_file(self, name, path, message);
-        }
+/* A table with these columns; leaves where it is none. */
+static sheet read_table(const program *self, const char *name, const char *path, sheet_column *columns, int n) {
+    sheet data;
+    char message[600];
+    if (sheet_read(path, columns, n, &data, message, sizeof message)) refuse_file(self, name, path, message);
     if (data.rows > MOST_ROWS) refuse_file(self, name, path, "more than 200 rows");
+    common_print("%s\n", data.how);
     return data;
 }
 
 /* low,high,share -> distribution; classes must follow each other without gaps */
-static void read_distribution(const program *self, const char *name, const char *path, double unit, classifier_distribution *d) {
+static void read_distribution(const program *self, const char *name, const char *path, char dimension, classifier_distribution *d) {
     if (!path) return;
-    csv_data data = read_columns(self, name, path, (const char *const[]){"low", "high", "share"}, 3);
+    sheet_column c[3] = {sheet_want("low", dimension, true), sheet_want("high", dimension, true), sheet_want("share", '%', true)};
+    sheet data = read_table(self, name, path, c, 3);
+    const double degrees = dimension == 'W' && c[0].factor == 1.0 ? RIDDLE_PI / 180.0 : 1.0; /* angles without a unit are in degrees */
     double edge[MOST_ROWS + 1] = {0.0}, share[MOST_ROWS] = {0.0};
     for (int i = 0; i < data.rows; i++) {
-        double low = unit * csv_value(&data, i, "low");
+        double low = degrees * c[0].value[i];
         if (i > 0 && !(fabs(low - edge[i]) <= 1e-9 * fabs(low)))
             refuse_file(self, name, path, "a class does not begin where the last one ends");
         edge[i] = low;
-        edge[i + 1] = unit * csv_value(&data, i, "high");
-        share[i] = csv_value(&data, i, "share");
+        edge[i + 1] = degrees * c[1].value[i];
+        share[i] = c[2].value[i];
     }
     classifier_status status = classifier_histogram(edge, share, data.rows, d);
     if (status != CLASSIFIER_OK) refuse_file(self, name, path, classifier_status_text(status));
-    csv_free(&data);
+    sheet_free(&data);
 }
 
 static void read_contacts(const program *self, const char *path, classifier_contacts *c) {
     if (!path) return;
-    csv_data data = read_columns(self, "contact-counts", path, (const char *const[]){"contacts", "share"}, 2);
+    sheet_column column[2] = {sheet_want("contacts", '#', true), sheet_want("share", '%', true)};
+    sheet data = read_table(self, "contact-counts", path, column, 2);
     c->law = CLASSIFIER_COUNTED;
     for (int i = 0; i < CLASSIFIER_BINS; i++) c->share[i] = 0.0;
     c->counts = 0;
     for (int i = 0; i < data.rows; i++) {
-        double n = csv_value(&data, i, "contacts");
+        double n = column[0].value[i];
         if (!(n >= 0.0 && n < CLASSIFIER_BINS && n == floor(n)))
             refuse_file(self, "contact-counts", path, "contacts are whole numbers from 0 to 63");
-        c->share[(int)n] += csv_value(&data, i, "share");
+        c->share[(int)n] += column[1].value[i];
         if ((int)n >= c->counts) c->counts = (int)n + 1;
     }
     classifier_weights unused;
     classifier_status status = classifier_contact_weights(c, &unused);
     if (status != CLASSIFIER_OK) refuse_file(self, "contact-counts", path, classifier_status_text(status));
-    csv_free(&data);
+    sheet_free(&data);
 }
 
 /* Points of a measured separation curve */
@@ -96,19 +96,30 @@ typedef struct measured {
 } measured;
 
 static void read_sizes(const program *self, const char *path, measured *m) {
-    csv_data data = read_columns(self, "sizes", path, (const char *const[]){"low_um", "high_um", "feed", "coarse", "fine"}, 5);
-    const char *const names[3] = {"feed", "coarse", "fine"}, *const sds[3] = {"feed_sd", "coarse_sd", "fine_sd"};
+    static const char *const names[6] = {"feed", "coarse", "fine", "feed_sd", "coarse_sd", "fine_sd"};
+    sheet_sizes data;
+    char message[600];
+    if (sheet_read_sizes(path, names, 6, &data, message, sizeof message)) refuse_file(self, "sizes", path, message);
+    if (data.n > MOST_ROWS) refuse_file(self, "sizes", path, "more than 200 rows");
+    common_print("%s\n", data.how);
     double share[3][MOST_ROWS], sd[3][MOST_ROWS], t[MOST_ROWS], t_sd[MOST_ROWS];
+    const int first = data.amount[0][0] == 0.0 && data.amount[1][0] == 0.0 && data.amount[2][0] == 0.0; /* nothing below the first size */
+    const int n = data.n - first;
+    if (data.single) refuse_file(self, "sizes", path, "shares of classes, or what passes each size; not of single sizes");
     for (int k = 0; k < 3; k++) {
         double largest = 0.0;
-        bool known = csv_column(&data, sds[k]) >= 0;
-        for (int i = 0; i < data.rows; i++) {
-            share[k][i] = csv_value(&data, i, names[k]);
+        if (data.above[k] > 1e-3) {
+            snprintf(message, sizeof message, "%g of %s is coarser than %g um; a row must say how coarse", data.above[k], names[k],
+                     1e6 * data.size[data.n - 1]);
+            refuse_file(self, "sizes", path, message);
+        }
+        for (int i = 0; i < n; i++) {
+            share[k][i] = data.amount[k][i + first] - (i + first > 0 ? data.amount[k][i + first - 1] : 0.0);
             if (share[k][i] > largest) largest = share[k][i];
         }
-        for (int i = 0; i < data.rows; i++) sd[k][i] = known ? csv_value(&data, i, sds[k]) : 0.02 * largest;
+        for (int i = 0; i < n; i++) sd[k][i] = data.amount[k + 3] ? data.amount[k + 3][i + first] : 0.02 * largest;
     }
-    classifier_balance_data balance = {data.rows, share[0], share[1], share[2], sd[0], sd[1], sd[2], (double)NAN, (double)NAN};
+    classifier_balance_data balance = {n, share[0], share[1], share[2], sd[0], sd[1], sd[2], (double)NAN, (double)NAN};
     classifier_balance_result result;
     classifier_status status = classifier_reconcile(&balance, t, t_sd, NULL, NULL, NULL, &result);
     if (status != CLASSIFIER_OK) refuse_file(self, "sizes", path, classifier_status_text(status));
@@ -117,17 +128,16 @@ static void read_sizes(const program *self, const char *path, measured *m) {
     m->freedom = result.freedom;
     m->has_sd = true;
     /* Where nobody gave deviations, 2 % is a guess: the misfit of the balance says how large they are. */
-    const bool guessed = csv_column(&data, sds[0]) < 0 || csv_column(&data, sds[1]) < 0 || csv_column(&data, sds[2]) < 0;
+    const bool guessed = !data.amount[3] || !data.amount[4] || !data.amount[5];
     m->scale = guessed && m->freedom > 0 && m->chi_squared > 0.0 ? sqrt(m->chi_squared / m->freedom) : 1.0;
-    for (int i = 0; i < data.rows; i++) {
-        double low = csv_value(&data, i, "low_um"), high = csv_value(&data, i, "high_um");
-        if (!(low >= 0.0 && high > low)) refuse_file(self, "sizes", path, "class limits do not increase");
+    for (int i = 0; i < n; i++) {
+        const double low = i + first > 0 ? data.size[i + first - 1] : 0.0, high = data.size[i + first];
         if (!(t[i] == t[i] && t_sd[i] < 0.3)) continue; /* a class with next to no feed says nothing */
-        m->x[m->n] = 1e-6 * (low > 0.0 ? sqrt(low * high) : 0.5 * high);
+        m->x[m->n] = low > 0.0 ? sqrt(low * high) : 0.5 * high;
         m->t[m->n] = t[i];
         m->sd[m->n++] = m->scale * (t_sd[i] > 0.003 ? t_sd[i] : 0.003);
     }
-    csv_free(&data);
+    sheet_free_sizes(&data);
 }
 
 /* Writes the range of a fitted value, or why there is none. */
@@ -139,15 +149,16 @@ static const char *range_of(char *text, size_t size, const classifier_fit_result
 }
 
 static void read_measured(const program *self, const char *path, measured *m) {
-    csv_data data = read_columns(self, "measured", path, (const char *const[]){"size_um", "t"}, 2);
+    sheet_column c[2] = {sheet_want("size", 'L', true), sheet_want("t", '%', true)};
+    sheet data = read_table(self, "measured", path, c, 2);
     for (int i = 0; i < data.rows; i++) {
-        m->x[i] = 1e-6 * csv_value(&data, i, "size_um");
-        m->t[i] = csv_value(&data, i, "t");
+        m->x[i] = c[0].value[i];
+        m->t[i] = c[1].value[i];
         if (!(m->x[i] > 0.0 && m->t[i] >= -0.1 && m->t[i] <= 1.1))
             refuse_file(self, "measured", path, "sizes are above 0, t is a share from 0 to 1");
     }
     m->n = data.rows;
-    csv_free(&data);
+    sheet_free(&data);
 }
 
 /* ---- figures ---- */
@@ -159,8 +170,8 @@ static double density(const classifier_distribution *d, double x, double h) {
 static void draw_rebound_angles(const program *self, const classifier_def *def) {
     double x[GRID], y[GRID], degree = RIDDLE_PI / 180.0;
     char label[80];
-    plot *figure = plot_new("Weers et al. (2022), Fig 7: angular imperfection on a plate at rest", 1, 1);
-    plot_panel(figure, 0, 0, "rebound angle − impact angle [°]", "probability density [1/°]");
+    riddle_plot *figure = riddle_plot_new("Weers et al. (2022), Fig 7: angular imperfection on a plate at rest", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "rebound angle − impact angle [°]", "probability density [1/°]");
     for (int k = 0; k < 3; k++) {
         classifier_distribution d = classifier_paper_def((classifier_material)k, 3000.0, NULL).imperfection;
         for (int i = 0; i < GRID; i++) {
@@ -168,15 +179,15 @@ static void draw_rebound_angles(const program *self, const classifier_def *def) 
             y[i] = degree * density(&d, degree * x[i], degree);
         }
         snprintf(label, sizeof label, "%s, σ = %.0f° (paper)", material_names[k], d.sd / degree);
-        plot_line(figure, label, x, y, GRID);
+        riddle_plot_line(figure, label, x, y, GRID);
     }
     if (def->imperfection.shape == CLASSIFIER_HISTOGRAM) {
         for (int i = 0; i < GRID; i++) y[i] = degree * density(&def->imperfection, degree * x[i], degree);
-        plot_line(figure, "your measurement", x, y, GRID);
-        plot_style(figure, PLOT_STEPS, PLOT_BLACK);
+        riddle_plot_line(figure, "your measurement", x, y, GRID);
+        riddle_plot_style(figure, RIDDLE_PLOT_STEPS, RIDDLE_PLOT_BLACK);
     }
-    plot_range_y(figure, 0.0, 0.026);
-    plot_write(figure, self->out, "fig07_rebound_angle.svg");
+    riddle_plot_range_y(figure, 0.0, 0.026);
+    riddle_plot_write(figure, self->out, "fig07_rebound_angle.svg");
 }
 
 /* What particles do between the rim and the first hit */
@@ -238,9 +249,10 @@ static void sample_approach(const classifier_def *def, int per_axis, approach *a
 
 /* What drag before the hit changes: hit and cut with the straight flight of the paper, and with gas that bends it. */
 static void compare_approach(const program *self, const classifier_def defs[3]) {
-    csv *file = csv_open(self->out, "approach_in_gas.csv",
-                         "rpm,speed_straight,speed_in_gas,angle_straight_deg,angle_in_gas_deg,x50_clean_straight_um,x50_clean_in_gas_um,"
-                         "x50_straight_um,x50_in_gas_um");
+    riddle_io_file *file =
+        csv_open(self->out, "approach_in_gas.csv",
+                 "rpm,speed_straight,speed_in_gas,angle_straight_deg,angle_in_gas_deg,x50_clean_straight_um,x50_clean_in_gas_um,"
+                 "x50_straight_um,x50_in_gas_um");
     const classifier_weights clean = {1.0, 0.0, 0.0};
     for (int k = 0; k < 3; k++) {
         classifier_def def = defs[k];
@@ -261,7 +273,7 @@ static void compare_approach(const program *self, const classifier_def defs[3]) 
         csv_line(file, "%.0f,%.4f,%.4f,%.2f,%.2f,%.3f,%.3f,%.3f,%.3f", def.rpm, a[0].mean_speed / rim, a[1].mean_speed / rim,
                  a[0].mean_angle / degree, a[1].mean_angle / degree, 1e6 * x50[0][0], 1e6 * x50[0][1], 1e6 * x50[1][0], 1e6 * x50[1][1]);
     }
-    csv_close(file);
+    riddle_io_close(file);
 }
 
 static void draw_approach(const program *self, const classifier_def defs[3], json *report, const classifier_def *def) {
@@ -271,34 +283,34 @@ static void draw_approach(const program *self, const classifier_def defs[3], jso
     int n = self->quick ? 16 : 40;
     for (int i = 0; i < 80; i++) r[i] = 23.0 + 0.025 * (i + 0.5);
     for (int i = 0; i < GRID; i++) x[i] = -120.0 + 2.0 * i;
-    plot *radius = plot_new("Weers et al. (2022), Fig 10: where particles meet the paddle", 1, 1),
-         *angle = plot_new("Weers et al. (2022), Fig 8: impact and rebound on the turning wheel", 1, 2);
-    plot_panel(radius, 0, 0, "radius of the hit [mm]", "probability density [1/mm]");
-    plot_range_y(radius, 0.0, 5.0);
+    riddle_plot *radius = riddle_plot_new("Weers et al. (2022), Fig 10: where particles meet the paddle", 1, 1),
+                *angle = riddle_plot_new("Weers et al. (2022), Fig 8: impact and rebound on the turning wheel", 1, 2);
+    riddle_plot_panel(radius, 0, 0, "radius of the hit [mm]", "probability density [1/mm]");
+    riddle_plot_range_y(radius, 0.0, 5.0);
     double impact[GRID];
     for (int i = 0; i < GRID; i++) impact[i] = i - 60;
     for (int k = 0; k < 3; k++) {
         sample_approach(&defs[k], n, &a);
         snprintf(label, sizeof label, "%.0f 1/min, mean %.2f mm", defs[k].rpm, 1e3 * a.mean_radius);
-        plot_line(radius, label, r, a.radius, 80);
-        plot_style(radius, PLOT_STEPS, PLOT_NEXT);
+        riddle_plot_line(radius, label, r, a.radius, 80);
+        riddle_plot_style(radius, RIDDLE_PLOT_STEPS, RIDDLE_PLOT_NEXT);
         snprintf(label, sizeof label, "%.0f 1/min, mean %.1f°", defs[k].rpm, a.mean_angle * 180.0 / RIDDLE_PI);
-        plot_panel(angle, 0, 0, "impact angle, negative: sliding inward [°]", "probability density [1/°]");
-        plot_range_y(angle, 0.0, 0.2);
-        plot_line(angle, label, impact + 30, a.angle + 30, 61);
-        plot_style(angle, 0, k);
+        riddle_plot_panel(angle, 0, 0, "impact angle, negative: sliding inward [°]", "probability density [1/°]");
+        riddle_plot_range_y(angle, 0.0, 0.2);
+        riddle_plot_line(angle, label, impact + 30, a.angle + 30, 61);
+        riddle_plot_style(angle, 0, k);
         snprintf(label, sizeof label, "%.0f 1/min", defs[k].rpm);
-        plot_panel(angle, 0, 1, "rebound angle − impact angle [°]", "probability density [1/°]");
-        plot_line(angle, label, x, a.rebound, GRID);
-        plot_style(angle, k == 1 ? PLOT_DASHED : k == 2 ? PLOT_DOTTED : 0, k);
+        riddle_plot_panel(angle, 0, 1, "rebound angle − impact angle [°]", "probability density [1/°]");
+        riddle_plot_line(angle, label, x, a.rebound, GRID);
+        riddle_plot_style(angle, k == 1 ? RIDDLE_PLOT_DASHED : k == 2 ? RIDDLE_PLOT_DOTTED : 0, k);
     }
     sample_approach(def, n, &a);
     json_number(report, "impact_radius_mean_m", a.mean_radius);
     json_number(report, "impact_angle_mean_rad", a.mean_angle);
     json_number(report, "impact_speed_mean_m_per_s", a.mean_speed);
-    plot_text_share(radius, 0.03, 0.45, "the last bin also holds hits on the paddle's edge");
-    plot_write(radius, self->out, "fig10_impact_radius.svg");
-    plot_write(angle, self->out, "fig08_rebound_on_wheel.svg");
+    riddle_plot_text_share(radius, 0.03, 0.45, "the last bin also holds hits on the paddle's edge");
+    riddle_plot_write(radius, self->out, "fig10_impact_radius.svg");
+    riddle_plot_write(angle, self->out, "fig08_rebound_on_wheel.svg");
 }
 
 static void draw_restitution(const program *self, const classifier_def *def) {
@@ -309,8 +321,8 @@ static void draw_restitution(const program *self, const classifier_def *def) {
     } spheres[] = {{"limestone", 27.1e9, 0.30, 2700.0, 1.2e9}, {"glass", 70e9, 0.22, 2500.0, 5.0e9}};
     double x[GRID], y[GRID], bar_x[2], bar_y[2], top = 0.0;
     char label[120];
-    plot *figure = plot_new("Weers et al. (2022), Fig 9: coefficient of restitution", 1, 1);
-    plot_panel(figure, 0, 0, "coefficient of restitution [-]", "probability density [-]");
+    riddle_plot *figure = riddle_plot_new("Weers et al. (2022), Fig 9: coefficient of restitution", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "coefficient of restitution [-]", "probability density [-]");
     for (int i = 0; i < GRID; i++) x[i] = i / (GRID - 1.0);
     for (int k = 0; k < 3; k += 2) {
         classifier_distribution d = classifier_paper_def((classifier_material)k, 3000.0, NULL).restitution;
@@ -318,15 +330,15 @@ static void draw_restitution(const program *self, const classifier_def *def) {
             y[i] = density(&d, x[i], 1e-3) * (i == 0 || i == GRID - 1 ? 2.0 : 1.0); /* one-sided at the ends */
             if (y[i] > top) top = y[i];
         }
-        plot_line(figure, k ? "beads (stand-in)" : "limestone, ground glass (stand-in)", x, y, GRID);
+        riddle_plot_line(figure, k ? "beads (stand-in)" : "limestone, ground glass (stand-in)", x, y, GRID);
     }
     if (def->restitution.shape == CLASSIFIER_HISTOGRAM) {
         for (int i = 0; i < GRID; i++) {
             y[i] = density(&def->restitution, x[i], 1e-3);
             if (y[i] > top) top = y[i];
         }
-        plot_line(figure, "your measurement", x, y, GRID);
-        plot_style(figure, PLOT_STEPS, PLOT_BLACK);
+        riddle_plot_line(figure, "your measurement", x, y, GRID);
+        riddle_plot_style(figure, RIDDLE_PLOT_STEPS, RIDDLE_PLOT_BLACK);
     }
     for (int k = 0; k < 2; k++) {
         double modulus = classifier_reduced_modulus(spheres[k].modulus, spheres[k].poisson, 210e9, 0.3);
@@ -335,32 +347,32 @@ static void draw_restitution(const program *self, const classifier_def *def) {
         bar_x[1] = classifier_thornton_ning(1.0, yield);
         bar_y[0] = bar_y[1] = top * (1.10 + 0.07 * k);
         snprintf(label, sizeof label, "Thornton & Ning, %s sphere, 40 … 1 m/s", spheres[k].name);
-        plot_line(figure, label, bar_x, bar_y, 2);
-        plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+        riddle_plot_line(figure, label, bar_x, bar_y, 2);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     }
-    plot_range_y(figure, 0.0, 1.75 * top);
-    plot_write(figure, self->out, "fig09_restitution.svg");
+    riddle_plot_range_y(figure, 0.0, 1.75 * top);
+    riddle_plot_write(figure, self->out, "fig09_restitution.svg");
 }
 
 static void draw_contacts(const program *self, const classifier_def *def) {
     double n[12], y[12], q;
-    plot *figure = plot_new("Weers et al. (2022), Fig 11: contacts with other particles", 1, 1);
-    plot_panel(figure, 0, 0, "contacts between the paddles [-]", "share of the particles [-]");
+    riddle_plot *figure = riddle_plot_new("Weers et al. (2022), Fig 11: contacts with other particles", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "contacts between the paddles [-]", "share of the particles [-]");
     for (int k = 0; k < 2; k++) {
         double mean = k ? 0.2 : 1.0, p = 1.0 - (q = mean / (1.0 + mean));
         for (int i = 0; i < 12; i++, p *= q) n[i] = i, y[i] = p;
-        plot_line(figure, k ? "spheres, mean 0.2 (stand-in)" : "bricks, mean 1.0 (stand-in)", n, y, 12);
-        plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+        riddle_plot_line(figure, k ? "spheres, mean 0.2 (stand-in)" : "bricks, mean 1.0 (stand-in)", n, y, 12);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     }
     if (def->contacts.law == CLASSIFIER_COUNTED) {
-        plot_line(figure, "your counts", (double[]){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, def->contacts.share, 12);
-        plot_style(figure, PLOT_MARKED, PLOT_BLACK);
+        riddle_plot_line(figure, "your counts", (double[]){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, def->contacts.share, 12);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_BLACK);
     }
-    plot_write(figure, self->out, "fig11_contacts.svg");
+    riddle_plot_write(figure, self->out, "fig11_contacts.svg");
 
     double a[13], b[13], c[13], x[13];
-    figure = plot_new("Weers et al. (2022), Fig 12: shares of the collision cases", 1, 1);
-    plot_panel(figure, 0, 0, "contacts with other particles [-]", "share [-]");
+    figure = riddle_plot_new("Weers et al. (2022), Fig 12: shares of the collision cases", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "contacts with other particles [-]", "share [-]");
     for (int i = 0; i < 13; i++) {
         classifier_weights w = classifier_weights_of(i);
         x[i] = i;
@@ -368,13 +380,13 @@ static void draw_contacts(const program *self, const classifier_def *def) {
         b[i] = w.thrown;
         c[i] = w.again;
     }
-    plot_line(figure, "A: one clean hit on a paddle", x, a, 13);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_line(figure, "B: thrown out by a particle", x, b, 13);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_line(figure, "C: turned round, hit again", x, c, 13);
-    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-    plot_write(figure, self->out, "fig12_case_weights.svg");
+    riddle_plot_line(figure, "A: one clean hit on a paddle", x, a, 13);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_line(figure, "B: thrown out by a particle", x, b, 13);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_line(figure, "C: turned round, hit again", x, c, 13);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_write(figure, self->out, "fig12_case_weights.svg");
 }
 
 /* ---- separation ---- */
@@ -410,10 +422,10 @@ static void draw_separation(const program *self, const classifier_def defs[3], c
     double x[SIZES], um[SIZES], t[SIZES];
     char label[120], title[160];
     snprintf(title, sizeof title, "Weers et al. (2022), Fig 13: separation of %s", name);
-    plot *figure = plot_new(title, 1, 1);
-    plot_panel_size(figure, 600, 380);
-    plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
-    plot_log_x(figure);
+    riddle_plot *figure = riddle_plot_new(title, 1, 1);
+    riddle_plot_panel_size(figure, 600, 380);
+    riddle_plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
+    riddle_plot_log_x(figure);
     size_grid(x, 1e-6, 3e-4);
     for (int i = 0; i < SIZES; i++) um[i] = 1e6 * x[i];
     bool own = true;
@@ -426,41 +438,41 @@ static void draw_separation(const program *self, const classifier_def defs[3], c
         for (int i = 0; i < SIZES; i++) t[i] = classifier_tromp(&model, x[i], NULL);
         snprintf(label, sizeof label, "%.0f 1/min%s: x50 = %.1f µm", d->rpm, d->rpm < 3000.0 || d->rpm > 15000.0 ? " (not measured)" : "",
                  1e6 * classifier_quantile(&model, 0.5));
-        plot_line(figure, label, um, t, SIZES);
-        plot_style(figure, 0, k);
+        riddle_plot_line(figure, label, um, t, SIZES);
+        riddle_plot_style(figure, 0, k);
         double line_x[2], line_y[2] = {0.0, 1.0};
         line_x[0] = line_x[1] = 1e6 * eq6(d, CLASSIFIER_EQUIVALENT, true);
-        plot_line(figure, k == 0 ? "eq 3 (Stokes, undisturbed gas)" : NULL, line_x, line_y, 2);
-        plot_style(figure, PLOT_DOTTED, k);
+        riddle_plot_line(figure, k == 0 ? "eq 3 (Stokes, undisturbed gas)" : NULL, line_x, line_y, 2);
+        riddle_plot_style(figure, RIDDLE_PLOT_DOTTED, k);
         line_x[0] = line_x[1] = 1e6 * eq6(d, CLASSIFIER_EQUIVALENT, false);
-        plot_line(figure, k == 0 ? "eq 6 (shape, undisturbed gas)" : NULL, line_x, line_y, 2);
-        plot_style(figure, PLOT_DASHED | PLOT_THIN, k);
+        riddle_plot_line(figure, k == 0 ? "eq 6 (shape, undisturbed gas)" : NULL, line_x, line_y, 2);
+        riddle_plot_style(figure, RIDDLE_PLOT_DASHED | RIDDLE_PLOT_THIN, k);
         classifier_free(&model);
     }
     if (m->n) {
         double mx[MOST_ROWS];
         for (int i = 0; i < m->n; i++) mx[i] = 1e6 * m->x[i];
-        if (m->has_sd) plot_error_bars(figure, "measured", mx, m->t, m->sd, m->n);
-        else plot_points(figure, "measured", mx, m->t, m->n);
-        plot_style(figure, 0, PLOT_BLACK);
+        if (m->has_sd) riddle_plot_error_bars(figure, "measured", mx, m->t, m->sd, m->n);
+        else riddle_plot_points(figure, "measured", mx, m->t, m->n);
+        riddle_plot_style(figure, 0, RIDDLE_PLOT_BLACK);
         if (fit) {
             for (int i = 0; i < SIZES; i++) t[i] = classifier_curve_value(&fit->curve, x[i]);
-            plot_line(figure, "Plitt curve with bypass, fitted", um, t, SIZES);
-            plot_style(figure, PLOT_THIN, PLOT_GREY);
+            riddle_plot_line(figure, "Plitt curve with bypass, fitted", um, t, SIZES);
+            riddle_plot_style(figure, RIDDLE_PLOT_THIN, RIDDLE_PLOT_GREY);
         }
     }
-    plot_legend_outside(figure);
-    plot_write(figure, self->out, "fig13_separation.svg");
+    riddle_plot_legend_outside(figure);
+    riddle_plot_write(figure, self->out, "fig13_separation.svg");
 }
 
 /* Fig A4, and the three cases alone */
 static void draw_fixed_contacts(const program *self, classifier_model *model) {
     double x[SIZES], um[SIZES], t[SIZES], centre = classifier_quantile(model, 0.5);
     char label[80];
-    plot *figure = plot_new("Weers et al. (2022), Fig A4: fixed numbers of contacts, and the cases alone", 1, 1);
-    plot_panel_size(figure, 600, 380);
-    plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
-    plot_log_x(figure);
+    riddle_plot *figure = riddle_plot_new("Weers et al. (2022), Fig A4: fixed numbers of contacts, and the cases alone", 1, 1);
+    riddle_plot_panel_size(figure, 600, 380);
+    riddle_plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
+    riddle_plot_log_x(figure);
     if (!(centre > 0.0)) centre = 3e-5;
     size_grid(x, 0.4 * centre, 8.0 * centre);
     for (int i = 0; i < SIZES; i++) um[i] = 1e6 * x[i];
@@ -470,12 +482,12 @@ static void draw_fixed_contacts(const program *self, classifier_model *model) {
         model->weights = k < 3 ? classifier_weights_of(k) : k == 3 ? mixed : alone[k - 3];
         for (int i = 0; i < SIZES; i++) t[i] = classifier_tromp(model, x[i], NULL);
         if (k < 3) snprintf(label, sizeof label, "%d contact%s%s", k, k == 1 ? "" : "s", k == 0 ? " (case A alone)" : "");
-        plot_line(figure, k < 3 ? label : k == 3 ? "contacts mixed as in Fig 11" : cases[k - 3], um, t, SIZES);
-        plot_style(figure, k > 3 ? PLOT_DASHED : 0, k == 3 ? PLOT_BLACK : PLOT_NEXT);
+        riddle_plot_line(figure, k < 3 ? label : k == 3 ? "contacts mixed as in Fig 11" : cases[k - 3], um, t, SIZES);
+        riddle_plot_style(figure, k > 3 ? RIDDLE_PLOT_DASHED : 0, k == 3 ? RIDDLE_PLOT_BLACK : RIDDLE_PLOT_NEXT);
     }
     model->weights = mixed;
-    plot_legend_outside(figure);
-    plot_write(figure, self->out, "figA4_contacts_fixed.svg");
+    riddle_plot_legend_outside(figure);
+    riddle_plot_write(figure, self->out, "figA4_contacts_fixed.svg");
 }
 
 /* The fine product goes through a second wheel of the same setting, whose rejects return; or the coarse product does */
@@ -498,17 +510,17 @@ static void draw_circuit(const program *self, const classifier_model *model, jso
         loads[i] = load[0];
         if (load[0] > highest) highest = load[0];
     }
-    plot *figure = plot_new("Two stages with recycle", 1, 1);
-    plot_panel_size(figure, 600, 380);
-    plot_panel(figure, 0, 0, "particle size [µm]", "share in the coarse product; load of stage 1 / feed [-]");
-    plot_log_x(figure);
-    plot_line(figure, "one stage", um, one, SIZES);
-    plot_line(figure, "fines cleaned, rejects return", um, fine, SIZES);
-    plot_line(figure, "coarse cleaned, fines return", um, coarse, SIZES);
-    plot_line(figure, "load of stage 1", um, loads, SIZES);
-    plot_style(figure, PLOT_DASHED, PLOT_GREY);
-    plot_legend_outside(figure);
-    plot_write(figure, self->out, "circuit.svg");
+    riddle_plot *figure = riddle_plot_new("Two stages with recycle", 1, 1);
+    riddle_plot_panel_size(figure, 600, 380);
+    riddle_plot_panel(figure, 0, 0, "particle size [µm]", "share in the coarse product; load of stage 1 / feed [-]");
+    riddle_plot_log_x(figure);
+    riddle_plot_line(figure, "one stage", um, one, SIZES);
+    riddle_plot_line(figure, "fines cleaned, rejects return", um, fine, SIZES);
+    riddle_plot_line(figure, "coarse cleaned, fines return", um, coarse, SIZES);
+    riddle_plot_line(figure, "load of stage 1", um, loads, SIZES);
+    riddle_plot_style(figure, RIDDLE_PLOT_DASHED, RIDDLE_PLOT_GREY);
+    riddle_plot_legend_outside(figure);
+    riddle_plot_write(figure, self->out, "circuit.svg");
     json_number(report, "circuit_largest_load", highest);
 }
 
@@ -526,11 +538,11 @@ static void draw_paths(const program *self, const classifier_def *def, const cla
         um[i] = 1e6 * x[i];
         t[i] = classifier_tromp(model, x[i], NULL);
     }
-    plot *figure = plot_new("Balance at the hit against the path after it", 1, 1);
-    plot_panel_size(figure, 600, 380);
-    plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
-    plot_line(figure, "balance (the model)", um, t, SIZES);
-    plot_style(figure, 0, PLOT_BLACK);
+    riddle_plot *figure = riddle_plot_new("Balance at the hit against the path after it", 1, 1);
+    riddle_plot_panel_size(figure, 600, 380);
+    riddle_plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
+    riddle_plot_line(figure, "balance (the model)", um, t, SIZES);
+    riddle_plot_style(figure, 0, RIDDLE_PLOT_BLACK);
     for (int slip = 0; slip < 2; slip++) {
         int n = 0;
         for (int i = 0; i < PATH_SIZES && !common_interrupted(); i++) {
@@ -538,11 +550,11 @@ static void draw_paths(const program *self, const classifier_def *def, const cla
             if (classifier_trajectory_tromp(&fewer, size, (classifier_slip)slip, &path_t[i], &error[i]) != CLASSIFIER_OK) break;
             path_um[n++] = 1e6 * size;
         }
-        plot_error_bars(figure, names[slip], path_um, path_t, error, n);
-        plot_style(figure, 0, slip);
+        riddle_plot_error_bars(figure, names[slip], path_um, path_t, error, n);
+        riddle_plot_style(figure, 0, slip);
     }
-    plot_legend_outside(figure);
-    plot_write(figure, self->out, "paths.svg");
+    riddle_plot_legend_outside(figure);
+    riddle_plot_write(figure, self->out, "paths.svg");
 }
 
 /* ---- the program ---- */
@@ -592,17 +604,17 @@ static classifier_status evaluate(const classifier_model *model, outcome *o) {
 }
 
 static void write_curve(const program *self, const classifier_model *model, const double *x) {
-    csv *file = csv_open(self->out, "tromp.csv",
-                         "# share of a size that is rejected to the coarse product, half width of its 95 % interval, cases "
-                         "alone\nsize_m,t,t_error,t_a,t_b,t_c");
+    riddle_io_file *file = csv_open(self->out, "tromp.csv",
+                                    "# share of a size that is rejected to the coarse product, half width of its 95 % interval, cases "
+                                    "alone\nsize_m,t,t_error,t_a,t_b,t_c");
     for (int i = 0; i < SIZES; i++) {
         double error;
         const double share = classifier_tromp(model, x[i], &error);
         double line[6] = {x[i], share, error};
         classifier_tromp_cases(model, x[i], line + 3);
-        csv_row(file, line, 6);
+        riddle_io_row(file, line, 6);
     }
-    csv_close(file);
+    riddle_io_close(file);
 }
 
 static void print_outcome(const outcome *o, const char *material) {
@@ -611,17 +623,17 @@ static void print_outcome(const outcome *o, const char *material) {
     const double undisturbed = classifier_radial_velocity(&def->wheel, def->air_flow, def->wheel.outer_radius);
     common_print("%s, %.0f 1/min, %g m3/h, rim %.2f m/s, gas %.2f m/s (undisturbed %.2f)\n\n", material, def->rpm, 3600.0 * def->air_flow,
                  def->rpm * RIDDLE_PI / 30.0 * def->wheel.outer_radius, def->radial_factor * undisturbed, undisturbed);
-    text_table out =
-        table_begin("x25 [um]|x50 [um]|x75 [um]|sharpness [-]|error of T [-]|Re at x50|eq 3 [um]|eq 6 [um]|eq 6, projected [um]");
-    table_cell(&out, "%.2f", 1e6 * r->x25);
-    table_cell(&out, "%.2f", 1e6 * r->x50);
-    table_cell(&out, "%.2f", 1e6 * r->x75);
-    table_cell(&out, "%.3f", r->sharpness);
-    table_cell(&out, "%.1e", r->t_error);
-    table_cell(&out, "%.0f", r->re50);
-    table_cell(&out, "%.2f", 1e6 * o->eq3);
-    table_cell(&out, "%.2f", 1e6 * o->eq6);
-    table_cell(&out, "%.2f", 1e6 * o->eq6_projected);
+    riddle_io_table out =
+        riddle_io_table_begin("x25 [um]|x50 [um]|x75 [um]|sharpness [-]|error of T [-]|Re at x50|eq 3 [um]|eq 6 [um]|eq 6, projected [um]");
+    riddle_io_table_cell(&out, "%.2f", 1e6 * r->x25);
+    riddle_io_table_cell(&out, "%.2f", 1e6 * r->x50);
+    riddle_io_table_cell(&out, "%.2f", 1e6 * r->x75);
+    riddle_io_table_cell(&out, "%.3f", r->sharpness);
+    riddle_io_table_cell(&out, "%.1e", r->t_error);
+    riddle_io_table_cell(&out, "%.0f", r->re50);
+    riddle_io_table_cell(&out, "%.2f", 1e6 * o->eq3);
+    riddle_io_table_cell(&out, "%.2f", 1e6 * o->eq6);
+    riddle_io_table_cell(&out, "%.2f", 1e6 * o->eq6_projected);
     table_end(&out);
     common_print("\nCases: clean %.3f, thrown by a particle %.3f, hit again %.3f. Model and curve: %.1f ms.\n", r->weights.clean,
                  r->weights.thrown, r->weights.again, 1e3 * o->seconds);
@@ -707,7 +719,9 @@ int main(int argc, char **argv) {
         option_string("tangential", "FILE", &tangential, "velocity of entering particles against the wheel [m/s]: CSV with low,high,share"),
         option_string("radial", "FILE", &radial, "velocity of entering particles inward [m/s]: CSV with low,high,share"),
         option_string("contact-counts", "FILE", &counts, "contacts counted: CSV with contacts,share"),
-        option_string("sizes", "FILE", &sizes, "size distributions: CSV with low_um,high_um,feed,coarse,fine"),
+        option_string("sizes", "FILE", &sizes,
+                      "size distributions of feed, coarse and fine: low_um,high_um,feed,coarse,fine, or classes or sieves as a laboratory "
+                      "writes them"),
         option_string("measured", "FILE", &points, "measured separation curve: CSV with size_um,t"),
         option_flag("calibrate", &calibrate, "find the gas velocity that gives the measured x50"),
         option_double("x50-um", "X", &x50, 0.0, 1e4, "calibrate to this cut size [um]; 0: off"),
@@ -730,11 +744,11 @@ int main(int argc, char **argv) {
         if (options[5].given) d->contacts.mean = contacts;
         if (options[6].given) d->radial_factor = factor;
         d->points = self.quick ? 256 : 4096; /* T within 1e-4 at every size */
-        read_distribution(&self, "sphericity", sphericity, 1.0, &d->sphericity_2d);
-        read_distribution(&self, "restitution", restitution, 1.0, &d->restitution);
-        read_distribution(&self, "imperfection", imperfection, RIDDLE_PI / 180.0, &d->imperfection);
-        read_distribution(&self, "tangential", tangential, 1.0, &d->tangential_velocity);
-        read_distribution(&self, "radial", radial, 1.0, &d->radial_velocity);
+        read_distribution(&self, "sphericity", sphericity, '#', &d->sphericity_2d);
+        read_distribution(&self, "restitution", restitution, '#', &d->restitution);
+        read_distribution(&self, "imperfection", imperfection, 'W', &d->imperfection);
+        read_distribution(&self, "tangential", tangential, 'v', &d->tangential_velocity);
+        read_distribution(&self, "radial", radial, 'v', &d->radial_velocity);
         read_contacts(&self, counts, &d->contacts);
         if (restitution) d->particle_restitution = d->restitution.mean;
     }

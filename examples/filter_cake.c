@@ -45,22 +45,25 @@ static duty paper_duty(void) {
 
 static void read_sizes(const program *self, const char *path, duty *d) {
     static const char *const wanted = "a file with the columns diameter_um and number_share or volume_share, up to 64 rows";
-    csv_data data;
-    char message[400], text[600];
-    if (csv_read(path, &data, message, sizeof message) != 0) {
+    sheet_sizes data;
+    char message[600], text[800];
+    if (sheet_read_sizes(path, NULL, 1, &data, message, sizeof message) != 0) {
         snprintf(text, sizeof text, "%s; this one: %s", wanted, message);
         program_refuse(self, "sizes", path, text);
     }
-    const bool by_number = csv_column(&data, "number_share") >= 0;
-    if (csv_column(&data, "diameter_um") < 0 || (!by_number && csv_column(&data, "volume_share") < 0) || data.rows < 1 ||
-        data.rows > MOST_CLASSES)
-        program_refuse(self, "sizes", path, wanted);
-    d->classes = data.rows;
-    for (int i = 0; i < data.rows; i++) {
-        d->diameter[i] = 1e-6 * csv_value(&data, i, "diameter_um");
-        d->share[i] = csv_value(&data, i, by_number ? "number_share" : "volume_share");
+    const int below = !data.single; /* of a curve: classes between two sizes, at their geometric mean */
+    const bool by_number = data.by_number == 1;
+    if (data.by_number < 0 && data.single) program_refuse(self, "sizes", path, wanted);
+    if (data.n - below < 1 || data.n - below > MOST_CLASSES) program_refuse(self, "sizes", path, wanted);
+    if (!data.single && (data.amount[0][0] > 1e-3 || data.above[0] > 1e-3))
+        program_refuse(self, "sizes", path, "a curve from 0 to 1: its first size passes nothing, its last one everything");
+    common_print("%s\n", data.how);
+    d->classes = data.n - below;
+    for (int i = 0; i < d->classes; i++) {
+        d->diameter[i] = below ? sqrt(data.size[i] * data.size[i + 1]) : data.size[i];
+        d->share[i] = below ? data.amount[0][i + 1] - data.amount[0][i] : data.amount[0][i];
     }
-    csv_free(&data);
+    sheet_free_sizes(&data);
     if (filtration_convert_shares((size_t)d->classes, d->diameter, d->share, by_number ? 0.0 : -3.0, d->share) != FILTRATION_OK)
         program_refuse(self, "sizes", path, "diameters above 0 and shares of at least 0, not all 0");
     for (int i = 0; i < d->classes; i++)
@@ -240,18 +243,18 @@ static cake_shape measure_cake(const run *r) {
 
 static const char mark[8] = "CAKE0001";
 
-static int write_bytes(void *user, const void *data, size_t bytes) { return output_write(user, data, bytes) == 0; }
+static int write_bytes(void *user, const void *data, size_t bytes) { return riddle_io_write(user, data, bytes) == 0; }
 static int read_bytes(void *user, void *data, size_t bytes) { return fread(data, 1, bytes, user) == bytes; }
 
 static int save(const run *r, const char *path) {
-    output *file = output_open(NULL, path);
+    riddle_io_file *file = riddle_io_open(NULL, path);
     if (!file) return -1;
-    output_write(file, mark, sizeof mark), output_write(file, &r->d, sizeof r->d), output_write(file, r->c, sizeof *r->c);
+    riddle_io_write(file, mark, sizeof mark), riddle_io_write(file, &r->d, sizeof r->d), riddle_io_write(file, r->c, sizeof *r->c);
     if (filtration_fluid_save(&r->fluid, write_bytes, file) != FILTRATION_OK) {
-        output_discard(file);
+        riddle_io_discard(file);
         return common_fail("%s could not be written", path);
     }
-    return (int)output_close(file);
+    return (int)riddle_io_close(file);
 }
 
 /* Into a run that is set up from the duty in the file, but for the time to which it shall go. */
@@ -325,7 +328,7 @@ static filtration_status step(run *r) {
 /* ---- ParaView ---- */
 
 typedef struct films {
-    pvd *particles, *flow;
+    riddle_io_series *particles, *flow;
     double every, next; /* [s] */
     int with_flow;
 } films;
@@ -337,10 +340,11 @@ static void film_particles(const program *self, const run *r, films *f) {
     const cake *c = r->c;
     mark_cake(r, in_cake);
     for (int i = 0; i < c->n; i++) diameter[i] = 2.0 * c->radius[i], deposited[i] = in_cake[i];
-    const vtk_array arrays[] = {vtk_scalar("diameter_m", diameter),        vtk_vector("velocity_m_per_s", c->speed),
-                                vtk_vector("force_n", c->force),           vtk_vector("torque_n_m", c->torque),
-                                vtk_vector("contact_force_n", c->contact), vtk_ints("deposited", deposited)};
-    vtp_points(self->out, pvd_name(f->particles, r->fluid.time), c->n, vtk_vector("position_m", c->centre), arrays, 6);
+    const riddle_io_array arrays[] = {riddle_io_scalar("diameter_m", diameter),        riddle_io_vector("velocity_m_per_s", c->speed),
+                                      riddle_io_vector("force_n", c->force),           riddle_io_vector("torque_n_m", c->torque),
+                                      riddle_io_vector("contact_force_n", c->contact), riddle_io_ints("deposited", deposited)};
+    riddle_io_points(self->out, riddle_io_series_name(f->particles, r->fluid.time), c->n, riddle_io_vector("position_m", c->centre), arrays,
+                     6);
 }
 
 static void film_flow(const program *self, const run *r, films *f) {
@@ -355,9 +359,9 @@ static void film_flow(const program *self, const run *r, films *f) {
         for (size_t i = 0; i < nodes; i++)
             speed[i] = sqrtf(velocity[3 * i] * velocity[3 * i] + velocity[3 * i + 1] * velocity[3 * i + 1] +
                              velocity[3 * i + 2] * velocity[3 * i + 2]);
-        const vtk_array arrays[] = {vtk_scalar_float("speed_m_per_s", speed), vtk_scalar_float("pressure_pa", pressure),
-                                    vtk_ints("owner", (const int *)owner)};
-        vti_cells(self->out, pvd_name_as(f->flow, r->fluid.time, "vti"), n, origin, spacing, arrays, 3);
+        const riddle_io_array arrays[] = {riddle_io_scalar_float("speed_m_per_s", speed), riddle_io_scalar_float("pressure_pa", pressure),
+                                          riddle_io_ints("owner", (const int *)owner)};
+        riddle_io_cells(self->out, riddle_io_series_name_as(f->flow, r->fluid.time, "vti"), n, origin, spacing, arrays, 3);
     } else common_fail("out of memory for the flow's file");
     free(velocity), free(owner);
 }
@@ -442,7 +446,7 @@ static void print_run(const run *r, const findings *f) {
     common_print("%.4g ms, %.3g mL over 20 cm2, %lld steps in %.1f s: %.0f MLUPS\n\n", 1e3 * r->fluid.time,
                  1e6 * c->filtrate * laboratory / area(r), (long long)r->fluid.steps, r->seconds,
                  r->seconds > 0.0 ? 1e-6 * (double)r->fluid.updates / r->seconds : 0.0);
-    text_table t = table_begin("|here|paper|");
+    riddle_io_table t = riddle_io_table_begin("|here|paper|");
     const double line = f->evaluated == FILTRATION_OK ? f->curve.medium.value : (double)NAN;
     const struct {
         const char *name, *paper, *unit;
@@ -461,8 +465,8 @@ static void print_run(const run *r, const findings *f) {
                 {"of them in the cake", "145", "", f->shape.deposited},
                 {"still settling", "16", "", f->shape.settling}};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        table_cell(&t, "%s", rows[i].name), table_cell(&t, "%.4g", rows[i].value);
-        table_cell(&t, "%s", rows[i].paper), table_cell(&t, "%s", rows[i].unit);
+        riddle_io_table_cell(&t, "%s", rows[i].name), riddle_io_table_cell(&t, "%.4g", rows[i].value);
+        riddle_io_table_cell(&t, "%s", rows[i].paper), riddle_io_table_cell(&t, "%s", rows[i].unit);
     }
     table_end(&t);
     if (f->evaluated != FILTRATION_OK) common_print("No line: %s\n", filtration_status_text(f->evaluated));
@@ -473,28 +477,28 @@ static void print_run(const run *r, const findings *f) {
 static void draw_curves(const program *self, const run *r, const findings *f) {
     const cake *c = r->c;
     static double ms[MOST_SAMPLES], V[MOST_SAMPLES], ratio[MOST_SAMPLES], line[MOST_SAMPLES];
-    csv *file = csv_open(self->out, "series.csv", "time_s,filtrate_m3,filtrate_velocity_m_per_s,volume_20cm2_m3");
+    riddle_io_file *file = csv_open(self->out, "series.csv", "time_s,filtrate_m3,filtrate_velocity_m_per_s,volume_20cm2_m3");
     for (int i = 0; i < c->samples; i++) {
         ms[i] = 1e3 * c->time[i], V[i] = 1e6 * c->volume[i] * laboratory / area(r), ratio[i] = c->time[i] / V[i];
         line[i] = 1e-6 * (f->curve.intercept.value + f->curve.slope.value * 1e-6 * V[i]);
         const double cells[4] = {c->time[i], c->volume[i], c->velocity[i], 1e-6 * V[i]};
-        csv_row(file, cells, 4);
+        riddle_io_row(file, cells, 4);
     }
-    csv_close(file);
-    plot *figure = plot_new("Filtrate velocity", 1, 1);
-    plot_panel(figure, 0, 0, "time [ms]", "filtrate velocity [m/s]");
-    plot_line(figure, "", ms, c->velocity, c->samples);
-    if (c->first_touch >= 0.0) plot_vertical(figure, "first sphere on the cloth", 1e3 * c->first_touch);
-    plot_write(figure, self->out, "velocity.svg");
-    figure = plot_new("Filter curve", 1, 1);
-    plot_panel(figure, 0, 0, "filtrate over 20 cm² [mL]", "t / V [s/mL]");
-    plot_line(figure, "simulated", V, ratio, c->samples);
+    riddle_io_close(file);
+    riddle_plot *figure = riddle_plot_new("Filtrate velocity", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "time [ms]", "filtrate velocity [m/s]");
+    riddle_plot_line(figure, "", ms, c->velocity, c->samples);
+    if (c->first_touch >= 0.0) riddle_plot_vertical(figure, "first sphere on the cloth", 1e3 * c->first_touch);
+    riddle_plot_write(figure, self->out, "velocity.svg");
+    figure = riddle_plot_new("Filter curve", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "filtrate over 20 cm² [mL]", "t / V [s/mL]");
+    riddle_plot_line(figure, "simulated", V, ratio, c->samples);
     if (f->evaluated == FILTRATION_OK) {
-        plot_line(figure, "line of the stretch chosen", V, line, c->samples);
-        plot_style(figure, PLOT_DASHED, PLOT_NEXT);
+        riddle_plot_line(figure, "line of the stretch chosen", V, line, c->samples);
+        riddle_plot_style(figure, RIDDLE_PLOT_DASHED, RIDDLE_PLOT_NEXT);
     }
-    plot_horizontal(figure, "clean cloth", 1e-6 * r->d.viscosity * f->clean / (laboratory * r->d.pressure));
-    plot_write(figure, self->out, "curve.svg");
+    riddle_plot_horizontal(figure, "clean cloth", 1e-6 * r->d.viscosity * f->clean / (laboratory * r->d.pressure));
+    riddle_plot_write(figure, self->out, "curve.svg");
 }
 
 static void draw_spheres(const program *self, const run *r) {
@@ -510,11 +514,11 @@ static void draw_spheres(const program *self, const run *r) {
         height[k][n[k]] = 1e3 * (c->centre[3 * i + 2] - r->d.centre),
         speed[k][n[k]++] = 1e3 * sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     }
-    plot *figure = plot_new("Velocity of the spheres", 1, 1);
-    plot_panel(figure, 0, 0, "speed [mm/s]", "height over the cloth [mm]");
-    plot_points(figure, "settling", speed[0], height[0], n[0]);
-    plot_points(figure, "in the cake", speed[1], height[1], n[1]);
-    plot_write(figure, self->out, "spheres.svg");
+    riddle_plot *figure = riddle_plot_new("Velocity of the spheres", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "speed [mm/s]", "height over the cloth [mm]");
+    riddle_plot_points(figure, "settling", speed[0], height[0], n[0]);
+    riddle_plot_points(figure, "in the cake", speed[1], height[1], n[1]);
+    riddle_plot_write(figure, self->out, "spheres.svg");
 }
 
 /* Speed in the plane y = half the box. */
@@ -532,11 +536,11 @@ static void draw_slice(const program *self, const run *r) {
             const double *v = at.velocity;
             values[z * n[0] + x] = fluid ? sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) : (double)NAN;
         }
-    plot *figure = plot_new("Speed in a cut", 1, 1);
-    plot_panel(figure, 0, 0, "x [mm]", "z [mm]");
-    plot_panel_size(figure, 180.0, 180.0 * fmin(r->d.height / r->d.width, 5.0));
-    plot_heat(figure, "speed [m/s]", values, n[0], n[2], 0.0, 1e3 * r->d.width, 0.0, 1e3 * r->d.height);
-    plot_write(figure, self->out, "slice.svg");
+    riddle_plot *figure = riddle_plot_new("Speed in a cut", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "x [mm]", "z [mm]");
+    riddle_plot_panel_size(figure, 180.0, 180.0 * fmin(r->d.height / r->d.width, 5.0));
+    riddle_plot_heat(figure, "speed [m/s]", values, n[0], n[2], 0.0, 1e3 * r->d.width, 0.0, 1e3 * r->d.height);
+    riddle_plot_write(figure, self->out, "slice.svg");
     free(values);
 }
 
@@ -637,10 +641,10 @@ int main(int argc, char **argv) {
     f.every = t.frame > 0.0 ? 1e-3 * t.frame : r.d.time / (self.quick ? 2.0 : 20.0);
     f.next = f.every * floor(r.fluid.time / f.every + 1.0), f.with_flow = !t.no_flow;
     if (status == FILTRATION_OK) {
-        f.particles = pvd_open(self.out, "particles.pvd");
-        if (f.with_flow) f.flow = pvd_open(self.out, "flow.pvd");
+        f.particles = riddle_io_series_open(self.out, "particles.pvd");
+        if (f.with_flow) f.flow = riddle_io_series_open(self.out, "flow.pvd");
         status = go(&self, &r, &t, stop, &f);
-        pvd_close(f.particles), pvd_close(f.flow);
+        riddle_io_series_close(f.particles), riddle_io_series_close(f.flow);
     } else common_fail("%s", filtration_status_text(status));
     if (status == FILTRATION_OK && !common_interrupted()) {
         const findings found = evaluate(&r);

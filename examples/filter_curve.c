@@ -107,19 +107,19 @@ static void report_estimate(json *report, const char *key, const filtration_esti
     json_object_end(report);
 }
 
-static void row(text_table *t, const char *name, const char *unit, const filtration_estimate *e) {
-    table_cell(t, "%s", name);
-    table_cell(t, "%.4g", e->value);
-    table_cell(t, "%.2g", e->error);
-    table_cell(t, "%.4g .. %.4g", e->low, e->high);
-    table_cell(t, "%s", unit);
+static void row(riddle_io_table *t, const char *name, const char *unit, const filtration_estimate *e) {
+    riddle_io_table_cell(t, "%s", name);
+    riddle_io_table_cell(t, "%.4g", e->value);
+    riddle_io_table_cell(t, "%.2g", e->error);
+    riddle_io_table_cell(t, "%.4g .. %.4g", e->low, e->high);
+    riddle_io_table_cell(t, "%s", unit);
 }
 
 static void print_curve(const settings *s, const readings *r, const filtration_curve *c, const filtration_estimate *clean) {
     common_print("Straight stretch: readings %zu to %zu, %.3g to %.3g mL; %zu readings, scatter %.2g %%, R2 %.5f\n", c->first + 1,
                  c->last + 1, 1e6 * r->volume[c->first], 1e6 * r->volume[c->last], c->used, 100.0 * c->scatter, c->r2);
     common_print("Intervals of %.3g %%: Student's t %.3f with %.3g degrees of freedom\n\n", 100.0 * c->confidence, c->student, c->freedom);
-    text_table t = table_begin("|value|standard error|interval|unit");
+    riddle_io_table t = riddle_io_table_begin("|value|standard error|interval|unit");
     row(&t, "slope", "s/m6", &c->slope);
     row(&t, "intercept", "s/m3", &c->intercept);
     row(&t, "r_K K_S", "1/m2", &c->product);
@@ -176,17 +176,17 @@ static void draw_curve(const program *self, const settings *s, const readings *r
     double *rest = used_y + r->n + 1;
     if (!x) exit((common_fail("out of memory"), common_exit_status()));
     int n = 0, used = 0;
-    csv *file = csv_open(self->out, "filter_curve.csv", "time_s,volume_m3,time_over_volume_s_per_m3,line_s_per_m3,used");
+    riddle_io_file *file = csv_open(self->out, "filter_curve.csv", "time_s,volume_m3,time_over_volume_s_per_m3,line_s_per_m3,used");
     for (size_t i = 0; i < r->n; i++) {
         const double ordinate = (r->time[i] - t1) / (r->volume[i] - V1), line = c->intercept.value + c->slope.value * (r->volume[i] + V1);
         const int counts = i >= c->first && i <= c->last && r->volume[i] > V1 && r->time[i] > t1;
         if (!(r->volume[i] > V1 && r->time[i] > t1)) continue;
         const double cells[5] = {r->time[i], r->volume[i], ordinate, line, counts};
-        csv_row(file, cells, 5);
+        riddle_io_row(file, cells, 5);
         if (counts) used_x[used] = 1e6 * r->volume[i], used_y[used] = 1e-6 * ordinate, rest[used++] = 100.0 * (ordinate / line - 1.0);
         else x[n] = 1e6 * r->volume[i], y[n++] = 1e-6 * ordinate;
     }
-    csv_close(file);
+    riddle_io_close(file);
     double V[CURVE], line[CURVE], low[CURVE], high[CURVE];
     for (int i = 0; i < CURVE; i++) {
         const double at = largest * i / (CURVE - 1) + V1, from = c->slope.error * at, of = c->intercept.error;
@@ -194,19 +194,19 @@ static void draw_curve(const program *self, const settings *s, const readings *r
         V[i] = 1e6 * (at - V1), line[i] = 1e-6 * (c->intercept.value + c->slope.value * at);
         low[i] = line[i] - 1e-6 * c->student * error, high[i] = line[i] + 1e-6 * c->student * error;
     }
-    plot *figure = plot_new("Filter curve", 1, 2);
-    plot_panel(figure, 0, 0, "filtrate V [mL]", V1 > 0.0 || t1 != 0.0 ? "(t − t₁) / (V − V₁) [s/mL]" : "t / V [s/mL]");
-    plot_band(figure, "interval of the line", V, low, high, CURVE);
-    plot_line(figure, "line", V, line, CURVE);
-    plot_points(figure, "readings used", used_x, used_y, used);
+    riddle_plot *figure = riddle_plot_new("Filter curve", 1, 2);
+    riddle_plot_panel(figure, 0, 0, "filtrate V [mL]", V1 > 0.0 || t1 != 0.0 ? "(t − t₁) / (V − V₁) [s/mL]" : "t / V [s/mL]");
+    riddle_plot_band(figure, "interval of the line", V, low, high, CURVE);
+    riddle_plot_line(figure, "line", V, line, CURVE);
+    riddle_plot_points(figure, "readings used", used_x, used_y, used);
     if (n > 0) {
-        plot_points(figure, "other readings", x, y, n);
-        plot_style(figure, 0, PLOT_GREY);
+        riddle_plot_points(figure, "other readings", x, y, n);
+        riddle_plot_style(figure, 0, RIDDLE_PLOT_GREY);
     }
-    plot_panel(figure, 0, 1, "filtrate V [mL]", "reading over line − 1 [%]");
-    plot_points(figure, "", used_x, rest, used);
-    plot_horizontal(figure, "", 0.0);
-    plot_write(figure, self->out, "curve.svg");
+    riddle_plot_panel(figure, 0, 1, "filtrate V [mL]", "reading over line − 1 [%]");
+    riddle_plot_points(figure, "", used_x, rest, used);
+    riddle_plot_horizontal(figure, "", 0.0);
+    riddle_plot_write(figure, self->out, "curve.svg");
     free(x);
 }
 
@@ -254,26 +254,26 @@ static void predict(const program *self, json *report, const settings *s, const 
     json_object_end(report);
 
     double t[CURVE], V[CURVE], low[CURVE], high[CURVE], flow[CURVE], pressure[CURVE];
-    csv *file = csv_open(self->out, "prediction.csv", "time_s,volume_m3,flow_m3_per_s,pressure_pa,cake_pa");
+    riddle_io_file *file = csv_open(self->out, "prediction.csv", "time_s,volume_m3,flow_m3_per_s,pressure_pa,cake_pa");
     for (int i = 0; i < CURVE; i++) {
         filtration_point p;
         if (filtration_at_volume(&o, s->new_volume * (i + 1) / CURVE, &p) != FILTRATION_OK) p = end;
         filtration_predict(c, o.pressure, o.area, o.compressibility, p.volume, &time);
         V[i] = 1e6 * p.volume, t[i] = p.time, low[i] = time.low, high[i] = time.high, flow[i] = 1e6 * p.flow, pressure[i] = p.pressure;
         const double cells[5] = {p.time, p.volume, p.flow, p.pressure, p.cake};
-        csv_row(file, cells, 5);
+        riddle_io_row(file, cells, 5);
     }
-    csv_close(file);
-    plot *figure = plot_new(outside ? "Prediction, outside the readings" : "Prediction", 1, 3);
-    plot_panel(figure, 0, 0, "filtrate V [mL]", "time [s]");
-    if (at_pressure) plot_band(figure, "interval of the fit", V, low, high, CURVE);
-    plot_line(figure, "time", V, t, CURVE);
-    if (outside & FILTRATION_OUTSIDE_MORE) plot_vertical(figure, "as thick a cake as measured", 1e6 * c->largest * o.area / c->area);
-    plot_panel(figure, 0, 1, "time [s]", "filtrate flow [mL/s]");
-    plot_line(figure, "", t, flow, CURVE);
-    plot_panel(figure, 0, 2, "time [s]", "pressure difference [Pa]");
-    plot_line(figure, "", t, pressure, CURVE);
-    plot_write(figure, self->out, "prediction.svg");
+    riddle_io_close(file);
+    riddle_plot *figure = riddle_plot_new(outside ? "Prediction, outside the readings" : "Prediction", 1, 3);
+    riddle_plot_panel(figure, 0, 0, "filtrate V [mL]", "time [s]");
+    if (at_pressure) riddle_plot_band(figure, "interval of the fit", V, low, high, CURVE);
+    riddle_plot_line(figure, "time", V, t, CURVE);
+    if (outside & FILTRATION_OUTSIDE_MORE) riddle_plot_vertical(figure, "as thick a cake as measured", 1e6 * c->largest * o.area / c->area);
+    riddle_plot_panel(figure, 0, 1, "time [s]", "filtrate flow [mL/s]");
+    riddle_plot_line(figure, "", t, flow, CURVE);
+    riddle_plot_panel(figure, 0, 2, "time [s]", "pressure difference [Pa]");
+    riddle_plot_line(figure, "", t, pressure, CURVE);
+    riddle_plot_write(figure, self->out, "prediction.svg");
 }
 
 /* ---- the command line ---- */

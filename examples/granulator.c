@@ -305,35 +305,35 @@ static void write_row(json *report, const char *study, const ensemble *e) {
     json_object_end(report);
 }
 
-static text_table begin_rows(void) {
-    return table_begin("rpm|binder [%]|Type I [%], +- 95 %|paper|Type II [%], +- 95 %|paper|rebound [%]|paper|d43 [um], +- 95 "
-                       "%|paper|interactions|breakages");
+static riddle_io_table begin_rows(void) {
+    return riddle_io_table_begin("rpm|binder [%]|Type I [%], +- 95 %|paper|Type II [%], +- 95 %|paper|rebound [%]|paper|d43 [um], +- 95 "
+                                 "%|paper|interactions|breakages");
 }
 
-static void table_number(text_table *t, const char *format, double value) {
-    if (value == value) table_cell(t, format, value);
-    else table_cell(t, "-");
+static void table_number(riddle_io_table *t, const char *format, double value) {
+    if (value == value) riddle_io_table_cell(t, format, value);
+    else riddle_io_table_cell(t, "-");
 }
 
-static void table_row(text_table *t, const ensemble *e) {
+static void table_row(riddle_io_table *t, const ensemble *e) {
     const paper_row *p = paper_for(e->c->rpm, e->c->liquid);
     granulation_estimate one = result_of(e, 0), two = result_of(e, 1), out = result_of(e, 2), size = result_of(e, 4), met = result_of(e, 5),
                          broke = result_of(e, 6);
-    table_cell(t, "%g", e->c->rpm);
-    table_cell(t, "%g", 100.0 * e->c->liquid);
-    table_cell(t, "%.1f +- %.1f", one.mean, one.confidence);
+    riddle_io_table_cell(t, "%g", e->c->rpm);
+    riddle_io_table_cell(t, "%g", 100.0 * e->c->liquid);
+    riddle_io_table_cell(t, "%.1f +- %.1f", one.mean, one.confidence);
     table_number(t, "%.1f", p ? p->type1 : (double)NAN);
-    table_cell(t, "%.1f +- %.1f", two.mean, two.confidence);
+    riddle_io_table_cell(t, "%.1f +- %.1f", two.mean, two.confidence);
     table_number(t, "%.1f", p ? p->type2 : (double)NAN);
-    table_cell(t, "%.1f", out.mean);
+    riddle_io_table_cell(t, "%.1f", out.mean);
     table_number(t, "%.1f", p ? p->rebound : (double)NAN);
-    table_cell(t, "%.1f +- %.1f", size.mean * 1e6, size.confidence * 1e6);
+    riddle_io_table_cell(t, "%.1f +- %.1f", size.mean * 1e6, size.confidence * 1e6);
     table_number(t, "%.1f", p ? p->size_um : (double)NAN);
-    table_cell(t, "%.0f", met.mean);
-    table_cell(t, "%.2f", broke.mean);
+    riddle_io_table_cell(t, "%.0f", met.mean);
+    riddle_io_table_cell(t, "%.2f", broke.mean);
 }
 
-static void csv_line_of(csv *file, const ensemble *e) {
+static void csv_line_of(riddle_io_file *file, const ensemble *e) {
     const paper_row *p = paper_for(e->c->rpm, e->c->liquid);
     granulation_estimate x[6] = {result_of(e, 0), result_of(e, 1), result_of(e, 2), result_of(e, 3), result_of(e, 4), result_of(e, 5)};
     double line[18] = {e->c->rpm, e->c->liquid};
@@ -345,7 +345,7 @@ static void csv_line_of(csv *file, const ensemble *e) {
     line[15] = p ? p->type2 : (double)NAN;
     line[16] = p ? p->rebound : (double)NAN;
     line[17] = p ? p->size_um * 1e-6 : (double)NAN;
-    csv_row(file, line, 18);
+    riddle_io_row(file, line, 18);
 }
 static const char row_header[] =
     "rpm,binder,type1_pct,type1_ci95,type2_pct,type2_ci95,rebound_pct,rebound_ci95,both_pct,both_ci95,d43_m,d43_ci95,"
@@ -372,12 +372,12 @@ static int study_rows(const program *self, json *report, const char *name, const
     unsigned outside[4] = {0};
     char titles[4][60];
     table1_classes(edges);
-    text_table t = begin_rows();
+    riddle_io_table t = begin_rows();
     snprintf(file_name, sizeof file_name, impeller ? "table2.csv" : "table3.csv");
-    csv *file = csv_open(self->out, file_name, row_header);
-    plot *figure = plot_new(impeller ? "Gantt & Gatzke, Fig 8: size distribution at four impeller speeds"
-                                     : "Gantt & Gatzke, Fig 9: size distribution at four binder contents",
-                            2, 2);
+    riddle_io_file *file = csv_open(self->out, file_name, row_header);
+    riddle_plot *figure = riddle_plot_new(impeller ? "Gantt & Gatzke, Fig 8: size distribution at four impeller speeds"
+                                                   : "Gantt & Gatzke, Fig 9: size distribution at four binder contents",
+                                          2, 2);
     progress bar;
     progress_begin(&bar, impeller ? "impeller speeds" : "binder contents", (double)n * replicates);
     int bad = 0;
@@ -400,8 +400,8 @@ static int study_rows(const program *self, json *report, const char *name, const
             outside[i] = outside_in_most(&e);
             snprintf(titles[i], sizeof titles[i], impeller ? "%g rpm%s" : "%g %% binder%s", impeller ? e.c->rpm : 100.0 * e.c->liquid,
                      outside[i] ? " (outside the fit)" : "");
-            plot_panel(figure, i / 2, i % 2, "volume at the feed's air content [10⁻¹² m³]", "share of the solid volume [-]");
-            plot_title(figure, titles[i]);
+            riddle_plot_panel(figure, i / 2, i % 2, "volume at the feed's air content [10⁻¹² m³]", "share of the solid volume [-]");
+            riddle_plot_title(figure, titles[i]);
             for (int k = 0; k < 4; k++) {
                 int step = k == 3 ? steps : k * steps / 4;
                 double x[CLASSES], y[CLASSES], all = 0.0;
@@ -413,38 +413,38 @@ static int study_rows(const program *self, json *report, const char *name, const
                 }
                 char label[30];
                 snprintf(label, sizeof label, "step %d", step);
-                plot_line(figure, label, x, y, CLASSES);
-                plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+                riddle_plot_line(figure, label, x, y, CLASSES);
+                riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
             }
         }
         ensemble_free(&e);
     }
     progress_end(&bar);
     if (bad) {
-        plot_free(figure);
+        riddle_plot_free(figure);
         table_end(&t);
-        csv_close(file);
+        riddle_io_close(file);
         return bad;
     }
     table_end(&t);
-    csv_close(file);
+    riddle_io_close(file);
     for (int i = 0; i < n; i++) say_outside(titles[i], outside[i]);
-    plot_write(figure, self->out, impeller ? "figure8.svg" : "figure9.svg");
-    figure = plot_new(
+    riddle_plot_write(figure, self->out, impeller ? "figure8.svg" : "figure9.svg");
+    figure = riddle_plot_new(
         impeller ? "Gantt & Gatzke, Table 2: what becomes of collisions" : "Gantt & Gatzke, Table 3: what becomes of collisions", 1, 3);
     static const char *const y_labels[3] = {"Type I coalescence [% of collisions]", "Type II coalescence [% of collisions]",
                                             "mean size d43 [µm]"};
     for (int q = 0; q < 3; q++) {
-        plot_panel(figure, 0, q, impeller ? "impeller speed [1/min]" : "binder [%]", y_labels[q]);
+        riddle_plot_panel(figure, 0, q, impeller ? "impeller speed [1/min]" : "binder [%]", y_labels[q]);
         double beyond_at[4], beyond[4];
         int beyonds = 0;
         for (int i = 0; i < n; i++)
             if (outside[i]) beyond_at[beyonds] = at[i], beyond[beyonds++] = mean[q][i];
-        plot_error_bars(figure, "granulation.h, 95 %", at, mean[q], bar_of[q], n);
-        plot_points(figure, "paper", at, paper[q], n);
-        if (beyonds > 0) plot_points(figure, "outside the fit", beyond_at, beyond, beyonds);
+        riddle_plot_error_bars(figure, "granulation.h, 95 %", at, mean[q], bar_of[q], n);
+        riddle_plot_points(figure, "paper", at, paper[q], n);
+        if (beyonds > 0) riddle_plot_points(figure, "outside the fit", beyond_at, beyond, beyonds);
     }
-    return (int)plot_write(figure, self->out, impeller ? "table2.svg" : "table3.svg");
+    return (int)riddle_plot_write(figure, self->out, impeller ? "table2.svg" : "table3.svg");
 }
 
 /* ---- pouw: the discrete simulation beside population balances ---- */
@@ -569,8 +569,9 @@ static int draw_classes(const program *self, const ensemble *e, const curve *bal
     static const char *const phases[3] = {"solid [10⁻¹⁰ m³]", "liquid [10⁻¹⁰ m³]", "air [10⁻¹⁰ m³]"};
     static double time[MOST_STEPS + 1], y[MOST_STEPS + 1], low[MOST_STEPS + 1], high[MOST_STEPS + 1];
     size_t block = (size_t)(e->steps + 1) * CLASSES;
-    plot *figure = plot_new(title, 1, 3);
-    csv *data = csv_open(self->out, csv_name, "step,class,solid_m3,liquid_m3,air_m3,balance_solid_m3,balance_liquid_m3,balance_air_m3");
+    riddle_plot *figure = riddle_plot_new(title, 1, 3);
+    riddle_io_file *data =
+        csv_open(self->out, csv_name, "step,class,solid_m3,liquid_m3,air_m3,balance_solid_m3,balance_liquid_m3,balance_air_m3");
     for (int step = 0; step <= e->steps; step++) {
         time[step] = step;
         for (int k = first; k < classes; k++) {
@@ -579,12 +580,12 @@ static int draw_classes(const program *self, const ensemble *e, const curve *bal
                 line[2 + p] = over(e, e->records[0].q + (size_t)(p + 1) * block + (size_t)step * CLASSES + k).mean;
                 line[5 + p] = balance ? balance->q[p][k][step] : (double)NAN;
             }
-            csv_row(data, line, 8);
+            riddle_io_row(data, line, 8);
         }
     }
-    csv_close(data);
+    riddle_io_close(data);
     for (int p = 0; p < 3; p++) {
-        plot_panel(figure, 0, p, "step [s]", phases[p]);
+        riddle_plot_panel(figure, 0, p, "step [s]", phases[p]);
         for (int k = first; k < classes; k++) {
             char label[40];
             for (int step = 0; step <= e->steps; step++) {
@@ -595,20 +596,20 @@ static int draw_classes(const program *self, const ensemble *e, const curve *bal
             }
             snprintf(label, sizeof label, k + 1 < CLASSES ? "%g to %g · 10⁻¹² m³" : "over %g · 10⁻¹² m³", 1e12 * e->edges[k],
                      1e12 * e->edges[k + 1]);
-            plot_line(figure, p == 2 ? label : NULL, time, y, e->steps + 1);
-            plot_style(figure, k - first < 8 ? 0 : PLOT_DASHED, (k - first) % 8);
+            riddle_plot_line(figure, p == 2 ? label : NULL, time, y, e->steps + 1);
+            riddle_plot_style(figure, k - first < 8 ? 0 : RIDDLE_PLOT_DASHED, (k - first) % 8);
             if (balance || classes < 7) {
-                plot_band(figure, NULL, time, low, high, e->steps + 1);
-                plot_style(figure, 0, PLOT_SAME);
+                riddle_plot_band(figure, NULL, time, low, high, e->steps + 1);
+                riddle_plot_style(figure, 0, RIDDLE_PLOT_SAME);
             }
             if (!balance) continue;
             for (int step = 0; step <= e->steps; step++) y[step] = 1e10 * balance->q[p][k][step];
-            plot_line(figure, p == 2 && k == classes - 1 ? "population balance" : NULL, time, y, e->steps + 1);
-            plot_style(figure, PLOT_DASHED, (k - first) % 8);
+            riddle_plot_line(figure, p == 2 && k == classes - 1 ? "population balance" : NULL, time, y, e->steps + 1);
+            riddle_plot_style(figure, RIDDLE_PLOT_DASHED, (k - first) % 8);
         }
-        if (p == 2) plot_legend_outside(figure);
+        if (p == 2) riddle_plot_legend_outside(figure);
     }
-    return (int)plot_write(figure, self->out, file);
+    return (int)riddle_plot_write(figure, self->out, file);
 }
 
 static int study_pouw(const program *self, json *report, granulation_def def, int replicates, int steps) {
@@ -636,10 +637,10 @@ static int study_pouw(const program *self, json *report, granulation_def def, in
     draw_classes(self, &e, &laws,
                  "Gantt & Gatzke, Fig 5: their Table 1 by size class, discrete simulation (full) and population balance (dashed)",
                  "figure5.svg", "figure5.csv", 0, 5);
-    plot *figure = plot_new("Gantt & Gatzke, Table 1 at 360 rpm: discrete simulation, population balances", 1, 2);
+    riddle_plot *figure = riddle_plot_new("Gantt & Gatzke, Table 1 at 360 rpm: discrete simulation, population balances", 1, 2);
     for (int panel = 0; panel < 2; panel++) {
         double unit = panel ? 1e6 : 1.0;
-        plot_panel(figure, 0, panel, "step [s]", panel ? "mean size d43 [µm]" : "granules [-]");
+        riddle_plot_panel(figure, 0, panel, "step [s]", panel ? "mean size d43 [µm]" : "granules [-]");
         for (int step = 0; step <= steps; step++) {
             granulation_estimate x = over(&e, (panel ? e.records[0].size : e.records[0].number) + step);
             time[step] = step;
@@ -647,27 +648,27 @@ static int study_pouw(const program *self, json *report, granulation_def def, in
             low[step] = unit * (x.mean - x.confidence);
             high[step] = unit * (x.mean + x.confidence);
         }
-        plot_line(figure, panel ? "discrete, mean and 95 %" : NULL, time, y, steps + 1);
-        plot_band(figure, NULL, time, low, high, steps + 1);
-        plot_style(figure, 0, PLOT_SAME);
+        riddle_plot_line(figure, panel ? "discrete, mean and 95 %" : NULL, time, y, steps + 1);
+        riddle_plot_band(figure, NULL, time, low, high, steps + 1);
+        riddle_plot_style(figure, 0, RIDDLE_PLOT_SAME);
         for (int step = 0; step <= steps; step++) y[step] = unit * (panel ? laws.size : laws.number)[step];
-        plot_line(figure, panel ? "balance, the same laws" : NULL, time, y, steps + 1);
-        plot_style(figure, PLOT_DASHED, PLOT_NEXT);
+        riddle_plot_line(figure, panel ? "balance, the same laws" : NULL, time, y, steps + 1);
+        riddle_plot_style(figure, RIDDLE_PLOT_DASHED, RIDDLE_PLOT_NEXT);
         for (int step = 0; step <= steps; step++) y[step] = unit * (panel ? pouw.size : pouw.number)[step];
-        plot_line(figure, panel ? "balance, Pouw's kernel, rate fitted" : NULL, time, y, steps + 1);
-        plot_style(figure, PLOT_DOTTED, PLOT_NEXT);
+        riddle_plot_line(figure, panel ? "balance, Pouw's kernel, rate fitted" : NULL, time, y, steps + 1);
+        riddle_plot_style(figure, RIDDLE_PLOT_DOTTED, RIDDLE_PLOT_NEXT);
     }
-    plot_write(figure, self->out, "balance.svg");
-    text_table t = table_begin("after the last step|granules|d43 [um]");
-    table_cell(&t, "discrete, %d replicates", replicates);
-    table_cell(&t, "%.1f", left);
-    table_cell(&t, "%.1f", 1e6 * over(&e, e.records[0].size + steps).mean);
-    table_cell(&t, "population balance, the same laws");
-    table_cell(&t, "%.1f", laws.number[steps]);
-    table_cell(&t, "%.1f", 1e6 * laws.size[steps]);
-    table_cell(&t, "Pouw's kernel, rate %.2e a step", rate);
-    table_cell(&t, "%.1f", pouw.number[steps]);
-    table_cell(&t, "%.1f", 1e6 * pouw.size[steps]);
+    riddle_plot_write(figure, self->out, "balance.svg");
+    riddle_io_table t = riddle_io_table_begin("after the last step|granules|d43 [um]");
+    riddle_io_table_cell(&t, "discrete, %d replicates", replicates);
+    riddle_io_table_cell(&t, "%.1f", left);
+    riddle_io_table_cell(&t, "%.1f", 1e6 * over(&e, e.records[0].size + steps).mean);
+    riddle_io_table_cell(&t, "population balance, the same laws");
+    riddle_io_table_cell(&t, "%.1f", laws.number[steps]);
+    riddle_io_table_cell(&t, "%.1f", 1e6 * laws.size[steps]);
+    riddle_io_table_cell(&t, "Pouw's kernel, rate %.2e a step", rate);
+    riddle_io_table_cell(&t, "%.1f", pouw.number[steps]);
+    riddle_io_table_cell(&t, "%.1f", 1e6 * pouw.size[steps]);
     table_end(&t);
     write_row(report, "pouw", &e);
     end_rows_with_classes(report, &e, 5);
@@ -692,8 +693,8 @@ static int study_normal(const program *self, json *report, granulation_def def, 
     if (!bad) {
         write_row(report, "normal", &f);
         draw_classes(self, &f, NULL, "Gantt & Gatzke, Fig 7: a normal start, 10 size classes", "figure7.svg", "figure7.csv", 0, CLASSES);
-        plot *figure = plot_new("Gantt & Gatzke, Fig 6: a normal start, one run", 1, 1);
-        plot_panel(figure, 0, 0, "volume at the feed's air content [10⁻¹² m³]", "granules [-]");
+        riddle_plot *figure = riddle_plot_new("Gantt & Gatzke, Fig 6: a normal start, one run", 1, 1);
+        riddle_plot_panel(figure, 0, 0, "volume at the feed's air content [10⁻¹² m³]", "granules [-]");
         for (int k = 0; k < 5; k++) {
             int step = k * steps / 4;
             double x[CLASSES], counts[CLASSES];
@@ -703,10 +704,10 @@ static int study_normal(const program *self, json *report, granulation_def def, 
                 counts[i] = f.records[0].q[(size_t)step * CLASSES + (size_t)i];
             }
             snprintf(label, sizeof label, "step %d", step);
-            plot_line(figure, label, x, counts, CLASSES);
-            plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+            riddle_plot_line(figure, label, x, counts, CLASSES);
+            riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
         }
-        plot_write(figure, self->out, "figure6.svg");
+        riddle_plot_write(figure, self->out, "figure6.svg");
     }
     ensemble_free(&f);
     return bad;
@@ -738,7 +739,7 @@ static int study_map(const program *self, json *report, granulation_def def, int
     c.def.contact = GRANULATION_CONTACT_SMALLER; /* the reading that gives figure 10 its 320 events */
     c.def.on_collision = keep;
     c.def.collision_user = &all;
-    plot *map = plot_new("Coalescence boundaries of the population as it is: 0 rebound, 1 Type I, 2 Type II", 1, 3);
+    riddle_plot *map = riddle_plot_new("Coalescence boundaries of the population as it is: 0 rebound, 1 Type I, 2 Type II", 1, 3);
     const int when[3] = {steps / 4, steps / 2, steps};
     granulation_status status = GRANULATION_OK;
     for (int run = 0; run < runs && status == GRANULATION_OK; run++) {
@@ -762,21 +763,21 @@ static int study_map(const program *self, json *report, granulation_def def, int
                 cells[i] = reasons[i] == GRANULATION_TYPE_I ? 1.0 : reasons[i] <= GRANULATION_TYPE_II_DRY ? 2.0 : 0.0;
             char title[60];
             snprintf(title, sizeof title, "step %d, h₀/hₐ = %.1f", when[k], film / ha);
-            plot_panel(map, 0, k, "log₁₀ St_def", "log₁₀ St_v");
-            plot_title(map, title);
-            plot_heat(map, k == 2 ? "outcome" : "", cells, SIDE, SIDE, -7.0, 0.0, -1.0, 2.0);
+            riddle_plot_panel(map, 0, k, "log₁₀ St_def", "log₁₀ St_v");
+            riddle_plot_title(map, title);
+            riddle_plot_heat(map, k == 2 ? "outcome" : "", cells, SIDE, SIDE, -7.0, 0.0, -1.0, 2.0);
         }
         granulation_sim_free(&sim);
     }
     if (status != GRANULATION_OK) {
-        plot_free(map);
+        riddle_plot_free(map);
         free(all.list);
         free(xy);
         return common_fail("map: %s", granulation_status_text(status));
     }
-    plot_write(map, self->out, "map.svg");
+    riddle_plot_write(map, self->out, "map.svg");
     int n[4] = {0, 0, 0, 0};
-    csv *file = csv_open(self->out, "figure10.csv", "step,st_v,st_def,reason,both");
+    riddle_io_file *file = csv_open(self->out, "figure10.csv", "step,st_v,st_def,reason,both");
     for (int i = 0; i < all.n; i++) {
         const granulation_collision *x = &all.list[i].collision;
         int kind = !x->coalesces ? 0 : x->reason != GRANULATION_TYPE_I ? 1 : x->both ? 3 : 2;
@@ -784,18 +785,18 @@ static int study_map(const program *self, json *report, granulation_def def, int
         xy[kind][1][n[kind]++] = x->st_v;
         csv_line(file, "%g,%.9g,%.9g,%d,%d", all.list[i].time, x->st_v, x->st_def, (int)x->reason, (int)x->both);
     }
-    csv_close(file);
-    plot *figure = plot_new("Gantt & Gatzke, Fig 10: every collision in the plane of the Stokes numbers", 1, 1);
-    plot_panel_size(figure, 620, 430);
-    plot_panel(figure, 0, 0, "Stokes deformation number St_def [-]", "viscous Stokes number St_v [-]");
-    plot_log_x(figure);
-    plot_log_y(figure);
+    riddle_io_close(file);
+    riddle_plot *figure = riddle_plot_new("Gantt & Gatzke, Fig 10: every collision in the plane of the Stokes numbers", 1, 1);
+    riddle_plot_panel_size(figure, 620, 430);
+    riddle_plot_panel(figure, 0, 0, "Stokes deformation number St_def [-]", "viscous Stokes number St_v [-]");
+    riddle_plot_log_x(figure);
+    riddle_plot_log_y(figure);
     double share[4], median[4][2];
     for (int k = 0; k < 4; k++) {
         share[k] = all.n ? 100.0 * n[k] / all.n : 0.0;
         if (n[k]) {
-            plot_points(figure, names[k], xy[k][0], xy[k][1], n[k] > 1500 ? 1500 : n[k]);
-            if (k == 0) plot_style(figure, PLOT_FAINT, PLOT_GREY);
+            riddle_plot_points(figure, names[k], xy[k][0], xy[k][1], n[k] > 1500 ? 1500 : n[k]);
+            if (k == 0) riddle_plot_style(figure, RIDDLE_PLOT_FAINT, RIDDLE_PLOT_GREY);
         }
         for (int axis = 0; axis < 2; axis++) { /* median by selection */
             double *v = xy[k][axis];
@@ -809,24 +810,24 @@ static int study_map(const program *self, json *report, granulation_def def, int
             median[k][axis] = n[k] ? v[(k == 0 && n[k] > 3000 ? 3000 : n[k]) / 2] : (double)NAN;
         }
     }
-    plot_legend_outside(figure);
-    plot_write(figure, self->out, "figure10.svg");
+    riddle_plot_legend_outside(figure);
+    riddle_plot_write(figure, self->out, "figure10.svg");
     int type1 = n[2] >= n[3] ? 2 : 3;
-    text_table t =
-        table_begin("figure 10|rebound [%]|Type II [%]|Type I only [%]|Type I, eq 21 met, too [%]|events a run|St_v II / I|St_def II / I");
-    table_cell(&t, "%d runs", runs);
-    for (int k = 0; k < 4; k++) table_cell(&t, "%.1f", share[k]);
-    table_cell(&t, "%.0f", (double)all.n / runs);
-    table_cell(&t, "%.1f", median[1][1] / median[type1][1]);
-    table_cell(&t, "%.0f", median[1][0] / median[type1][0]);
-    table_cell(&t, "paper, one run");
-    table_cell(&t, "82");
-    table_cell(&t, "12");
-    table_cell(&t, "2");
-    table_cell(&t, "4");
-    table_cell(&t, "320");
-    table_cell(&t, "about 10");
-    table_cell(&t, "almost 100");
+    riddle_io_table t = riddle_io_table_begin(
+        "figure 10|rebound [%]|Type II [%]|Type I only [%]|Type I, eq 21 met, too [%]|events a run|St_v II / I|St_def II / I");
+    riddle_io_table_cell(&t, "%d runs", runs);
+    for (int k = 0; k < 4; k++) riddle_io_table_cell(&t, "%.1f", share[k]);
+    riddle_io_table_cell(&t, "%.0f", (double)all.n / runs);
+    riddle_io_table_cell(&t, "%.1f", median[1][1] / median[type1][1]);
+    riddle_io_table_cell(&t, "%.0f", median[1][0] / median[type1][0]);
+    riddle_io_table_cell(&t, "paper, one run");
+    riddle_io_table_cell(&t, "82");
+    riddle_io_table_cell(&t, "12");
+    riddle_io_table_cell(&t, "2");
+    riddle_io_table_cell(&t, "4");
+    riddle_io_table_cell(&t, "320");
+    riddle_io_table_cell(&t, "about 10");
+    riddle_io_table_cell(&t, "almost 100");
     table_end(&t);
     json_object_begin(report, NULL);
     json_string(report, "study", "map");
@@ -863,7 +864,7 @@ static int study_midbatch(const program *self, json *report, granulation_def def
     double edges[CLASSES + 1];
     condition c = condition_of(def, 360, 0.33);
     ten_classes(edges);
-    text_table t = table_begin("mid-batch|Type I [%]|Type II [%]|d43 [um]|granules");
+    riddle_io_table t = riddle_io_table_begin("mid-batch|Type I [%]|Type II [%]|d43 [um]|granules");
     progress bar;
     progress_begin(&bar, "changes in mid-batch", 4.0 * replicates);
     int bad = 0;
@@ -874,11 +875,11 @@ static int study_midbatch(const program *self, json *report, granulation_def def
         if (!bad) {
             outside[k] = outside_in_most(&e);
             write_row(report, names[k], &e);
-            table_cell(&t, "%s", names[k]);
-            table_cell(&t, "%.1f", result_of(&e, 0).mean);
-            table_cell(&t, "%.1f", result_of(&e, 1).mean);
-            table_cell(&t, "%.1f +- %.1f", 1e6 * result_of(&e, 4).mean, 1e6 * result_of(&e, 4).confidence);
-            table_cell(&t, "%.1f", result_of(&e, 7).mean);
+            riddle_io_table_cell(&t, "%s", names[k]);
+            riddle_io_table_cell(&t, "%.1f", result_of(&e, 0).mean);
+            riddle_io_table_cell(&t, "%.1f", result_of(&e, 1).mean);
+            riddle_io_table_cell(&t, "%.1f +- %.1f", 1e6 * result_of(&e, 4).mean, 1e6 * result_of(&e, 4).confidence);
+            riddle_io_table_cell(&t, "%.1f", result_of(&e, 7).mean);
             for (int step = 0; step <= steps; step++) {
                 const record *r = e.records;
                 time[step] = step;
@@ -900,23 +901,23 @@ static int study_midbatch(const program *self, json *report, granulation_def def
         say_outside(texts[k], outside[k]);
         if (outside[k]) strncat(texts[k], " (outside the fit)", sizeof texts[k] - strlen(texts[k]) - 1);
     }
-    plot *figure = plot_new("Operating conditions that change in mid-batch", 2, 2);
+    riddle_plot *figure = riddle_plot_new("Operating conditions that change in mid-batch", 2, 2);
     const char *const labels[4] = {"mean size d43 [µm]", "granules [-]", "mean binder film [nm]", "coalescing collisions [%]"};
     for (int p = 0; p < 4; p++) {
-        plot_panel(figure, p / 2, p % 2, "step [s]", labels[p]);
+        riddle_plot_panel(figure, p / 2, p % 2, "step [s]", labels[p]);
         for (int k = 0; k < 4; k++) {
-            plot_line(figure, p == 1 ? names[k] : NULL, time, y[p][k], steps + 1);
-            if (k == 3) plot_style(figure, PLOT_DASHED, PLOT_NEXT);
+            riddle_plot_line(figure, p == 1 ? names[k] : NULL, time, y[p][k], steps + 1);
+            if (k == 3) riddle_plot_style(figure, RIDDLE_PLOT_DASHED, RIDDLE_PLOT_NEXT);
         }
-        if (p == 1) plot_legend_outside(figure);
+        if (p == 1) riddle_plot_legend_outside(figure);
     }
-    csv *file = csv_open(self->out, "midbatch.csv", "step,d43_unchanged_um,d43_spray_um,d43_slow_um,d43_all_um");
+    riddle_io_file *file = csv_open(self->out, "midbatch.csv", "step,d43_unchanged_um,d43_spray_um,d43_slow_um,d43_all_um");
     for (int step = 0; step <= steps; step++) {
         double line[5] = {step, y[0][0][step], y[0][1][step], y[0][2][step], y[0][3][step]};
-        csv_row(file, line, 5);
+        riddle_io_row(file, line, 5);
     }
-    csv_close(file);
-    return (int)plot_write(figure, self->out, "midbatch.svg");
+    riddle_io_close(file);
+    return (int)riddle_plot_write(figure, self->out, "midbatch.svg");
 }
 
 /* ---- sound: physically sounder readings ---- */
@@ -946,10 +947,10 @@ static int study_sound(const program *self, json *report, int replicates, int st
     const char *short_names[READINGS] = {"G1", "+ conserved", "+ swept", "swept, cons.", "stirred", "signs", "streams", "refitted"};
     const char *conditions[6] = {"120 rpm", "360", "720", "840", "15 %", "25 %"};
     ten_classes(edges);
-    text_table t =
-        table_begin("reading|mean error I, II [points]|mean error d43 [um]|interactions|I / II at 120|360|720|840 rpm|15 %|25 % binder");
-    csv *file = csv_open(self->out, "sound.csv",
-                         "reading,rpm,binder,type1_pct,type2_pct,d43_m,interactions,paper_type1_pct,paper_type2_pct,paper_d43_m");
+    riddle_io_table t = riddle_io_table_begin(
+        "reading|mean error I, II [points]|mean error d43 [um]|interactions|I / II at 120|360|720|840 rpm|15 %|25 % binder");
+    riddle_io_file *file = csv_open(
+        self->out, "sound.csv", "reading,rpm,binder,type1_pct,type2_pct,d43_m,interactions,paper_type1_pct,paper_type2_pct,paper_d43_m");
     progress bar;
     progress_begin(&bar, "sounder readings", 6.0 * READINGS * replicates);
     int bad = 0;
@@ -979,30 +980,30 @@ static int study_sound(const program *self, json *report, int replicates, int st
             ensemble_free(&e);
         }
         if (bad) break;
-        table_cell(&t, "%s", name);
-        table_cell(&t, "%.2f", points[k]);
-        table_cell(&t, "%.1f", microns[k]);
-        table_cell(&t, "%.0f", met);
-        for (int i = 0; i < 6; i++) table_cell(&t, "%.1f / %.1f", one[i], two[i]);
+        riddle_io_table_cell(&t, "%s", name);
+        riddle_io_table_cell(&t, "%.2f", points[k]);
+        riddle_io_table_cell(&t, "%.1f", microns[k]);
+        riddle_io_table_cell(&t, "%.0f", met);
+        for (int i = 0; i < 6; i++) riddle_io_table_cell(&t, "%.1f / %.1f", one[i], two[i]);
     }
     progress_end(&bar);
     table_end(&t);
-    csv_close(file);
+    riddle_io_close(file);
     if (bad) return bad;
-    plot *figure =
-        plot_new("Physically sounder readings of Gantt & Gatzke (G1: as printed; docs/granulation.md explains the others)", 2, 2);
-    plot_panel_size(figure, 560, 280);
-    plot_panel(figure, 0, 0, "reading", "error of Types I, II [% of collisions]");
-    plot_bars(figure, NULL, short_names, points, READINGS);
-    plot_panel(figure, 0, 1, "reading", "mean error of d43 [µm]");
-    plot_bars(figure, NULL, short_names, microns, READINGS);
-    plot_panel(figure, 1, 0, "condition (refitted reading)", "Type I [% of collisions]");
-    plot_bars(figure, "granulation.h", conditions, last[0], 6);
-    plot_bars(figure, "paper", conditions, paper[0], 6);
-    plot_panel(figure, 1, 1, "condition (refitted reading)", "Type II [% of collisions]");
-    plot_bars(figure, "granulation.h", conditions, last[1], 6);
-    plot_bars(figure, "paper", conditions, paper[1], 6);
-    return (int)plot_write(figure, self->out, "sound.svg");
+    riddle_plot *figure =
+        riddle_plot_new("Physically sounder readings of Gantt & Gatzke (G1: as printed; docs/granulation.md explains the others)", 2, 2);
+    riddle_plot_panel_size(figure, 560, 280);
+    riddle_plot_panel(figure, 0, 0, "reading", "error of Types I, II [% of collisions]");
+    riddle_plot_bars(figure, NULL, short_names, points, READINGS);
+    riddle_plot_panel(figure, 0, 1, "reading", "mean error of d43 [µm]");
+    riddle_plot_bars(figure, NULL, short_names, microns, READINGS);
+    riddle_plot_panel(figure, 1, 0, "condition (refitted reading)", "Type I [% of collisions]");
+    riddle_plot_bars(figure, "granulation.h", conditions, last[0], 6);
+    riddle_plot_bars(figure, "paper", conditions, paper[0], 6);
+    riddle_plot_panel(figure, 1, 1, "condition (refitted reading)", "Type II [% of collisions]");
+    riddle_plot_bars(figure, "granulation.h", conditions, last[1], 6);
+    riddle_plot_bars(figure, "paper", conditions, paper[1], 6);
+    return (int)riddle_plot_write(figure, self->out, "sound.svg");
 }
 
 /* ---- custom ---- */
@@ -1011,7 +1012,7 @@ static int study_sound(const program *self, json *report, int replicates, int st
 static void write_granules(const program *self, const condition *c, int steps) {
     granulation_sim sim;
     granulation_status status = start(&sim, c, self->seed);
-    pvd *series = pvd_open(self->out, "granules.pvd");
+    riddle_io_series *series = riddle_io_series_open(self->out, "granules.pvd");
     for (int frame = 0, done = 0; frame <= 10 && status == GRANULATION_OK && !common_interrupted(); frame++) {
         int to = steps * frame / 10;
         if (to > done) status = granulation_sim_run(&sim, to - done);
@@ -1025,12 +1026,13 @@ static void write_granules(const program *self, const condition *c, int steps) {
             radius[i] = 0.5 * sim.body[i].diameter;
             radius[sim.n + i] = sim.body[i].film;
         }
-        vtk_array arrays[] = {vtk_scalar("radius", radius), vtk_scalar("film_m", radius + sim.n),
-                              vtk_vector3("velocity", sim.vx, sim.vy, sim.vz)};
-        vtp_points(self->out, pvd_name(series, sim.time), sim.n, vtk_vector3("position", sim.x, sim.y, sim.z), arrays, 3);
+        riddle_io_array arrays[] = {riddle_io_scalar("radius", radius), riddle_io_scalar("film_m", radius + sim.n),
+                                    riddle_io_vector3("velocity", sim.vx, sim.vy, sim.vz)};
+        riddle_io_points(self->out, riddle_io_series_name(series, sim.time), sim.n, riddle_io_vector3("position", sim.x, sim.y, sim.z),
+                         arrays, 3);
         free(radius);
     }
-    pvd_close(series);
+    riddle_io_series_close(series);
     granulation_sim_free(&sim);
     if (status != GRANULATION_OK) common_fail("granules: %s", granulation_status_text(status));
 }
@@ -1053,15 +1055,16 @@ static int study_custom(const program *self, json *report, granulation_def def, 
     progress_end(&bar);
     if (frames) write_granules(self, &c, steps);
     write_row(report, "custom", &e);
-    text_table t = begin_rows();
+    riddle_io_table t = begin_rows();
     table_row(&t, &e);
     table_end(&t);
     const unsigned outside = outside_in_most(&e);
     say_outside("This case", outside);
-    csv *file = csv_open(self->out, "custom.csv", "step,d43_m,d43_ci95,granules,granules_ci95,film_m,coalescing_share");
-    plot *figure = plot_new(outside ? "Mean over the replicates with its 95 % interval: an extrapolation, outside the data of the fit"
-                                    : "Mean over the replicates with its 95 % interval",
-                            1, 3);
+    riddle_io_file *file = csv_open(self->out, "custom.csv", "step,d43_m,d43_ci95,granules,granules_ci95,film_m,coalescing_share");
+    riddle_plot *figure =
+        riddle_plot_new(outside ? "Mean over the replicates with its 95 % interval: an extrapolation, outside the data of the fit"
+                                : "Mean over the replicates with its 95 % interval",
+                        1, 3);
     static const char *const labels[3] = {"mean size d43 [µm]", "granules [-]", "mean binder film [nm]"};
     static const double units[3] = {1e6, 1.0, 1e9};
     for (int p = 0; p < 3; p++) {
@@ -1073,10 +1076,10 @@ static int study_custom(const program *self, json *report, granulation_def def, 
             low[step] = units[p] * (x.mean - x.confidence);
             high[step] = units[p] * (x.mean + x.confidence);
         }
-        plot_panel(figure, 0, p, "step [s]", labels[p]);
-        plot_line(figure, NULL, time, y, steps + 1);
-        plot_band(figure, NULL, time, low, high, steps + 1);
-        plot_style(figure, 0, PLOT_SAME);
+        riddle_plot_panel(figure, 0, p, "step [s]", labels[p]);
+        riddle_plot_line(figure, NULL, time, y, steps + 1);
+        riddle_plot_band(figure, NULL, time, low, high, steps + 1);
+        riddle_plot_style(figure, 0, RIDDLE_PLOT_SAME);
     }
     for (int step = 0; step <= steps; step++) {
         granulation_estimate size = over(&e, e.records[0].size + step), number = over(&e, e.records[0].number + step);
@@ -1087,12 +1090,12 @@ static int study_custom(const program *self, json *report, granulation_def def, 
                           number.confidence,
                           over(&e, e.records[0].film + step).mean,
                           over(&e, e.records[0].success + step).mean};
-        csv_row(file, line, 7);
+        riddle_io_row(file, line, 7);
     }
-    csv_close(file);
+    riddle_io_close(file);
     end_rows_with_classes(report, &e, CLASSES);
     ensemble_free(&e);
-    return (int)plot_write(figure, self->out, "custom.svg");
+    return (int)riddle_plot_write(figure, self->out, "custom.svg");
 }
 
 int main(int argc, char **argv) {

@@ -28,7 +28,7 @@ typedef struct silo {
     int passing;                                      /* spheres that a rate is taken from */
 } silo;
 
-static const picture_def view = {{NULL}, 0, 0.6, {0.25, 1.0, -0.25}};
+static const picture_def view = {{NULL}, 0, 0.6, {0.25, 1.0, -0.25}, 0, 0};
 
 typedef struct discharge {
     double orifice, radius, height;                  /* diameter, radius of the cylinder, fill [m] */
@@ -280,39 +280,40 @@ static void report(study *st, double k) {
     const int n_orifices = st->orifices;
     double x[RUNS_MAX] = {0.0}, y[RUNS_MAX] = {0.0}, error[RUNS_MAX], fine[60], law[60];
     json *j = json_open(st->self->json);
-    csv *rates = csv_open(st->self->out, "rates.csv",
-                          "orifice_m,height_m,rate_kg_s,standard_error_kg_s,bulk_density_kg_m3,spheres,passed,duration_s");
-    csv *curves = csv_open(st->self->out, "curves.csv", "orifice_m,height_m,time_s,mass_kg");
-    text_table t = table_begin("orifice [mm]|fill [mm]|spheres|passed|rate [kg/s]|standard error|bulk density [kg/m3]");
-    plot *figure = plot_new(s->dosta ? "Silo of Dosta et al." : "Discharge of silos with a fill of constant height", s->dosta ? 1 : 2, 1);
-    plot_panel(figure, 0, 0, "time [s]", s->dosta ? "number left [-]" : "mass passed [kg]");
+    riddle_io_file *rates = csv_open(st->self->out, "rates.csv",
+                                     "orifice_m,height_m,rate_kg_s,standard_error_kg_s,bulk_density_kg_m3,spheres,passed,duration_s");
+    riddle_io_file *curves = csv_open(st->self->out, "curves.csv", "orifice_m,height_m,time_s,mass_kg");
+    riddle_io_table t = riddle_io_table_begin("orifice [mm]|fill [mm]|spheres|passed|rate [kg/s]|standard error|bulk density [kg/m3]");
+    riddle_plot *figure =
+        riddle_plot_new(s->dosta ? "Silo of Dosta et al." : "Discharge of silos with a fill of constant height", s->dosta ? 1 : 2, 1);
+    riddle_plot_panel(figure, 0, 0, "time [s]", s->dosta ? "number left [-]" : "mass passed [kg]");
     json_array_begin(j, "runs");
     for (int r = 0; r < st->runs; r++) {
         const discharge *d = &st->run[r];
         char name[80];
         const double row[] = {d->orifice, d->height, d->rate, d->error, d->bulk_density, d->spheres, d->passed, d->ended};
-        csv_row(rates, row, 8);
+        riddle_io_row(rates, row, 8);
         json_object_begin(j, NULL);
         for (size_t c = 0; c < 8; c++) json_number(j, keys[c], row[c]);
         json_object_end(j);
         for (int q = 0; q < d->passed; q++) csv_line(curves, "%.9g,%.9g,%.9g,%.9g", d->orifice, d->height, d->time[q], d->mass[q]);
-        table_cell(&t, "%.3g", 1e3 * d->orifice);
-        table_cell(&t, "%.3g", 1e3 * d->height);
-        table_cell(&t, "%d", d->spheres);
-        table_cell(&t, "%d", d->passed);
-        table_cell(&t, "%.4g", d->rate);
-        table_cell(&t, "%.2g", d->error);
-        table_cell(&t, "%.0f", d->bulk_density);
+        riddle_io_table_cell(&t, "%.3g", 1e3 * d->orifice);
+        riddle_io_table_cell(&t, "%.3g", 1e3 * d->height);
+        riddle_io_table_cell(&t, "%d", d->spheres);
+        riddle_io_table_cell(&t, "%d", d->passed);
+        riddle_io_table_cell(&t, "%.4g", d->rate);
+        riddle_io_table_cell(&t, "%.2g", d->error);
+        riddle_io_table_cell(&t, "%.0f", d->bulk_density);
         snprintf(name, sizeof name, "D = %.3g mm, fill %.3g mm", 1e3 * d->orifice, 1e3 * d->height);
         for (int q = 0; q < d->passed && s->dosta; q++) d->mass[q] = d->spheres - 1 - q;
-        plot_line(figure, name, d->time, d->mass, d->passed);
-        if (r >= n_orifices) plot_style(figure, PLOT_DASHED, PLOT_NEXT);
+        riddle_plot_line(figure, name, d->time, d->mass, d->passed);
+        if (r >= n_orifices) riddle_plot_style(figure, RIDDLE_PLOT_DASHED, RIDDLE_PLOT_NEXT);
         x[r] = d->orifice / s->diameter - k, y[r] = d->rate, error[r] = d->error;
     }
     json_array_end(j);
     table_end(&t);
-    csv_close(rates);
-    csv_close(curves);
+    riddle_io_close(rates);
+    riddle_io_close(curves);
     if (!s->dosta) {
         const beverloo b = fit(st, k);
         const double *a = b.answer, *e = b.error;
@@ -323,12 +324,12 @@ static void report(study *st, double k) {
             law[q] = exp(a[LOG_SCALE] + a[EXPONENT] * log(fine[q]));
         }
         char text[80];
-        plot_panel(figure, 1, 0, "orifice D over sphere d, less k [-]", "rate [kg/s]");
-        plot_log_x(figure), plot_log_y(figure);
+        riddle_plot_panel(figure, 1, 0, "orifice D over sphere d, less k [-]", "rate [kg/s]");
+        riddle_plot_log_x(figure), riddle_plot_log_y(figure);
         snprintf(text, sizeof text, "exponent %.2f +- %.2f, k = %.3g", a[EXPONENT], e[EXPONENT], k);
-        plot_error_bars(figure, "rate", x, y, error, n_orifices);
-        plot_line(figure, text, fine, law, 60);
-        plot_error_bars(figure, "higher fills", x + n_orifices, y + n_orifices, error + n_orifices, st->runs - n_orifices);
+        riddle_plot_error_bars(figure, "rate", x, y, error, n_orifices);
+        riddle_plot_line(figure, text, fine, law, 60);
+        riddle_plot_error_bars(figure, "higher fills", x + n_orifices, y + n_orifices, error + n_orifices, st->runs - n_orifices);
         common_print("+- are standard errors. Exponent %.3f +- %.3f at k = %.3g; with exponent 2.5: k = %.3f +- %.3f, C = %.3f +- %.3f\n",
                      a[EXPONENT], e[EXPONENT], k, a[K], e[K], a[CONSTANT], e[CONSTANT]);
         if (n_orifices > 2)
@@ -344,7 +345,7 @@ static void report(study *st, double k) {
         json_number(j, "rate_high_over_low_fill", ratio);
         json_number(j, "standard_error_of_high_over_low", uncertain);
     }
-    plot_write(figure, st->self->out, "hopper.svg");
+    riddle_plot_write(figure, st->self->out, "hopper.svg");
     json_program(j, st->self);
     json_close(j);
 }

@@ -270,29 +270,29 @@ static double mass_above(const gap *g, double size) { return 0.5 * erfc(log(size
 
 /* The stand-in, or from a file: size_m, and share, of mass. Shares of what is not simulated leave with it. */
 static void choose_sizes(gap *g) {
-    char message[400];
-    csv_data data;
-    double factor, d[SIZES_MAX], share[SIZES_MAX], all = 0.0, kept = 0.0;
+    char message[600];
+    sheet_sizes data;
+    double d[SIZES_MAX], share[SIZES_MAX], all = 0.0, kept = 0.0;
     int n = 0;
     if (!g->sizes_file) {
         g->sizes = dem_lognormal_sizes(g->median, g->spread, g->smallest, 180e-6, 1);
         g->simulated = (mass_above(g, g->smallest) - mass_above(g, 180e-6)) / (1.0 - mass_above(g, 180e-6));
         return;
     }
-    if (csv_read(g->sizes_file, &data, message, sizeof message)) program_refuse(g->self, "sizes", g->sizes_file, message);
-    const int size = csv_find(&data, "size_m", &factor, message, sizeof message);
-    if (size < 0) program_refuse(g->self, "sizes", g->sizes_file, message);
-    const int mass = csv_find(&data, "share", NULL, message, sizeof message);
-    if (mass < 0) program_refuse(g->self, "sizes", g->sizes_file, message);
-    for (int k = 0; k < data.rows; k++) {
-        const double x = factor * data.values[k * data.columns + size], m = data.values[k * data.columns + mass];
+    if (sheet_read_sizes(g->sizes_file, NULL, 1, &data, message, sizeof message)) program_refuse(g->self, "sizes", g->sizes_file, message);
+    if (!data.single && (data.amount[0][0] > 1e-3 || data.above[0] > 1e-3))
+        program_refuse(g->self, "sizes", g->sizes_file, "a curve from 0 to 1: its first size passes nothing, its last one everything");
+    common_print("%s\n", data.how);
+    for (int k = data.single ? 0 : 1; k < data.n; k++) {
+        const double x = data.single ? data.size[k] : sqrt(data.size[k - 1] * data.size[k]);
+        const double m = data.amount[0][k] - (data.single ? 0.0 : data.amount[0][k - 1]);
         if (!(x > 0.0 && x <= 1e-3) || !(m >= 0.0 && isfinite(m)) || n == SIZES_MAX)
             program_refuse(g->self, "sizes", g->sizes_file, "at most 32 sizes above 0 up to 1000 um, shares of mass >= 0");
         all += m;
         if (x < g->smallest) continue;
         d[n] = x, share[n++] = m, kept += m;
     }
-    csv_free(&data);
+    sheet_free_sizes(&data);
     if (!(kept > 0.0)) program_refuse(g->self, "sizes", g->sizes_file, "some mass above --x-min-um");
     g->sizes = dem_size_list(n, d, share, 1);
     g->simulated = kept / all;
@@ -523,8 +523,8 @@ static void report(const gap *g, const dem_world *w, const record *r) {
     sum contacts = {0, 0, 0}, paddles = {0, 0, 0}, stay = {0, 0, 0}, radius = {0, 0, 0}, speed = {0, 0, 0};
     double count[BINS] = {0}, mates[CLASSIFIER_BINS] = {0}, bin[BINS], outward = 0.0, *hits = malloc(sizeof *hits * (size_t)(r->n + 1));
     int n = 0, of_hits = 0, unfinished = 0;
-    csv *file = csv_open(g->self->out, "histories.csv",
-                         "size_um,entered_ms,stayed_ms,paddle_contacts,particle_contacts,hit_radius_mm,hit_speed_m_s,outward");
+    riddle_io_file *file = csv_open(g->self->out, "histories.csv",
+                                    "size_um,entered_ms,stayed_ms,paddle_contacts,particle_contacts,hit_radius_mm,hit_speed_m_s,outward");
     for (ptrdiff_t k = 0; k < r->n; k++) {
         const history *h = &r->of[k];
         if (!h->followed) continue;
@@ -542,7 +542,7 @@ static void report(const gap *g, const dem_world *w, const record *r) {
         csv_line(file, "%.3f,%.5f,%.5f,%d,%d,%.4f,%.4f,%d", 1e6 * h->size, 1e3 * h->entered, 1e3 * (h->left - h->entered), h->paddle,
                  h->mates, 1e3 * h->hit_radius, h->hit_speed, h->outward);
     }
-    csv_close(file);
+    riddle_io_close(file);
     if (n == 0) common_fail("no history is over: a longer --time-ms is needed");
     const double cor = r->restitution_sum / (double)r->rebounds,
                  cor_sd = sqrt(fmax(r->restitution_square / (double)r->rebounds - cor * cor, 0.0));
@@ -597,12 +597,12 @@ static void report(const gap *g, const dem_world *w, const record *r) {
         const double at = (hits[k] - wheel->inner_radius) / (wheel->outer_radius - wheel->inner_radius) * 24.0;
         share[at >= 24.0 ? 23 : at > 0.0 ? (int)at : 0] += 1.0 / of_hits;
     }
-    plot *figure = plot_new("One interspace of a deflector wheel", 1, 2);
-    plot_panel(figure, 0, 0, "contacts of a particle", "share of particles [-]");
-    plot_points(figure, "paddles and particles", bin, count, BINS);
-    plot_panel(figure, 0, 1, "radius of the first hit [mm]", "share of hits [-]");
-    plot_line(figure, g->drag == 0 ? "with drag" : "without drag", edge, share, 24);
-    plot_write(figure, g->self->out, "paddle_gap.svg");
+    riddle_plot *figure = riddle_plot_new("One interspace of a deflector wheel", 1, 2);
+    riddle_plot_panel(figure, 0, 0, "contacts of a particle", "share of particles [-]");
+    riddle_plot_points(figure, "paddles and particles", bin, count, BINS);
+    riddle_plot_panel(figure, 0, 1, "radius of the first hit [mm]", "share of hits [-]");
+    riddle_plot_line(figure, g->drag == 0 ? "with drag" : "without drag", edge, share, 24);
+    riddle_plot_write(figure, g->self->out, "paddle_gap.svg");
     json_program(j, g->self);
     json_close(j);
     free(hits);

@@ -25,7 +25,7 @@ typedef struct drum {
     double stiffness, restitution, friction, rolling; /* [N/m], [-], [-], lever arm [m] */
 } drum;
 
-static const picture_def view = {{"small", "large"}, SPECIES, 0.0, {0.35, 1.0, -0.18}};
+static const picture_def view = {{"small", "large"}, SPECIES, 0.0, {0.35, 1.0, -0.18}, 0, 0};
 
 typedef struct curves {
     int n;
@@ -170,25 +170,25 @@ static double error_of_mean(const double *value, int first, int n) {
 
 static void draw(const curves *c, const dem_world *world, const drum *d, const char *out, double angle, double error) {
     char text[80];
-    plot *figure = plot_new(d->dosta ? "Drum of Dosta et al." : "Two sizes in a drum", 2, 2);
-    plot_panel(figure, 0, 0, "time [s]", "index [-]");
-    plot_line(figure, "Lacey (1: mixed)", c->time, c->lacey, c->n);
-    plot_line(figure, "unlike contacts (1: mixed)", c->time, c->unlike, c->n);
-    plot_line(figure, "radial segregation", c->time, c->radial, c->n);
-    plot_panel(figure, 0, 1, "time [s]", "slope of the surface [degrees]");
+    riddle_plot *figure = riddle_plot_new(d->dosta ? "Drum of Dosta et al." : "Two sizes in a drum", 2, 2);
+    riddle_plot_panel(figure, 0, 0, "time [s]", "index [-]");
+    riddle_plot_line(figure, "Lacey (1: mixed)", c->time, c->lacey, c->n);
+    riddle_plot_line(figure, "unlike contacts (1: mixed)", c->time, c->unlike, c->n);
+    riddle_plot_line(figure, "radial segregation", c->time, c->radial, c->n);
+    riddle_plot_panel(figure, 0, 1, "time [s]", "slope of the surface [degrees]");
     snprintf(text, sizeof text, "mean of the second half: %.1f +- %.1f degrees", angle, error);
-    plot_line(figure, NULL, c->time, c->angle, c->n);
-    plot_range_y(figure, 0.0, 60.0);
-    plot_horizontal(figure, NULL, angle);
-    plot_text_share(figure, 0.28, 0.92, text);
-    plot_panel(figure, 1, 0, "time [s]", "small spheres [-]");
+    riddle_plot_line(figure, NULL, c->time, c->angle, c->n);
+    riddle_plot_range_y(figure, 0.0, 60.0);
+    riddle_plot_horizontal(figure, NULL, angle);
+    riddle_plot_text_share(figure, 0.28, 0.92, text);
+    riddle_plot_panel(figure, 1, 0, "time [s]", "small spheres [-]");
     for (int q = 0; q < 4; q++) {
         static const char *const names[] = {"upper right", "upper left", "lower left", "lower right"};
-        plot_line(figure, names[q], c->time, c->quadrant[SMALL][q], c->n);
+        riddle_plot_line(figure, names[q], c->time, c->quadrant[SMALL][q], c->n);
     }
-    plot_panel(figure, 1, 1, "x [mm]", "z [mm]");
+    riddle_plot_panel(figure, 1, 1, "x [mm]", "z [mm]");
     dem_io_section(world, figure, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), view.names, SPECIES);
-    plot_write(figure, out, "rotating_drum.svg");
+    riddle_plot_write(figure, out, "rotating_drum.svg");
 }
 
 /* ---- the scene, as the options say ---- */
@@ -268,16 +268,16 @@ static means means_of(const curves *c) {
 }
 
 static void write_curves(const curves *c, const char *out) {
-    csv *file =
+    riddle_io_file *file =
         csv_open(out, "rotating_drum.csv",
                  "time_s,lacey,unlike_contacts,radial_segregation,surface_angle_deg,small_upper_right,small_upper_left,small_lower_left,"
                  "small_lower_right,large_upper_right,large_upper_left,large_lower_left,large_lower_right");
     for (int k = 0; k < c->n; k++) {
         double row[13] = {c->time[k], c->lacey[k], c->unlike[k], c->radial[k], c->angle[k]};
         for (int q = 0; q < 8; q++) row[5 + q] = c->quadrant[q / 4][q % 4][k];
-        csv_row(file, row, 13);
+        riddle_io_row(file, row, 13);
     }
-    csv_close(file);
+    riddle_io_close(file);
 }
 
 static void write_json(const program *self, const drum *d, const dem_world *world, const curves *c, const means *m) {

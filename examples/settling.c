@@ -142,16 +142,16 @@ static void write_track(const program *self, const scene *s, const track *t) {
     for (int i = 0; i < t->spheres; i++)
         snprintf(header + strlen(header), sizeof header - strlen(header), ",height_%d_m,velocity_%d_m_per_s,re_%d,x_over_d_%d", i + 1,
                  i + 1, i + 1, i + 1);
-    csv *file = csv_open(self->out, "track.csv", header);
+    riddle_io_file *file = csv_open(self->out, "track.csv", header);
     for (int k = 0; k < t->n; k++) {
         double cells[1 + 4 * MOST_SPHERES] = {t->time[k]};
         for (int i = 0; i < t->spheres; i++) {
             double *c = cells + 1 + 4 * i;
             c[0] = t->height[i][k], c[1] = t->velocity[i][k], c[2] = reynolds(s, c[1]), c[3] = c[0] / s->diameter - 0.5;
         }
-        csv_row(file, cells, 1 + 4 * t->spheres);
+        riddle_io_row(file, cells, 1 + 4 * t->spheres);
     }
-    csv_close(file);
+    riddle_io_close(file);
 }
 
 /* An earlier run's track. Its case is the last part of its folder's name. */
@@ -207,6 +207,15 @@ static double seamed_distance(const void *self, const double point[3]) {
     return filtration_cloth_distance(&c->cloth, inside);
 }
 
+/* Of a sphere that does not touch the cut. */
+static int seamed_touch(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near) {
+    const seamed_cloth *c = self;
+    const filtration_solid solid = filtration_cloth_solid(&c->cloth);
+    double inside[3] = {centre[0], centre[1], centre[2]};
+    for (int k = 0; k < 2; k++) inside[k] -= c->width * floor(inside[k] / c->width);
+    return solid.touch(&c->cloth, inside, radius, reach, most, near);
+}
+
 typedef struct run {
     const scene *s;
     choices choice;
@@ -247,7 +256,7 @@ static filtration_fluid_def fluid_def(run *r, int threads) {
     if (s->cloth) {
         filtration_cloth_make(&r->cloth.cloth, 28e-6, 32e-6, FILTRATION_TWILL_WEAVE, 28e-6);
         r->cloth.width = def.nodes[0] * c->voxel;
-        def.solid.distance = seamed_distance, def.solid.self = &r->cloth;
+        def.solid.distance = seamed_distance, def.solid.touch = seamed_touch, def.solid.self = &r->cloth;
     }
     return def;
 }
@@ -361,16 +370,17 @@ static void print_run(const run *r, const track *t) {
                  s->diameter / r->fluid.def.voxel, r->fluid.def.tau, r->fluid.def.nodes[0], r->fluid.def.nodes[1], r->fluid.def.nodes[2],
                  r->choice.quarter ? " (a quarter)" : "", (long long)r->fluid.steps, r->seconds,
                  r->seconds > 0.0 ? 1e-6 * (double)r->fluid.updates / r->seconds : 0.0);
-    text_table rows = table_begin("terminal velocity|[mm/s]|Re [-]|simulated over it");
-    table_cell(&rows, "%s", "simulated"), table_cell(&rows, "%.4g", 1e3 * t->terminal), table_cell(&rows, "%.3g", reynolds(s, t->terminal));
-    table_cell(&rows, "%s", "");
+    riddle_io_table rows = riddle_io_table_begin("terminal velocity|[mm/s]|Re [-]|simulated over it");
+    riddle_io_table_cell(&rows, "%s", "simulated"), riddle_io_table_cell(&rows, "%.4g", 1e3 * t->terminal),
+        riddle_io_table_cell(&rows, "%.3g", reynolds(s, t->terminal));
+    riddle_io_table_cell(&rows, "%s", "");
     for (int k = 0; k < LAWS + 2; k++) {
         const double v = k < LAWS    ? terminal(s, k)
                          : k == LAWS ? (s->wall_factor > 0.0 ? stokes(s) / s->wall_factor : (double)NAN)
                                      : s->velocity;
         if (!(v > 0.0)) continue;
-        table_cell(&rows, "%s", k < LAWS ? law_names[k] : s->reference), table_cell(&rows, "%.4g", 1e3 * v);
-        table_cell(&rows, "%.3g", reynolds(s, v)), table_cell(&rows, "%.4f", t->terminal / v);
+        riddle_io_table_cell(&rows, "%s", k < LAWS ? law_names[k] : s->reference), riddle_io_table_cell(&rows, "%.4g", 1e3 * v);
+        riddle_io_table_cell(&rows, "%.3g", reynolds(s, v)), riddle_io_table_cell(&rows, "%.4f", t->terminal / v);
     }
     table_end(&rows);
 }
@@ -388,63 +398,63 @@ static void values_of(const scene *s, const track *t, int sphere, quantity q, do
     }
 }
 
-static void add_track(plot *figure, const scene *s, const char *name, const track *t, quantity x, quantity y, int flags) {
+static void add_track(riddle_plot *figure, const scene *s, const char *name, const track *t, quantity x, quantity y, int flags) {
     double *values = malloc(2 * LONGEST_TRACK * sizeof *values);
     for (int i = 0; values && i < t->spheres; i++) {
         char label[80];
         if (t->spheres > 1) snprintf(label, sizeof label, "P%d (%s)", i + 1, name);
         else snprintf(label, sizeof label, "%s", name);
         values_of(s, t, i, x, values), values_of(s, t, i, y, values + LONGEST_TRACK);
-        plot_line(figure, label, values, values + LONGEST_TRACK, t->n);
-        plot_style(figure, flags, PLOT_NEXT);
+        riddle_plot_line(figure, label, values, values + LONGEST_TRACK, t->n);
+        riddle_plot_style(figure, flags, RIDDLE_PLOT_NEXT);
     }
     free(values);
 }
 
-static void add_all(plot *figure, const scene *s, const track *t, const beside *runs, int n, quantity x, quantity y) {
+static void add_all(riddle_plot *figure, const scene *s, const track *t, const beside *runs, int n, quantity x, quantity y) {
     add_track(figure, s, s->name, t, x, y, 0);
     for (int i = 0; i < n; i++) add_track(figure, s, runs[i].name, runs[i].t, x, y, 0);
 }
 
 static void draw_reynolds(const program *self, const scene *s, const track *t, const beside *runs, int n) {
     double re[LONGEST_TRACK], ms[LONGEST_TRACK];
-    plot *figure = plot_new("Reynolds number in time", 1, 1);
-    plot_panel(figure, 0, 0, "time [ms]", "Re = v d ρ / µ [-]");
+    riddle_plot *figure = riddle_plot_new("Reynolds number in time", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "time [ms]", "Re = v d ρ / µ [-]");
     add_all(figure, s, t, runs, n, TIME, REYNOLDS);
     values_of(s, t, 0, TIME, ms);
     for (int k = 0; k < LAWS; k++) {
         if (!(terminal(s, k) > 0.0)) continue;
         balance(s, k, t->time, t->n, re);
-        plot_line(figure, law_names[k], ms, re, t->n);
-        plot_style(figure, PLOT_DASHED | PLOT_THIN, PLOT_NEXT);
+        riddle_plot_line(figure, law_names[k], ms, re, t->n);
+        riddle_plot_style(figure, RIDDLE_PLOT_DASHED | RIDDLE_PLOT_THIN, RIDDLE_PLOT_NEXT);
     }
-    plot_legend_outside(figure);
-    plot_write(figure, self->out, "reynolds.svg");
+    riddle_plot_legend_outside(figure);
+    riddle_plot_write(figure, self->out, "reynolds.svg");
 }
 
 static void draw_bottom(const program *self, const scene *s, const track *t, const beside *runs, int n) {
     enum { POINTS = 200 };
     double gap[POINTS], slowed[POINTS];
-    plot *figure = plot_new("Approach to the bottom", 1, 1);
-    plot_panel(figure, 0, 0, "gap to the bottom over the diameter, x / d [-]", "velocity over its largest, v / v_t [-]");
+    riddle_plot *figure = riddle_plot_new("Approach to the bottom", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "gap to the bottom over the diameter, x / d [-]", "velocity over its largest, v / v_t [-]");
     add_all(figure, s, t, runs, n, GAP, RELATIVE);
     for (int i = 0; i < POINTS; i++) gap[i] = 4.0 * (i + 1) / POINTS, slowed[i] = 1.0 / filtration_wall_brenner(2.0 * gap[i]);
-    plot_line(figure, "Brenner, no side walls", gap, slowed, POINTS);
-    plot_style(figure, PLOT_DASHED, PLOT_BLACK);
-    plot_range_x(figure, 0.0, 4.0);
-    plot_range_y(figure, 0.0, 1.05);
-    plot_write(figure, self->out, "bottom.svg");
+    riddle_plot_line(figure, "Brenner, no side walls", gap, slowed, POINTS);
+    riddle_plot_style(figure, RIDDLE_PLOT_DASHED, RIDDLE_PLOT_BLACK);
+    riddle_plot_range_x(figure, 0.0, 4.0);
+    riddle_plot_range_y(figure, 0.0, 1.05);
+    riddle_plot_write(figure, self->out, "bottom.svg");
 }
 
 static void draw(const program *self, const scene *s, const track *t, const beside *runs, int n) {
-    plot *figure = plot_new("Settling velocity", 1, 1);
-    plot_panel(figure, 0, 0, "time [ms]", "velocity downwards [mm/s]");
+    riddle_plot *figure = riddle_plot_new("Settling velocity", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "time [ms]", "velocity downwards [mm/s]");
     add_all(figure, s, t, runs, n, TIME, VELOCITY);
-    plot_write(figure, self->out, "velocity.svg");
-    figure = plot_new("Way to the bottom", 1, 1);
-    plot_panel(figure, 0, 0, "time [ms]", "gap to the bottom over the diameter [-]");
+    riddle_plot_write(figure, self->out, "velocity.svg");
+    figure = riddle_plot_new("Way to the bottom", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "time [ms]", "gap to the bottom over the diameter [-]");
     add_all(figure, s, t, runs, n, TIME, HEIGHT);
-    plot_write(figure, self->out, "height.svg");
+    riddle_plot_write(figure, self->out, "height.svg");
     draw_reynolds(self, s, t, runs, n);
     draw_bottom(self, s, t, runs, n);
 }

@@ -96,7 +96,7 @@ static const char *solids(const bridge_pair_def *def, char *text, size_t size) {
 static void draw_laws(const program *self, const scene *s, const bridge_pair *pair, json *report) {
     bridge b = formed(pair, s->volume);
     double gap[GAPS], mm[GAPS], share[GAPS], exact[GAPS], force[LAWS][GAPS], off[LAWS][GAPS], worst[LAWS] = {0};
-    csv *file = csv_open(self->out, "force.csv", "gap_m,young_laplace_N,table_N,energy_form_N,willett_N,corrected_N,printed_N");
+    riddle_io_file *file = csv_open(self->out, "force.csv", "gap_m,young_laplace_N,table_N,energy_form_N,willett_N,corrected_N,printed_N");
     char text[200];
     for (int k = 0; k < GAPS; k++) {
         double x = (k + 0.0) / (GAPS - 1);
@@ -114,36 +114,36 @@ static void draw_laws(const program *self, const scene *s, const bridge_pair *pa
             if (share[k] <= 0.9 && off[law][k] > worst[law]) worst[law] = off[law][k];
             off[law][k] = fmax(off[law][k], 1e-4);
         }
-        csv_row(file, row, 7);
+        riddle_io_row(file, row, 7);
     }
-    csv_close(file);
-    plot *figure = plot_new(solids(&pair->def, text, sizeof text), 1, 2);
-    plot_panel(figure, 0, 0, "gap [mm]", "attraction [mN]");
-    plot_title(figure, "eqs of Elskamp & Kruggel-Emden");
+    riddle_io_close(file);
+    riddle_plot *figure = riddle_plot_new(solids(&pair->def, text, sizeof text), 1, 2);
+    riddle_plot_panel(figure, 0, 0, "gap [mm]", "attraction [mN]");
+    riddle_plot_title(figure, "eqs of Elskamp & Kruggel-Emden");
     const unsigned outside = bridge_outside(pair, pair->def.radius_i, pair->def.radius_j, s->volume);
     for (int law = LAWS - 1; law >= 0; law--) {
         const bool beyond = law == WILLETT && (outside & BRIDGE_OUTSIDE_WILLETT);
         snprintf(text, sizeof text, "%s%s", law_names[law], beyond ? ", outside its fit" : "");
-        plot_line(figure, text, mm, force[law], GAPS);
+        riddle_plot_line(figure, text, mm, force[law], GAPS);
     }
     double few_mm[GAPS / 6], few[GAPS / 6];
     for (int k = 0; k < GAPS / 6; k++) {
         few_mm[k] = mm[6 * k];
         few[k] = exact[6 * k];
     }
-    plot_points(figure, "Young-Laplace", few_mm, few, GAPS / 6);
-    plot_style(figure, 0, PLOT_BLACK);
-    plot_panel(figure, 0, 1, "gap / rupture gap [-]", "error against Young-Laplace [%]");
-    plot_log_y(figure);
-    plot_range_y(figure, 1e-3, 1e3);
-    for (int law = LAWS - 1; law >= 0; law--) plot_line(figure, law_names[law], share, off[law], GAPS);
-    plot_write(figure, self->out, "force.svg");
+    riddle_plot_points(figure, "Young-Laplace", few_mm, few, GAPS / 6);
+    riddle_plot_style(figure, 0, RIDDLE_PLOT_BLACK);
+    riddle_plot_panel(figure, 0, 1, "gap / rupture gap [-]", "error against Young-Laplace [%]");
+    riddle_plot_log_y(figure);
+    riddle_plot_range_y(figure, 1e-3, 1e3);
+    for (int law = LAWS - 1; law >= 0; law--) riddle_plot_line(figure, law_names[law], share, off[law], GAPS);
+    riddle_plot_write(figure, self->out, "force.svg");
 
-    text_table t = table_begin("law|in contact [mN]|off, gaps to 0.9 of rupture [%]");
+    riddle_io_table t = riddle_io_table_begin("law|in contact [mN]|off, gaps to 0.9 of rupture [%]");
     for (int law = 0; law < LAWS; law++) {
-        table_cell(&t, "%s", law_names[law]);
-        table_cell(&t, "%.4f", force[law][0]);
-        table_cell(&t, "%.3g", worst[law]);
+        riddle_io_table_cell(&t, "%s", law_names[law]);
+        riddle_io_table_cell(&t, "%.4f", force[law][0]);
+        riddle_io_table_cell(&t, "%.3g", worst[law]);
     }
     table_end(&t);
     for (unsigned flag = 1; flag <= BRIDGE_OUTSIDE_PENDULAR; flag *= 2)
@@ -162,9 +162,9 @@ static void draw_curves(const program *self, const scene *s) {
     const double reduced[] = {1e-4, 1e-3, 1e-2, 5e-2}, angles[] = {0.0, 15.0, 30.0, 45.0};
     double mm[GAPS], force[GAPS], few_mm[12], few[12];
     char text[200];
-    plot *figure = plot_new("Lines: the header's table. Points: Young-Laplace", 1, 2);
+    riddle_plot *figure = riddle_plot_new("Lines: the header's table. Points: Young-Laplace", 1, 2);
     for (int panel = 0; panel < 2; panel++) {
-        plot_panel(figure, 0, panel, "gap [mm]", "attraction [mN]");
+        riddle_plot_panel(figure, 0, panel, "gap [mm]", "attraction [mN]");
         for (int n = 0; n < 4; n++) {
             bridge_pair_def def = s->def;
             if (panel) def.angle_i = def.angle_j = angles[n] * degree;
@@ -183,12 +183,12 @@ static void draw_curves(const program *self, const scene *s) {
             }
             if (panel) snprintf(text, sizeof text, "both angles %.0f degrees", angles[n]);
             else snprintf(text, sizeof text, "V = %.2g µl", 1e9 * volume);
-            plot_line(figure, text, mm, force, GAPS);
-            plot_points(figure, NULL, few_mm, few, 12);
-            plot_style(figure, 0, PLOT_SAME);
+            riddle_plot_line(figure, text, mm, force, GAPS);
+            riddle_plot_points(figure, NULL, few_mm, few, 12);
+            riddle_plot_style(figure, 0, RIDDLE_PLOT_SAME);
         }
     }
-    plot_write(figure, self->out, "curves.svg");
+    riddle_plot_write(figure, self->out, "curves.svg");
 }
 
 /* ---- thrown ---- */
@@ -253,12 +253,13 @@ static void draw_restitution(const program *self, const scene *s, progress *bar)
     const int speeds = self->quick ? 13 : SPEEDS;
     double speed[SPEEDS], wet[SPEEDS], fine[FINE], closed[FINE];
     char text[200];
-    csv *file = csv_open(self->out, "restitution.csv", "volume_m3,angle_i_rad,angle_j_rad,speed_m_s,restitution,closed_form,printed_laws");
-    plot *figure = plot_new("Wet restitution. Points: simulated. Lines: sqrt(e² - 2 W/(m v²))", 1, 2);
+    riddle_io_file *file =
+        csv_open(self->out, "restitution.csv", "volume_m3,angle_i_rad,angle_j_rad,speed_m_s,restitution,closed_form,printed_laws");
+    riddle_plot *figure = riddle_plot_new("Wet restitution. Points: simulated. Lines: sqrt(e² - 2 W/(m v²))", 1, 2);
     for (int panel = 0; panel < 2; panel++) {
-        plot_panel(figure, 0, panel, "impact speed [m/s]", "coefficient of restitution [-]");
-        plot_log_x(figure);
-        plot_range_y(figure, -0.02, 1.0);
+        riddle_plot_panel(figure, 0, panel, "impact speed [m/s]", "coefficient of restitution [-]");
+        riddle_plot_log_x(figure);
+        riddle_plot_range_y(figure, -0.02, 1.0);
         for (int n = 0; n < KINDS; n++) {
             bridge_pair_def def = s->def;
             if (panel) def.angle_i = def.angle_j = angles[n] * degree;
@@ -269,7 +270,7 @@ static void draw_restitution(const program *self, const scene *s, progress *bar)
                 wet[k] = collide(s, &pair, volume, speed[k], false).restitution;
                 double row[7] = {volume, def.angle_i, def.angle_j, speed[k], wet[k], hysteretic(s, &pair, volume, speed[k])};
                 row[6] = volume > 0.0 ? collide(s, &pair, volume, speed[k], true).restitution : wet[k];
-                csv_row(file, row, 7);
+                riddle_io_row(file, row, 7);
                 progress_add(bar, 1.0);
             }
             if (panel) snprintf(text, sizeof text, "both angles %.0f degrees", angles[n]);
@@ -279,13 +280,13 @@ static void draw_restitution(const program *self, const scene *s, progress *bar)
                 fine[k] = speed_at(panel, k / (FINE - 1.0));
                 closed[k] = hysteretic(s, &pair, volume, fine[k]);
             }
-            plot_line(figure, NULL, fine, closed, FINE);
-            plot_points(figure, text, speed, wet, speeds);
-            plot_style(figure, 0, PLOT_SAME);
+            riddle_plot_line(figure, NULL, fine, closed, FINE);
+            riddle_plot_points(figure, text, speed, wet, speeds);
+            riddle_plot_style(figure, 0, RIDDLE_PLOT_SAME);
         }
     }
-    csv_close(file);
-    plot_write(figure, self->out, "restitution.svg");
+    riddle_io_close(file);
+    riddle_plot_write(figure, self->out, "restitution.svg");
 }
 
 /* Impact speed at which the two begin to part [m/s], by bisection; infinite if they stick at 10 m/s. */
@@ -305,7 +306,7 @@ static void draw_sticking(const program *self, const scene *s, const bridge_pair
     const int volumes = self->quick ? 5 : VOLUMES;
     double ul[VOLUMES], simulated[VOLUMES], closed[VOLUMES], printed[VOLUMES];
     char text[200];
-    csv *file = csv_open(self->out, "sticking.csv", "volume_m3,work_J,sticking_velocity_m_s,closed_form_m_s,printed_laws_m_s");
+    riddle_io_file *file = csv_open(self->out, "sticking.csv", "volume_m3,work_J,sticking_velocity_m_s,closed_form_m_s,printed_laws_m_s");
     for (int k = 0; k < volumes && !common_interrupted(); k++) {
         double R = pair->radius, volume = 1e-5 * riddle_exp(riddle_log(4e3) * k / (volumes - 1.0)) * R * R * R;
         bridge b = formed(pair, volume);
@@ -315,20 +316,20 @@ static void draw_sticking(const program *self, const scene *s, const bridge_pair
         printed[k] = sticking_velocity(s, pair, volume, true);
         closed[k] = bridge_sticking_velocity(work, reduced_mass(s), s->restitution);
         double row[5] = {volume, work, simulated[k], closed[k], printed[k]};
-        csv_row(file, row, 5);
+        riddle_io_row(file, row, 5);
         progress_add(bar, 2.0);
     }
-    csv_close(file);
-    plot *figure = plot_new(solids(&pair->def, text, sizeof text), 1, 1);
-    plot_panel(figure, 0, 0, "bridge volume [µl]", "sticking velocity [m/s]");
-    plot_log_x(figure);
-    plot_log_y(figure);
-    plot_points(figure, "simulated", ul, simulated, volumes);
-    plot_line(figure, "sqrt(2 W/m)/e", ul, closed, volumes);
-    plot_style(figure, 0, PLOT_SAME);
-    plot_line(figure, "simulated, laws as printed", ul, printed, volumes);
-    plot_style(figure, PLOT_DASHED | PLOT_MARKED, PLOT_NEXT);
-    plot_write(figure, self->out, "sticking.svg");
+    riddle_io_close(file);
+    riddle_plot *figure = riddle_plot_new(solids(&pair->def, text, sizeof text), 1, 1);
+    riddle_plot_panel(figure, 0, 0, "bridge volume [µl]", "sticking velocity [m/s]");
+    riddle_plot_log_x(figure);
+    riddle_plot_log_y(figure);
+    riddle_plot_points(figure, "simulated", ul, simulated, volumes);
+    riddle_plot_line(figure, "sqrt(2 W/m)/e", ul, closed, volumes);
+    riddle_plot_style(figure, 0, RIDDLE_PLOT_SAME);
+    riddle_plot_line(figure, "simulated, laws as printed", ul, printed, volumes);
+    riddle_plot_style(figure, RIDDLE_PLOT_DASHED | RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_write(figure, self->out, "sticking.svg");
 
     bridge b = formed(pair, s->volume);
     double work = bridge_work(&b, 0.0, b.rupture_gap), m = reduced_mass(s);

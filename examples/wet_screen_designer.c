@@ -30,9 +30,9 @@
 #include <string.h>
 
 #include "blocking.h"
-#include "blocking_tests.h"
+#include "sieve_blocking/blocking_tests.h"
 #include "common.h"
-#include "screen_lab.h"
+#include "screen_fit/screen_lab.h"
 #include "screen_models.h"
 
 enum { MODELS = 3, CLASSES = 8, SAMPLES = 1000, MAP = 25, AREAS = 25, MOST_STEPS = 4000 };
@@ -184,8 +184,8 @@ static void draw_retained(const program *self, const plan *p, const holes *h, bo
     static double curve[2][MOST_STEPS * (1 + CLASSES)], x[MOST_STEPS], y[2][MOST_STEPS], low[MOST_STEPS], high[MOST_STEPS];
     plan q = *p;
     q.step = 0.1;
-    plot *figure = plot_new("Undersize still on the deck, clean and blocking", 1, MODELS);
-    csv *file = csv_open(self->out, "retained.csv", "model,time_s,retained_clean,retained_blocking");
+    riddle_plot *figure = riddle_plot_new("Undersize still on the deck, clean and blocking", 1, MODELS);
+    riddle_io_file *file = csv_open(self->out, "retained.csv", "model,time_s,retained_clean,retained_blocking");
     for (int m = 0; m < MODELS; m++) {
         int rows = 0;
         for (int b = 0; b < 2; b++) run(&q, m, b ? h : &clean, p->recovery, curve[b], &rows);
@@ -199,21 +199,21 @@ static void draw_retained(const program *self, const plan *p, const holes *h, bo
             high[i] = fmin(y[1][i] + 1.96 * sqrt(0.5 * pi) * deviation[m], 1.0);
             csv_line(file, "%s,%.17g,%.17g,%.17g", model_names[m], x[i], y[0][i], y[1][i]);
         }
-        plot_panel(figure, 0, m, "time [s]", m ? "" : "undersize retained [-]");
+        riddle_plot_panel(figure, 0, m, "time [s]", m ? "" : "undersize retained [-]");
         char title[60];
         snprintf(title, sizeof title, "%s%s", model_names[m], extrapolated ? ", extrapolated" : "");
-        plot_title(figure, title);
-        plot_range_y(figure, 0.0, 1.0);
-        plot_band(figure, "95 % band", x, low, high, rows);
-        plot_style(figure, PLOT_FAINT, 1);
-        plot_line(figure, "holes clean", x, y[0], rows);
-        plot_style(figure, PLOT_DASHED, 0);
-        plot_line(figure, "holes blocking", x, y[1], rows);
-        plot_style(figure, 0, 1);
-        plot_horizontal(figure, "wanted", 1.0 - p->recovery);
+        riddle_plot_title(figure, title);
+        riddle_plot_range_y(figure, 0.0, 1.0);
+        riddle_plot_band(figure, "95 % band", x, low, high, rows);
+        riddle_plot_style(figure, RIDDLE_PLOT_FAINT, 1);
+        riddle_plot_line(figure, "holes clean", x, y[0], rows);
+        riddle_plot_style(figure, RIDDLE_PLOT_DASHED, 0);
+        riddle_plot_line(figure, "holes blocking", x, y[1], rows);
+        riddle_plot_style(figure, 0, 1);
+        riddle_plot_horizontal(figure, "wanted", 1.0 - p->recovery);
     }
-    csv_close(file);
-    plot_write(figure, self->out, "retained.svg");
+    riddle_io_close(file);
+    riddle_plot_write(figure, self->out, "retained.svg");
 }
 
 static void draw_map(const program *self, const plan *p, int model, const holes *h) {
@@ -221,7 +221,7 @@ static void draw_map(const program *self, const plan *p, int model, const holes 
     plan q = *p;
     double lowest = HUGE_VAL, highest = 0.0;
     q.step = fmax(p->step, 0.05);
-    csv *file = csv_open(self->out, "map.csv", "amplitude_m,frequency_hz,toss_indicator,time_clean_s,time_blocking_s");
+    riddle_io_file *file = csv_open(self->out, "map.csv", "amplitude_m,frequency_hz,toss_indicator,time_clean_s,time_blocking_s");
     progress bar;
     progress_begin(&bar, "map of amplitude and frequency", MAP);
     for (int j = 0; j < MAP && !common_interrupted(); j++) {
@@ -238,36 +238,36 @@ static void draw_map(const program *self, const plan *p, int model, const holes 
             }
             double K = blocking_toss_indicator(q.operation.frequency, q.operation.amplitude, 0.5 * pi, 0.0, q.def.gravity);
             double line[5] = {q.operation.amplitude, q.operation.frequency, K, time[0][j * MAP + i], time[1][j * MAP + i]};
-            csv_row(file, line, 5);
+            riddle_io_row(file, line, 5);
         }
         progress_update(&bar, j + 1.0);
     }
     progress_end(&bar);
-    csv_close(file);
+    riddle_io_close(file);
     char title[160];
     snprintf(title, sizeof title, "Time to %.3g %% of the undersize, model of %s, moisture %.3g %%", 100.0 * p->recovery,
              model_names[model], 100.0 * p->operation.moisture);
-    plot *figure = plot_new(title, 1, 2);
+    riddle_plot *figure = riddle_plot_new(title, 1, 2);
     for (int b = 0; b < 2; b++) {
         double A = 1e3 * p->operation.amplitude, f = p->operation.frequency;
-        plot_panel(figure, 0, b, "amplitude [mm]", "frequency [Hz]");
-        plot_title(figure, b ? "holes blocking" : "holes clean");
-        plot_heat(figure, "time [s]", time[b], MAP, MAP, 0.7, 1.3, 43.0, 58.0);
-        if (lowest < highest) plot_heat_range(figure, lowest, highest);
-        if (A >= 0.7 && A <= 1.3 && f >= 43.0 && f <= 58.0) plot_points(figure, "chosen", &A, &f, 1);
+        riddle_plot_panel(figure, 0, b, "amplitude [mm]", "frequency [Hz]");
+        riddle_plot_title(figure, b ? "holes blocking" : "holes clean");
+        riddle_plot_heat(figure, "time [s]", time[b], MAP, MAP, 0.7, 1.3, 43.0, 58.0);
+        if (lowest < highest) riddle_plot_heat_range(figure, lowest, highest);
+        if (A >= 0.7 && A <= 1.3 && f >= 43.0 && f <= 58.0) riddle_plot_points(figure, "chosen", &A, &f, 1);
     }
-    plot_write(figure, self->out, "map.svg");
+    riddle_plot_write(figure, self->out, "map.svg");
 }
 
 static void draw_area(const program *self, const plan *p, const holes *h) {
     double area[AREAS], time[2][AREAS];
     plan q = *p;
-    csv *file = csv_open(self->out, "area.csv", "model,deck_area_m2,load_kg_m2,time_clean_s,time_blocking_s");
-    plot *figure = plot_new("Deck area for the same feed", 1, 1);
-    plot_panel_size(figure, 560, 360);
-    plot_panel(figure, 0, 0, "deck area [m²]", "time to the wanted recovery [s]");
-    plot_log_x(figure);
-    plot_log_y(figure);
+    riddle_io_file *file = csv_open(self->out, "area.csv", "model,deck_area_m2,load_kg_m2,time_clean_s,time_blocking_s");
+    riddle_plot *figure = riddle_plot_new("Deck area for the same feed", 1, 1);
+    riddle_plot_panel_size(figure, 560, 360);
+    riddle_plot_panel(figure, 0, 0, "deck area [m²]", "time to the wanted recovery [s]");
+    riddle_plot_log_x(figure);
+    riddle_plot_log_y(figure);
     q.step = fmax(p->step, 0.05);
     for (int m = 0; m < MODELS && !common_interrupted(); m++) {
         for (int i = 0; i < AREAS; i++) {
@@ -279,16 +279,16 @@ static void draw_area(const program *self, const plan *p, const holes *h) {
         }
         char label[60];
         snprintf(label, sizeof label, "%s, blocking", model_names[m]);
-        plot_line(figure, label, area, time[1], AREAS);
-        plot_style(figure, 0, m);
+        riddle_plot_line(figure, label, area, time[1], AREAS);
+        riddle_plot_style(figure, 0, m);
         snprintf(label, sizeof label, "%s, clean", model_names[m]);
-        plot_line(figure, label, area, time[0], AREAS);
-        plot_style(figure, PLOT_DASHED, m);
+        riddle_plot_line(figure, label, area, time[0], AREAS);
+        riddle_plot_style(figure, RIDDLE_PLOT_DASHED, m);
     }
-    csv_close(file);
-    plot_vertical(figure, "chosen", p->def.deck_area);
-    plot_legend_outside(figure);
-    plot_write(figure, self->out, "area.svg");
+    riddle_io_close(file);
+    riddle_plot_vertical(figure, "chosen", p->def.deck_area);
+    riddle_plot_legend_outside(figure);
+    riddle_plot_write(figure, self->out, "area.svg");
 }
 
 /* ---- a screen of one's own ---- */
@@ -335,13 +335,33 @@ static int two_numbers(const char *text, double *a, double *b) {
     return end != second && *end == '\0';
 }
 
+/* Size and passing of a sieve curve; returns the number of sieves. */
+static int read_curve(const program *self, const char *path, double aperture, double *size, double *passing) {
+    sheet_sizes curve;
+    char message[600];
+    if (sheet_read_sizes(path, NULL, 1, &curve, message, (int)sizeof message)) program_refuse(self, "psd", path, message);
+    if (curve.single) program_refuse(self, "psd", path, "a sieve curve: the column passing or retained, not shares of single sizes");
+    if (curve.n > OWN_POINTS) program_refuse(self, "psd", path, "a file with at most 500 sieves");
+    if (curve.size[curve.n - 1] < aperture && curve.above[0] > 1e-6) {
+        snprintf(message, sizeof message, "a curve that reaches the opening of %g mm; of this one %.4g %% are coarser than %g mm",
+                 1e3 * aperture, 100.0 * curve.above[0], 1e3 * curve.size[curve.n - 1]);
+        program_refuse(self, "psd", path, message);
+    }
+    common_print("%s\n", curve.how);
+    const int n = curve.n;
+    memcpy(size, curve.size, (size_t)n * sizeof *size);
+    memcpy(passing, curve.amount[0], (size_t)n * sizeof *passing);
+    sheet_free_sizes(&curve);
+    return n;
+}
+
 /* Classes from a sieve curve or a distribution. */
 static void own_classes(const program *self, own *o, const char *psd, const char *rosin, const char *lognormal, int classes) {
     static double size[OWN_POINTS], passing[OWN_POINTS];
     const char *name = psd ? "psd" : rosin ? "rosin-rammler" : "lognormal", *given = psd ? psd : rosin ? rosin : lognormal;
     double d = 0.0, spread = 0.0;
     int n = OWN_POINTS;
-    if (psd) n = lab_read_curve(self, psd, size, passing, OWN_POINTS);
+    if (psd) n = read_curve(self, psd, o->def.aperture, size, passing);
     else if (!two_numbers(given, &d, &spread) || !(d > 0.0) || !(spread > (rosin ? 0.0 : 1.0)))
         program_refuse(self, name, given,
                        rosin ? "D63,N: size [mm] and exponent, above 0" : "D50,SG: median [mm] and geometric deviation above 1");
@@ -416,8 +436,8 @@ static own_answer own_time(const own *o, const screen_fit_result *fit, const scr
 static void report_steady(json *report, const own *o, const screen_fit_result *fits) {
     enum { PLACES = 20 };
     static double retained[OWN_CLASSES * PLACES];
-    text_table t =
-        table_begin("model|efficiency|through [kg/s]|over the end [kg/s]|undersize in over|bed [mm], first and last|largest feed [kg/s]");
+    riddle_io_table t = riddle_io_table_begin(
+        "model|efficiency|through [kg/s]|over the end [kg/s]|undersize in over|bed [mm], first and last|largest feed [kg/s]");
     json_array_begin(report, "deck");
     for (int m = 0; m < LAB_MODELS; m++) {
         const screen_def def = own_deck(o, &fits[m]);
@@ -426,16 +446,16 @@ static void report_steady(json *report, const own *o, const screen_fit_result *f
         const screen_status status = screen_steady(&def, fits[m].model, fits[m].parameter, &o->operation, &o->duty, PLACES, retained, NULL,
                                                    NULL, &flow),
                             limit = screen_capacity(&def, fits[m].model, fits[m].parameter, &o->operation, &o->duty, o->recovery, &most);
-        table_cell(&t, "%s", lab_names[m]);
+        riddle_io_table_cell(&t, "%s", lab_names[m]);
         if (status && status != SCREEN_OUTSIDE) flow.efficiency = (double)NAN;
-        table_cell(&t, "%.3f", flow.efficiency);
-        table_cell(&t, "%.3g", flow.passed);
-        table_cell(&t, "%.3g", flow.stays);
-        table_cell(&t, "%.3f", flow.undersize_in_overflow);
-        table_cell(&t, "%.1f, %.1f", 1e3 * flow.depth, 1e3 * flow.depth_end);
+        riddle_io_table_cell(&t, "%.3f", flow.efficiency);
+        riddle_io_table_cell(&t, "%.3g", flow.passed);
+        riddle_io_table_cell(&t, "%.3g", flow.stays);
+        riddle_io_table_cell(&t, "%.3f", flow.undersize_in_overflow);
+        riddle_io_table_cell(&t, "%.1f, %.1f", 1e3 * flow.depth, 1e3 * flow.depth_end);
         if (limit && limit != SCREEN_OUTSIDE)
-            table_cell(&t, "%s", limit == SCREEN_LOAD_UNKNOWN ? "the model does not know the load" : screen_status_text(limit));
-        else table_cell(&t, "%.3g%s", most, limit == SCREEN_OUTSIDE ? ", outside the fit" : "");
+            riddle_io_table_cell(&t, "%s", limit == SCREEN_LOAD_UNKNOWN ? "the model does not know the load" : screen_status_text(limit));
+        else riddle_io_table_cell(&t, "%.3g%s", most, limit == SCREEN_OUTSIDE ? ", outside the fit" : "");
         json_object_begin(report, NULL);
         json_string(report, "model", lab_keys[m]);
         json_number(report, "efficiency", flow.efficiency);
@@ -466,9 +486,9 @@ static int plan_own(const program *self, const char *path, own *o) {
     json *report = json_open(self->json);
     json_string(report, "parameters", path);
     json_number(report, "recovery", o->recovery);
-    text_table t = table_begin("model|fitted to|time [s]|95 % range|d50 then [mm]|95 % range|outside the fit's range");
-    plot *figure = plot_new("Undersize still on the deck, by fitted models", 1, LAB_MODELS);
-    csv *file = csv_open(self->out, "own_retained.csv", "model,time_s,retained,low,high");
+    riddle_io_table t = riddle_io_table_begin("model|fitted to|time [s]|95 % range|d50 then [mm]|95 % range|outside the fit's range");
+    riddle_plot *figure = riddle_plot_new("Undersize still on the deck, by fitted models", 1, LAB_MODELS);
+    riddle_io_file *file = csv_open(self->out, "own_retained.csv", "model,time_s,retained,low,high");
     for (int i = 0; i < OWN_TIMES; i++) time[i] = o->limit * i / (OWN_TIMES - 1);
     for (int m = 0; m < LAB_MODELS && !common_interrupted(); m++) {
         const screen_def def = own_deck(o, &fits[m]);
@@ -476,15 +496,15 @@ static int plan_own(const program *self, const char *path, own *o) {
         const own_answer both = own_time(o, &fits[m], &def, self->seed);
         const answer got = both.time, d50 = both.d50;
         unsigned flags = screen_outside(&fits[m].domain, &def, (screen_model)m, &o->operation, got.time < HUGE_VAL ? got.time : o->limit);
-        table_cell(&t, "%s", lab_names[m]);
-        table_cell(&t, "%.4f", fits[m].deviation);
-        table_cell(&t, "%s", isnan(got.time) ? "no answer" : seconds(a, got.time, o->limit));
-        table_cell(&t, "%s .. %s", seconds(b, got.low, o->limit), seconds(c, got.high, o->limit));
-        if (isnan(d50.time)) table_cell(&t, "%s", "-");
-        else table_cell(&t, "%.3g", 1e3 * d50.time);
-        if (isnan(d50.low)) table_cell(&t, "%s", "-");
-        else table_cell(&t, "%.3g .. %.3g", 1e3 * d50.low, 1e3 * d50.high);
-        table_cell(&t, "%s", flags ? lab_outside(words, sizeof words, flags) : "nothing");
+        riddle_io_table_cell(&t, "%s", lab_names[m]);
+        riddle_io_table_cell(&t, "%.4f", fits[m].deviation);
+        riddle_io_table_cell(&t, "%s", isnan(got.time) ? "no answer" : seconds(a, got.time, o->limit));
+        riddle_io_table_cell(&t, "%s .. %s", seconds(b, got.low, o->limit), seconds(c, got.high, o->limit));
+        if (isnan(d50.time)) riddle_io_table_cell(&t, "%s", "-");
+        else riddle_io_table_cell(&t, "%.3g", 1e3 * d50.time);
+        if (isnan(d50.low)) riddle_io_table_cell(&t, "%s", "-");
+        else riddle_io_table_cell(&t, "%.3g .. %.3g", 1e3 * d50.low, 1e3 * d50.high);
+        riddle_io_table_cell(&t, "%s", flags ? lab_outside(words, sizeof words, flags) : "nothing");
         json_object_begin(report, lab_keys[m]);
         report_answer(report, "answer", &got);
         json_number(report, "d50_m", d50.time);
@@ -506,19 +526,19 @@ static int plan_own(const program *self, const char *path, own *o) {
             }
             csv_line(file, "%s,%.17g,%.17g,%.17g,%.17g", lab_keys[m], time[i], y[i], y_low[i], y_high[i]);
         }
-        plot_panel(figure, 0, m, "time [s]", m ? "" : "undersize retained [-]");
+        riddle_plot_panel(figure, 0, m, "time [s]", m ? "" : "undersize retained [-]");
         snprintf(words, sizeof words, "%s%s", lab_names[m], flags ? ", extrapolated" : "");
-        plot_title(figure, words);
-        plot_range_y(figure, 0.0, 1.0);
-        plot_band(figure, "95 % of new data", time, y_low, y_high, OWN_TIMES);
-        plot_line(figure, "predicted", time, y, OWN_TIMES);
-        plot_horizontal(figure, "wanted", 1.0 - o->recovery);
+        riddle_plot_title(figure, words);
+        riddle_plot_range_y(figure, 0.0, 1.0);
+        riddle_plot_band(figure, "95 % of new data", time, y_low, y_high, OWN_TIMES);
+        riddle_plot_line(figure, "predicted", time, y, OWN_TIMES);
+        riddle_plot_horizontal(figure, "wanted", 1.0 - o->recovery);
     }
     common_print("Time to %.4g %% of the undersize%s:\n", 100.0 * o->recovery, o->blocks ? ", holes blocking" : "");
     table_end(&t);
     if (o->steady) report_steady(report, o, fits);
-    csv_close(file);
-    plot_write(figure, self->out, "own_retained.svg");
+    riddle_io_close(file);
+    riddle_plot_write(figure, self->out, "own_retained.svg");
     json_program(report, self);
     json_close(report);
     return common_exit_status();
@@ -691,20 +711,20 @@ static void report_times(const program *self, json *report, const plan *p, const
     const holes *cases[3] = {&clean, blocking, table3};
     const char *const keys[3] = {"clean", "blocking", "table3"};
     const int samples = self->quick ? 200 : SAMPLES;
-    text_table t = table_begin(table3 ? "model|clean holes [s]|95 % range|blocking [s]|95 % range|Table 3 [s]|95 % range"
-                                      : "model|clean holes [s]|95 % range|blocking [s]|95 % range");
+    riddle_io_table t = riddle_io_table_begin(table3 ? "model|clean holes [s]|95 % range|blocking [s]|95 % range|Table 3 [s]|95 % range"
+                                                     : "model|clean holes [s]|95 % range|blocking [s]|95 % range");
     for (int m = 0; m < MODELS && !common_interrupted(); m++) {
         plan coarse = *p;
         coarse.step = 0.05;
         json_object_begin(report, model_names[m]);
-        table_cell(&t, "%s", model_names[m]);
+        riddle_io_table_cell(&t, "%s", model_names[m]);
         for (int c = 0; c < (table3 ? 3 : 2); c++) {
             char low[32], high[32];
             answer got = ask(&coarse, m, cases[c], r, samples, self->seed);
             got.time = run(p, m, cases[c], p->recovery, NULL, NULL);
             if (isnan(got.time)) common_fail("the model of %s has no answer for these numbers", model_names[m]);
-            table_cell(&t, "%s", seconds(low, got.time, p->limit));
-            table_cell(&t, "%s .. %s", seconds(low, got.low, p->limit), seconds(high, got.high, p->limit));
+            riddle_io_table_cell(&t, "%s", seconds(low, got.time, p->limit));
+            riddle_io_table_cell(&t, "%s .. %s", seconds(low, got.low, p->limit), seconds(high, got.high, p->limit));
             report_answer(report, keys[c], &got);
         }
         json_object_end(report);

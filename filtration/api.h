@@ -35,7 +35,7 @@ typedef enum filtration_face {
     FILTRATION_WALL,     /* no slip; at the face, which may move within its plane */
     FILTRATION_PRESSURE, /* open, at a given pressure */
     FILTRATION_SYMMETRY  /* a mirror: no flow through it, no shear on it. The force on a sphere that it cuts is that on the part inside the
-                            box */
+                            box, without that of a constant pressure */
 } filtration_face;
 enum { FILTRATION_LOW_X, FILTRATION_HIGH_X, FILTRATION_LOW_Y, FILTRATION_HIGH_Y, FILTRATION_LOW_Z, FILTRATION_HIGH_Z };
 
@@ -78,7 +78,8 @@ typedef struct filtration_spheres {
     double *velocity; /* [n][3] [m/s] */
     double *spin;     /* [n][3] angular velocity [rad/s] */
     double *radius;   /* [n] [m] > 0; 0: no sphere at this index */
-    double *force;    /* [n][3] force of the fluid on the sphere [N], without buoyancy (pressure is dynamic) */
+    double *force;    /* [n][3] force of the fluid on the sphere [N], without buoyancy (pressure is dynamic); a constant pressure exerts
+                         none */
     double *torque;   /* [n][3] about the centre [N m] */
 } filtration_spheres;
 

@@ -122,6 +122,16 @@ static inline int filtration__in_film(const filtration__lattice *l, int x, int y
     return 2 * fluid < l->q;
 }
 
+/* Returns the density that a film has beside a sphere, or the mean where there is none. */
+static inline double filtration__film_density(const filtration__lattice *l, int x, int y, int z) {
+    for (int i = 1; i < l->q; i++) {
+        const int32_t owner = l->owner[filtration__node(l, filtration__wrap(x + l->c[i][0], l->nx), filtration__wrap(y + l->c[i][1], l->ny),
+                                                        filtration__wrap(z + l->c[i][2], l->nz))];
+        if (owner >= 0) return l->balls[owner].density;
+    }
+    return 0.0;
+}
+
 /* Finds the first node of a row that is too fast or not a number. Solids and films do not count; they are put to rest. Returns 0 if there
    is none. */
 static inline int filtration__bad_node(filtration__lattice *l, int y, int z, filtration_problem *problem) {
@@ -137,7 +147,8 @@ static inline int filtration__bad_node(filtration__lattice *l, int y, int z, fil
         double uu = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
         if (uu < l->rates.limit && fabs(r) < 1e30) continue;
         if (!fluid || filtration__in_film(l, x, y, z)) {
-            for (int i = 0; i < l->q; i++) filtration__put(l, filtration__outgoing(l, x, y, z, i), 0.0);
+            const double rest = fluid ? filtration__film_density(l, x, y, z) : 0.0;
+            for (int i = 0; i < l->q; i++) filtration__put(l, filtration__outgoing(l, x, y, z, i), l->w[i] * rest);
             continue;
         }
         problem->cause = uu < HUGE_VAL ? FILTRATION_SPEED : FILTRATION_NOT_FINITE;

@@ -4,23 +4,63 @@
 
 /* ==== >>faces ==== */
 
-#define FILTRATION__BLOCK 64
+#define FILTRATION__BLOCK 64 /* nodes that a face processes together */
 
-/* Finds the face by which a population leaves; a wall takes precedence over an open face, that over a mirror. crossed: the axes, as bits.
-   Returns 3 for a wall, 2 for an open face, 1 for a mirror, 0 if it does not leave. */
-static inline int filtration__crossing(const filtration__lattice *l, int x, int y, int z, int i, int *face, int *crossed) {
-    const int at[3] = {x, y, z}, n[3] = {l->nx, l->ny, l->nz};
-    int found = 0;
-    *crossed = 0;
-    for (int a = 0; a < 3; a++) {
-        int to = at[a] + l->c[i][a], f = 2 * a + (to > 0);
-        if ((to >= 0 && to < n[a]) || l->face[f] == FILTRATION_PERIODIC) continue;
-        *crossed |= 1 << a;
-        int rank = l->face[f] == FILTRATION_WALL ? 3 : l->face[f] == FILTRATION_PRESSURE ? 2 : 1;
-        if (rank > found) found = rank, *face = f;
-    }
-    return found;
+/* What lies beyond a face. */
+enum { FILTRATION__NOTHING, FILTRATION__REPEATED, FILTRATION__MIRRORED };
+
+/* A kind of face; filtration__face_kinds has a row for each. */
+typedef struct filtration__face_kind {
+    filtration_face kind;
+    int beyond;
+    int rank;         /* at an edge of the box a population belongs to the face of the highest rank */
+    int is_touched;   /* 1: spheres touch it */
+    int has_velocity; /* 1: along the face, 2: through it, too */
+    int has_pressure;
+    int reads_flow; /* 1: enter needs the velocity of the nodes */
+    /* Computes what enters n nodes from what leaves, h. u: their velocity, or 0. NULL: what leaves is what enters. */
+    void (*enter)(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK], double *h);
+} filtration__face_kind;
+
+/* Bounce-back half way from a surface that moves. */
+static void filtration__enter_wall(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK],
+                                   double *h) {
+    const signed char *c = l->c[e->i];
+    const double *v = l->face_velocity[e->face], push = 6.0 * l->w[e->i] * (c[0] * v[0] + c[1] * v[1] + c[2] * v[2]);
+    (void)u;
+    for (int k = 0; k < n; k++) h[k] -= push;
 }
+
+/* A given pressure by anti-bounce-back (Ginzburg et al. 2008). */
+static void filtration__enter_open(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK],
+                                   double *h) {
+    const signed char *c = l->c[e->i];
+    const double r = l->face_density[e->face];
+    for (int k = 0; k < n; k++) {
+        double cu = c[0] * u[0][k] + c[1] * u[1][k] + c[2] * u[2][k];
+        double uu = u[0][k] * u[0][k] + u[1][k] * u[1][k] + u[2][k] * u[2][k];
+        h[k] = 2.0 * l->w[e->i] * (r + 4.5 * cu * cu - 1.5 * uu) - h[k];
+    }
+}
+
+/* clang-format off */
+static const filtration__face_kind filtration__face_kinds[] = {
+    /* kind                 beyond                 rank  touched velocity pressure reads flow  enter */
+    {FILTRATION_PERIODIC, FILTRATION__REPEATED, 0, 0, 0, 0, 0, NULL},
+    {FILTRATION_WALL,     FILTRATION__NOTHING,  3, 1, 1, 0, 0, filtration__enter_wall},
+    {FILTRATION_PRESSURE, FILTRATION__NOTHING,  2, 0, 0, 1, 1, filtration__enter_open},
+    {FILTRATION_SYMMETRY, FILTRATION__MIRRORED, 1, 0, 0, 0, 0, NULL},
+};
+/* clang-format on */
+
+/* Returns the row of a kind, or NULL. */
+static inline const filtration__face_kind *filtration__kind_of(filtration_face kind) {
+    for (size_t k = 0; k < sizeof filtration__face_kinds / sizeof *filtration__face_kinds; k++)
+        if (filtration__face_kinds[k].kind == kind) return &filtration__face_kinds[k];
+    return NULL;
+}
+
+static inline int filtration__repeats(const filtration__lattice *l, int axis) { return l->face[2 * axis]->beyond == FILTRATION__REPEATED; }
 
 /* Returns the direction with the signs of some axes (as bits) reversed. */
 static inline int filtration__turned(const filtration__lattice *l, int i, int axes) {
@@ -39,11 +79,11 @@ static inline int filtration__inside(const filtration__lattice *l, int p[3], int
     *mirrored = 0;
     for (int a = 0; a < 3; a++) {
         if (p[a] >= 0 && p[a] < n[a]) continue;
-        filtration_face kind = l->face[2 * a + (p[a] > 0)];
-        if (kind == FILTRATION_PERIODIC) {
+        const int beyond = l->face[2 * a + (p[a] > 0)]->beyond;
+        if (beyond == FILTRATION__REPEATED) {
             p[a] %= n[a];
             if (p[a] < 0) p[a] += n[a];
-        } else if (kind == FILTRATION_SYMMETRY && p[a] >= -1 && p[a] <= n[a]) {
+        } else if (beyond == FILTRATION__MIRRORED && p[a] >= -1 && p[a] <= n[a]) {
             p[a] = p[a] < 0 ? -1 - p[a] : 2 * n[a] - 1 - p[a];
             *mirrored |= 1 << a;
         } else {
@@ -77,42 +117,50 @@ static inline void filtration__row_velocity(const filtration__lattice *l, int x,
     }
 }
 
-/* Applies a given pressure by anti-bounce-back (Ginzburg et al. 2008). */
-static inline void filtration__open(const filtration__lattice *l, int i, double r, int n, double u[3][FILTRATION__BLOCK], double *h) {
-    for (int k = 0; k < n; k++) {
-        double cu = l->c[i][0] * u[0][k] + l->c[i][1] * u[1][k] + l->c[i][2] * u[2][k];
-        double uu = u[0][k] * u[0][k] + u[1][k] * u[1][k] + u[2][k] * u[2][k];
-        h[k] = 2.0 * l->w[i] * (r + 4.5 * cu * cu - 1.5 * uu) - h[k];
+/* Finds how the opposite of direction i enters a node with that many faces beside it (2 bits an axis: low, high). Returns 0 if it does not
+   enter through a face. */
+static inline int filtration__find_entry(const filtration__lattice *l, int beside, int i, filtration__entry *e) {
+    int rank = 0, crossed = 0;
+    memset(e, 0, sizeof *e);
+    for (int a = 0; a < 3; a++) {
+        const int c = l->c[i][a], f = 2 * a + (c > 0);
+        if (c == 0 || !(beside >> f & 1) || l->face[f]->beyond == FILTRATION__REPEATED) continue;
+        crossed |= 1 << a;
+        if (l->face[f]->rank > rank) rank = l->face[f]->rank, e->face = (signed char)f;
+    }
+    if (!crossed) return 0;
+    e->i = e->along = (signed char)i;
+    if (l->face[e->face]->beyond != FILTRATION__MIRRORED) return 1;
+    for (int a = 0; a < 3; a++) e->offset[a] = (crossed >> a & 1) ? (signed char)0 : l->c[i][a];
+    e->along = (signed char)filtration__turned(l, i, 7 & ~crossed);
+    return 1;
+}
+
+/* Lists the populations that enter through faces, for nodes beside any of them. */
+static inline void filtration__list_entries(filtration__lattice *l) {
+    for (int beside = 0; beside < 64; beside++) {
+        l->entry_count[beside] = 0;
+        for (int i = 1; i < l->q; i++)
+            l->entry_count[beside] += filtration__find_entry(l, beside, i, &l->entries[beside][l->entry_count[beside]]);
     }
 }
 
-/* Processes n nodes of a row, at most FILTRATION__BLOCK, of one kind: all or none at an end of the row. */
+static inline int filtration__beside(int i, int n) { return (i == 0) + 2 * (i == n - 1); }
+
+/* Processes n nodes of a row, at most FILTRATION__BLOCK, beside the same faces. */
 static inline void filtration__face_block(filtration__lattice *l, int x, int n, int y, int z) {
     double u[3][FILTRATION__BLOCK] = {{0.0}}, h[FILTRATION__BLOCK];
+    const int beside = filtration__beside(x, l->nx) + 4 * filtration__beside(y, l->ny) + 16 * filtration__beside(z, l->nz);
     int have_velocity = 0;
-    for (int i = 1; i < l->q; i++) {
-        int face = 0, crossed, kind = filtration__crossing(l, x, y, z, i, &face, &crossed), back = filtration__opposite(i);
-        if (!kind) continue;
-        if (kind == 1) { /* a mirror: the incoming population is the one that left the mirrored neighbour */
-            int m[3] = {x, y, z}, none;
-            for (int a = 0; a < 3; a++)
-                if (!(crossed >> a & 1)) m[a] += l->c[i][a];
-            filtration__inside(l, m, &none);
-            filtration__load(l, filtration__outgoing(l, m[0], m[1], m[2], filtration__turned(l, i, 7 & ~crossed)), n, h);
-        } else {
-            filtration__load(l, filtration__outgoing(l, x, y, z, i), n, h);
-        }
-        if (kind == 2) {
-            if (!have_velocity) filtration__row_velocity(l, x, n, y, z, u);
-            have_velocity = 1;
-            filtration__open(l, i, l->face_density[face], n, u, h);
-        }
-        if (kind == 3) {
-            const double *v = l->face_velocity[face];
-            double push = 6.0 * l->w[i] * (l->c[i][0] * v[0] + l->c[i][1] * v[1] + l->c[i][2] * v[2]);
-            for (int k = 0; k < n; k++) h[k] -= push;
-        }
-        filtration__store(l, filtration__incoming(l, x, y, z, back), n, h);
+    for (int k = 0; k < l->entry_count[beside]; k++) {
+        const filtration__entry *e = &l->entries[beside][k];
+        const filtration__face_kind *kind = l->face[e->face];
+        int m[3] = {x + e->offset[0], y + e->offset[1], z + e->offset[2]}, none;
+        filtration__inside(l, m, &none);
+        filtration__load(l, filtration__outgoing(l, m[0], m[1], m[2], e->along), n, h);
+        if (kind->reads_flow && !have_velocity) filtration__row_velocity(l, x, n, y, z, u), have_velocity = 1;
+        if (kind->enter) kind->enter(l, e, n, u, h);
+        filtration__store(l, filtration__incoming(l, x, y, z, filtration__opposite(e->i)), n, h);
     }
 }
 

@@ -122,7 +122,7 @@ FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_flui
 FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure) {
     if (!fluid) return FILTRATION_BAD_ARGUMENT;
     filtration_fluid_def def = fluid->def;
-    if (face < 0 || face > 5 || def.face[face] != FILTRATION_PRESSURE) return FILTRATION_BAD_ARGUMENT;
+    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_pressure) return FILTRATION_BAD_ARGUMENT;
     def.face_pressure[face] = pressure;
     return filtration__change(fluid, &def);
 }
@@ -130,7 +130,7 @@ FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_f
 FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]) {
     if (!fluid || !velocity) return FILTRATION_BAD_ARGUMENT;
     filtration_fluid_def def = fluid->def;
-    if (face < 0 || face > 5 || def.face[face] != FILTRATION_WALL) return FILTRATION_BAD_ARGUMENT;
+    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_velocity) return FILTRATION_BAD_ARGUMENT;
     memcpy(def.face_velocity[face], velocity, sizeof def.face_velocity[face]);
     return filtration__change(fluid, &def);
 }
@@ -184,9 +184,14 @@ FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *flui
     const filtration__new_flow flow = {filtration__rescale, s, s * tau / def.tau, NULL, NULL};
     def.tau = tau;
     if (filtration_fluid_check_def(&def, NULL) != FILTRATION_OK || !filtration__set_nodes(fluid, &flow)) return FILTRATION_BAD_ARGUMENT;
-    for (ptrdiff_t n = 0; n < l->ball_count; n++)
-        for (int k = 0; k < 2; k++)
-            for (int a = 0; a < 3; a++) l->balls[n].force[k][a] *= s * s, l->balls[n].torque[k][a] *= s * s;
+    for (ptrdiff_t n = 0; n < l->ball_count; n++) {
+        filtration__ball *b = &l->balls[n];
+        b->density *= s * s;
+        for (int a = 0; a < 3; a++) {
+            b->slope[a] *= s * s;
+            for (int k = 0; k < 2; k++) b->force[k][a] *= s * s, b->torque[k][a] *= s * s;
+        }
+    }
     return filtration__change(fluid, &def);
 }
 

@@ -40,7 +40,6 @@ static inline double filtration__find_units(const filtration_fluid_def *d, filtr
     l->rates.limit = d->speed_limit * d->speed_limit;
     for (int a = 0; a < 3; a++) l->rates.force[a] = d->body_force[a] * d->voxel / l->to_pressure;
     for (int f = 0; f < 6; f++) {
-        l->face[f] = d->face[f];
         l->face_density[f] = 3.0 * d->face_pressure[f] / l->to_pressure;
         for (int a = 0; a < 3; a++) l->face_velocity[f][a] = d->face_velocity[f][a] / l->to_velocity;
     }
@@ -72,9 +71,10 @@ static inline int filtration__is_property(double x) { return x >= 1e-15 && x <= 
 
 static inline const char *filtration__bad_face(const filtration_fluid_def *d) {
     for (int f = 0; f < 6; f++) {
-        if ((int)d->face[f] < 0 || d->face[f] > FILTRATION_SYMMETRY) return "face";
-        if ((d->face[f] == FILTRATION_PERIODIC) != (d->face[f ^ 1] == FILTRATION_PERIODIC)) return "face";
-        if (d->face_velocity[f][f / 2] != 0.0) return "face_velocity";
+        const filtration__face_kind *kind = filtration__kind_of(d->face[f]), *opposite = filtration__kind_of(d->face[f ^ 1]);
+        if (!kind || !opposite) return "face";
+        if ((kind->beyond == FILTRATION__REPEATED) != (opposite->beyond == FILTRATION__REPEATED)) return "face";
+        if (kind->has_velocity < 2 && d->face_velocity[f][f / 2] != 0.0) return "face_velocity";
     }
     return NULL;
 }
@@ -116,8 +116,9 @@ static inline void filtration__wake_sources(filtration_fluid *fluid) {
     filtration__lattice *l = fluid->lattice;
     int all = !fluid->def.skip || filtration__forced(&l->rates);
     for (int f = 0; f < 6; f++) {
-        int moves = (l->face[f] == FILTRATION_PRESSURE && l->face_density[f] != 0.0) || l->face_velocity[f][0] != 0.0 ||
-                    l->face_velocity[f][1] != 0.0 || l->face_velocity[f][2] != 0.0;
+        const double *v = l->face_velocity[f];
+        const int moves = (l->face[f]->has_pressure && l->face_density[f] != 0.0) ||
+                          (l->face[f]->has_velocity && (v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0));
         if (moves && f < 4) all = 1;
         if (moves && f >= 4) l->slab_active[f == 4 ? 0 : l->nz - 1] = 1;
     }
@@ -135,14 +136,17 @@ static inline void filtration__set_shape(const filtration_fluid_def *d, filtrati
                              : (cc == 0   ? 1.0 / 3.0
                                 : cc == 1 ? 1.0 / 18.0
                                           : 1.0 / 36.0);
+        l->whole_weight[i] = (int)(72.0 * l->w[i] + 0.5);
     }
     l->single = d->precision == FILTRATION_FLOAT;
     l->half_way = d->boundary == FILTRATION_HALF_WAY;
     l->refill = (int)d->refill;
     l->nx = d->nodes[0], l->ny = d->nodes[1], l->nz = d->nodes[2];
-    l->periodic_x = d->face[FILTRATION_LOW_X] == FILTRATION_PERIODIC;
-    l->ghost_y = d->face[FILTRATION_LOW_Y] != FILTRATION_PERIODIC;
-    l->ghost_z = d->face[FILTRATION_LOW_Z] != FILTRATION_PERIODIC;
+    for (int f = 0; f < 6; f++) l->face[f] = filtration__kind_of(d->face[f]);
+    l->periodic_x = filtration__repeats(l, 0);
+    l->ghost_y = !filtration__repeats(l, 1);
+    l->ghost_z = !filtration__repeats(l, 2);
+    filtration__list_entries(l);
     int line = FILTRATION__LINE / (l->single ? (int)sizeof(float) : (int)sizeof(double));
     l->lead = line;
     l->stride = line + ((ptrdiff_t)l->nx + line - 1) / line * line;
@@ -225,7 +229,7 @@ static inline int filtration__read_ball(const filtration_fluid *fluid, const fil
         b->spin[a] = s->spin[3 * n + a] * fluid->dt;
         good = good && fabs(x) < 1e6 && fabs(b->velocity[a]) < 0.5 && fabs(b->spin[a]) * b->radius < 0.5;
         if (!good) return 0;
-        if (l->face[2 * a] == FILTRATION_PERIODIC) { /* the image nearest to its last place, or in the box */
+        if (filtration__repeats(l, a)) { /* the image nearest to its last place, or in the box */
             double home = b->steps ? b->centre[a] : 0.5 * (nodes[a] - 1);
             x -= nodes[a] * floor((x - home) / nodes[a] + 0.5);
             good = 2.0 * b->radius < nodes[a] - 2.0;
@@ -340,7 +344,10 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
     }
     if (!l->periodic_x || l->ghost_y || l->ghost_z) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__face_task, l);
     if (l->link_count) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__link_task, l);
-    if (l->ball_count) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__ball_task, l);
+    if (l->ball_count) {
+        filtration__for_each(p, threads, FILTRATION__TASKS, filtration__ball_task, l);
+        filtration__for_each(p, threads, FILTRATION__TASKS, filtration__film_task, l);
+    }
     if (fluid->def.force == FILTRATION_SHEAR_LAYER) filtration__shear_forces(fluid);
     filtration__give_forces(fluid, spheres);
     return FILTRATION_OK;

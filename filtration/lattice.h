@@ -27,11 +27,20 @@ typedef struct filtration__link {
     float fraction; /* q [-] */
 } filtration__link;
 
+/* A population that enters a node through a face, the opposite of direction i, which leaves. It follows from the population that leaves the
+   node at `offset` along `along`. */
+typedef struct filtration__entry {
+    signed char i, face, offset[3], along;
+} filtration__entry;
+
 /* A sphere in lattice units, as in the owner map. */
 typedef struct filtration__ball {
     double centre[3], velocity[3], spin[3], radius; /* radius 0: no sphere */
     double force[2][3], torque[2][3];               /* of this step and the one before */
+    double density, slope[3];                       /* at its surface: deviation density + slope . d, d from the centre */
     int64_t steps;                                  /* number of steps since it was added */
+    int64_t films;                                  /* number of links to other solids and through faces */
+    int64_t hull[3];                                /* sum over its links of 72 w c [-]: 0 where its surface is closed */
 } filtration__ball;
 
 /* Relaxation and forcing of one step, of the kernel's precision. */
@@ -52,9 +61,10 @@ typedef struct filtration__lattice {
     void *block;              /* allocated block that contains f */
     size_t block_bytes;
     const signed char (*c)[3];
-    filtration_face face[6];
+    const struct filtration__face_kind *face[6];
     double face_velocity[6][3], face_density[6]; /* lattice units [-] */
     double w[FILTRATION__Q];
+    int whole_weight[FILTRATION__Q]; /* 72 w */
     filtration__rates rates;
     int periodic_x, half_way, refill;
     int odd;                    /* which step of the pair comes next */
@@ -63,6 +73,8 @@ typedef struct filtration__lattice {
     unsigned char *slab_active; /* [nz]: 0: at exact rest */
     filtration__link *links;
     ptrdiff_t link_count;
+    int entry_count[64]; /* of nodes beside faces: low and high of an axis have a bit each */
+    filtration__entry entries[64][FILTRATION__Q];
     filtration__ball *balls;
     ptrdiff_t ball_count, ball_room;
     ptrdiff_t fluid_nodes, solid_nodes;
@@ -71,6 +83,13 @@ typedef struct filtration__lattice {
     int bad[FILTRATION__TASKS];                /* 1: a row of the task is FILTRATION__ROW_BAD */
     int64_t updated[FILTRATION__TASKS];        /* nodes */
 } filtration__lattice;
+
+static inline double filtration__dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* Returns the deviation of density at a sphere's surface, or in a film beside it; d: from its centre. */
+static inline double filtration__density_at(const filtration__ball *b, const double d[3]) {
+    return b->density + filtration__dot(b->slope, d);
+}
 
 /* Returns a coordinate on an axis of n nodes, wrapped; i is at most n beyond. */
 static inline int filtration__wrap(int i, int n) { return i < 0 ? i + n : i >= n ? i - n : i; }

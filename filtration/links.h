@@ -105,15 +105,3 @@ static inline void filtration__mark_solid(const filtration_fluid_def *def, filtr
             if (solid == l->nx) l->row_state[(ptrdiff_t)z * l->ny + y] = FILTRATION__ROW_SOLID;
         }
 }
-
-/* Computes the force of the last step on the solid at rest, in lattice units: the momentum exchanged over its links (Ladd 1994). */
-static inline void filtration__solid_force(const filtration__lattice *l, double force[3]) {
-    force[0] = force[1] = force[2] = 0.0;
-    for (ptrdiff_t n = 0; n < l->link_count; n++) {
-        filtration__cut k = filtration__link_cut(&l->links[n]);
-        if (l->owner[filtration__node(l, k.x, k.y, k.z)] != FILTRATION__FLUID) continue;
-        double h = filtration__get(l, filtration__outgoing(l, k.x, k.y, k.z, k.i)) +
-                   filtration__get(l, filtration__incoming(l, k.x, k.y, k.z, filtration__opposite(k.i)));
-        for (int a = 0; a < 3; a++) force[a] += l->c[k.i][a] * h;
-    }
-}

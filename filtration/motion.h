@@ -70,27 +70,37 @@ typedef struct filtration__touch {
     double force[3];                     /* on the first [N] */
 } filtration__touch;
 
-/* Computes the force of a contact: Hertz with Tsuji's damping, Coulomb friction that at most stops sliding within a sub-step, lubrication
-   implicit in the closing velocity. */
+/* Computes the force along the normal: Hertz with Tsuji's damping (which pulls at the end of a contact: a push clipped at 0 would need another
+   damping for the same restitution); returns it without lubrication, which is implicit in the closing velocity. */
+static inline double filtration__touch_normal(const filtration_motion_def *def, const filtration_fluid *fluid, double h, double damping,
+                                              double closing, filtration__touch *t) {
+    double push = 0.0, film = 0.0;
+    if (t->gap < 0.0) {
+        const double r = t->r2 < HUGE_VAL ? t->r1 * t->r2 / (t->r1 + t->r2) : t->r1, root = sqrt(-r * t->gap);
+        const double stiffness = 2.0 * def->modulus * root;
+        push = -2.0 / 3.0 * stiffness * t->gap + 2.0 * 0.91287092917527686 * damping * sqrt(stiffness * t->mass) * closing;
+    }
+    if (def->lubrication) {
+        const double least = def->least_gap * 2.0 * t->r1, cutoff = fluid->def.voxel * (2.0 / 3.0);
+        const double rate = filtration_lubrication_force(t->r1, t->r2, t->gap, 1.0, fluid->def.viscosity, cutoff, least);
+        film = rate * closing / (1.0 + rate * h / t->mass);
+    }
+    for (int a = 0; a < 3; a++) t->force[a] = -(push + film) * t->normal[a];
+    return push;
+}
+
+/* Computes the force of a contact: along the normal, or the friction (Coulomb's, which at most stops sliding within a sub-step). Friction comes
+   after all normal forces, so that it sees no velocity that another contact takes away: spheres come to rest. */
 static inline void filtration__touch_force(const filtration_motion_def *def, const filtration_fluid *fluid, double h, double damping,
-                                           filtration__touch *t) {
-    double closing = 0.0, push = 0.0, slide = 0.0, tangential[3];
-    for (int a = 0; a < 3; a++) closing += t->velocity[a] * t->normal[a];
+                                           int friction, filtration__touch *t) {
+    const double closing = filtration__dot(t->velocity, t->normal), push = filtration__touch_normal(def, fluid, h, damping, closing, t);
+    double slide = 0.0, tangential[3];
+    if (!friction) return;
     for (int a = 0; a < 3; a++) tangential[a] = t->velocity[a] - closing * t->normal[a], slide += tangential[a] * tangential[a];
     slide = sqrt(slide);
-    if (t->gap < 0.0) {
-        double r = t->r2 < HUGE_VAL ? t->r1 * t->r2 / (t->r1 + t->r2) : t->r1, root = sqrt(-r * t->gap),
-               stiffness = 2.0 * def->modulus * root;
-        push = -2.0 / 3.0 * stiffness * t->gap + 2.0 * 0.91287092917527686 * damping * sqrt(stiffness * t->mass) * closing;
-        if (push < 0.0) push = 0.0;
-    }
-    double cap = t->mass * slide / (2.0 * h), grip = def->friction * push < cap ? def->friction * push : cap;
-    if (def->lubrication) {
-        double least = def->least_gap * 2.0 * t->r1;
-        double rate = filtration_lubrication_force(t->r1, t->r2, t->gap, 1.0, fluid->def.viscosity, fluid->def.voxel * (2.0 / 3.0), least);
-        push += rate * closing / (1.0 + rate * h / t->mass);
-    }
-    for (int a = 0; a < 3; a++) t->force[a] = -push * t->normal[a] - (slide > 0.0 ? grip / slide * tangential[a] : 0.0);
+    const double cap = t->mass * slide / ((def->spin ? 3.5 : 1.0) * h), most = def->friction * push;
+    const double grip = most < cap ? most : cap;
+    for (int a = 0; a < 3; a++) t->force[a] = slide > 0.0 && grip > 0.0 ? -grip / slide * tangential[a] : 0.0;
 }
 
 /* Computes the velocity of the surface of sphere n towards `normal`. */
@@ -119,69 +129,85 @@ static inline void filtration__kick(const filtration_motion_def *def, filtration
 
 /* Applies the contact of sphere n with sphere k, or with a wall (k < 0) whose gap and normal are in t. */
 static inline void filtration__collide_pair(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                            ptrdiff_t n, ptrdiff_t k, double h, double damping, filtration__touch *t, double *contact) {
+                                            ptrdiff_t n, ptrdiff_t k, double h, double damping, int friction, filtration__touch *t,
+                                            double *contact) {
     double u[3] = {0, 0, 0}, back[3];
     double m1 = filtration__sphere_mass(def, s->radius[n]), m2 = k >= 0 ? filtration__sphere_mass(def, s->radius[k]) : 0.0;
     t->r1 = s->radius[n], t->r2 = k >= 0 ? s->radius[k] : HUGE_VAL, t->mass = k >= 0 ? m1 * m2 / (m1 + m2) : m1;
     filtration__rim_velocity(s, n, t->normal, 1.0, t->velocity);
     if (k >= 0) filtration__rim_velocity(s, k, t->normal, -1.0, u);
     for (int a = 0; a < 3; a++) t->velocity[a] -= u[a];
-    filtration__touch_force(def, fluid, h, damping, t);
+    filtration__touch_force(def, fluid, h, damping, friction, t);
     filtration__kick(def, s, n, t->normal, 1.0, t->force, h, contact);
     for (int a = 0; a < 3; a++) back[a] = -t->force[a];
     if (k >= 0) filtration__kick(def, s, k, t->normal, -1.0, back, h, contact);
 }
 
-/* Computes the gap to the solid at rest and the direction towards it, by differences of the signed distance. Returns 0 beyond reach. */
-static inline int filtration__near_solid(const filtration_fluid *fluid, const double centre[3], double radius, double reach,
-                                         filtration__touch *t) {
-    const filtration_solid *solid = &fluid->def.solid;
-    double step = 0.02 * fluid->def.voxel, length = 0.0, box[3], p[3];
+#define FILTRATION__TOUCHES 32 /* most places at which a sphere touches the solid */
+
+/* Finds the nearest place of a solid by differences of its distance. Returns their number, 0 or 1. */
+static inline int filtration__touch_nearest(const filtration_solid *solid, const double centre[3], double radius, double reach, double step,
+                                            filtration_near *near) {
+    double length = 0.0;
+    near->gap = solid->distance(solid->self, centre) - radius;
+    if (!(near->gap < reach)) return 0;
     for (int a = 0; a < 3; a++) {
-        box[a] = fluid->def.nodes[a] * fluid->def.voxel;
-        p[a] = fluid->def.face[2 * a] == FILTRATION_PERIODIC ? centre[a] - box[a] * floor(centre[a] / box[a]) : centre[a];
-    }
-    t->gap = solid->distance(solid->self, p) - radius;
-    if (!(t->gap < reach)) return 0;
-    for (int a = 0; a < 3; a++) {
-        double q[3] = {p[0], p[1], p[2]};
-        q[a] = p[a] + step;
-        t->normal[a] = -solid->distance(solid->self, q);
-        q[a] = p[a] - step;
-        t->normal[a] += solid->distance(solid->self, q);
-        length += t->normal[a] * t->normal[a];
+        double q[3] = {centre[0], centre[1], centre[2]};
+        q[a] = centre[a] + step;
+        near->normal[a] = -solid->distance(solid->self, q);
+        q[a] = centre[a] - step;
+        near->normal[a] += solid->distance(solid->self, q);
+        length += near->normal[a] * near->normal[a];
     }
     length = sqrt(length);
-    for (int a = 0; a < 3 && length > 0.0; a++) t->normal[a] /= length;
+    for (int a = 0; a < 3 && length > 0.0; a++) near->normal[a] /= length;
     return length > 0.0;
 }
 
+static inline int filtration__touch_solid(const filtration_fluid *fluid, const double centre[3], double radius, double reach,
+                                          filtration_near *near) {
+    const filtration_solid *solid = &fluid->def.solid;
+    double box[3], p[3];
+    for (int a = 0; a < 3; a++) {
+        box[a] = fluid->def.nodes[a] * fluid->def.voxel;
+        p[a] = filtration__repeats(fluid->lattice, a) ? centre[a] - box[a] * floor(centre[a] / box[a]) : centre[a];
+    }
+    if (!solid->touch) return filtration__touch_nearest(solid, p, radius, reach, 0.02 * fluid->def.voxel, near);
+    const int n = solid->touch(solid->self, p, radius, reach, FILTRATION__TOUCHES, near);
+    return n < 0 ? 0 : n < FILTRATION__TOUCHES ? n : FILTRATION__TOUCHES;
+}
+
 static inline void filtration__touch_walls(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                           ptrdiff_t n, double h, double damping, double reach, double *contact) {
+                                           ptrdiff_t n, double h, double damping, double reach, int friction, double *contact) {
     filtration__touch t;
     const double *x = s->centre + 3 * n;
-    if (fluid->def.solid.distance && filtration__near_solid(fluid, x, s->radius[n], reach, &t))
-        filtration__collide_pair(def, fluid, s, n, -1, h, damping, &t, contact);
+    filtration_near near[FILTRATION__TOUCHES];
+    const int places = fluid->def.solid.distance ? filtration__touch_solid(fluid, x, s->radius[n], reach, near) : 0;
+    for (int k = 0; k < places; k++) {
+        t.gap = near[k].gap;
+        memcpy(t.normal, near[k].normal, sizeof t.normal);
+        filtration__collide_pair(def, fluid, s, n, -1, h, damping, friction, &t, contact);
+    }
     for (int f = 0; f < 6; f++) {
-        if (fluid->def.face[f] != FILTRATION_WALL) continue;
+        if (!fluid->lattice->face[f]->is_touched) continue;
         int a = f / 2, high = f & 1;
         t.gap = (high ? fluid->def.nodes[a] * fluid->def.voxel - x[a] : x[a]) - s->radius[n];
         if (!(t.gap < reach)) continue;
         t.normal[0] = t.normal[1] = t.normal[2] = 0.0;
         t.normal[a] = high ? 1.0 : -1.0;
-        filtration__collide_pair(def, fluid, s, n, -1, h, damping, &t, contact);
+        filtration__collide_pair(def, fluid, s, n, -1, h, damping, friction, &t, contact);
     }
 }
 
 static inline void filtration__touch_pairs(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                           ptrdiff_t n, double h, double damping, double reach, double *contact) {
+                                           ptrdiff_t n, double h, double damping, double reach, int friction, double *contact) {
     for (ptrdiff_t k = n + 1; k < s->n; k++) {
         filtration__touch t;
         double dd = 0.0, sum = s->radius[n] + s->radius[k];
         if (!(s->radius[k] > 0.0)) continue;
         for (int a = 0; a < 3; a++) {
             double d = s->centre[3 * k + a] - s->centre[3 * n + a], box = fluid->def.nodes[a] * fluid->def.voxel;
-            if (fluid->def.face[2 * a] == FILTRATION_PERIODIC) d -= box * floor(d / box + 0.5);
+            if (filtration__repeats(fluid->lattice, a)) d -= box * floor(d / box + 0.5);
             t.normal[a] = d;
             dd += d * d;
         }
@@ -189,7 +215,7 @@ static inline void filtration__touch_pairs(const filtration_motion_def *def, con
         double distance = sqrt(dd);
         for (int a = 0; a < 3; a++) t.normal[a] /= distance;
         t.gap = distance - sum;
-        filtration__collide_pair(def, fluid, s, n, k, h, damping, &t, contact);
+        filtration__collide_pair(def, fluid, s, n, k, h, damping, friction, &t, contact);
     }
 }
 
@@ -242,9 +268,14 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
         for (ptrdiff_t n = 0; n < spheres->n; n++) {
             if (!(spheres->radius[n] > 0.0)) continue;
             filtration__push(def, fluid, spheres, n, share, h);
-            filtration__touch_walls(def, fluid, spheres, n, h, damping, reach, contact);
-            filtration__touch_pairs(def, fluid, spheres, n, h, damping, reach, contact);
         }
+        for (int friction = 0; friction < (def->friction > 0.0 ? 2 : 1); friction++)
+            for (ptrdiff_t n = 0; n < spheres->n; n++) {
+                if (!(spheres->radius[n] > 0.0)) continue;
+                const double near = friction ? 0.0 : reach;
+                filtration__touch_walls(def, fluid, spheres, n, h, damping, near, friction, contact);
+                filtration__touch_pairs(def, fluid, spheres, n, h, damping, near, friction, contact);
+            }
         for (ptrdiff_t n = 0; n < spheres->n; n++)
             for (int a = 0; a < 3; a++)
                 if (spheres->radius[n] > 0.0 && !def->fixed_axes[a]) spheres->centre[3 * n + a] += h * spheres->velocity[3 * n + a];

@@ -18,7 +18,7 @@ FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid 
                                                                filtration_permeability_result *result) {
     if (!fluid || !fluid->lattice || !result || axis < 0 || axis > 2 || !(pressure_drop > 0.0 && pressure_drop < HUGE_VAL))
         return FILTRATION_BAD_ARGUMENT;
-    if (!(tolerance >= 0.0 && tolerance < 1.0) || fluid->def.face[2 * axis] != FILTRATION_PERIODIC) return FILTRATION_BAD_ARGUMENT;
+    if (!(tolerance >= 0.0 && tolerance < 1.0) || !filtration__repeats(fluid->lattice, axis)) return FILTRATION_BAD_ARGUMENT;
     memset(result, 0, sizeof *result);
     double length = fluid->def.nodes[axis] * fluid->def.voxel, force[3] = {0, 0, 0}, velocity[3], before = 0.0;
     int64_t start = fluid->steps, interval = filtration__interval(fluid);

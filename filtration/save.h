@@ -10,7 +10,7 @@ typedef struct filtration__header {
     double tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel, density, viscosity;
 } filtration__header;
 
-#define FILTRATION__MAGIC UINT64_C(0x316c6966656c6472) /* changes with the format */
+#define FILTRATION__MAGIC UINT64_C(0x326c6966656c6472) /* changes with the format */
 
 static inline uint64_t filtration__checksum(uint64_t sum, const void *data, size_t bytes) {
     const unsigned char *p = (const unsigned char *)data;

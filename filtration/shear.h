@@ -37,8 +37,7 @@ static inline int filtration__in_box(const filtration__lattice *l, const double 
     const int n[3] = {l->nx, l->ny, l->nz};
     for (int a = 0; a < 3; a++) {
         const double x = centre[a] + d[a];
-        if (x < -0.5 && l->face[2 * a] != FILTRATION_PERIODIC) return 0;
-        if (x > n[a] - 0.5 && l->face[2 * a + 1] != FILTRATION_PERIODIC) return 0;
+        if ((x < -0.5 || x > n[a] - 0.5) && !filtration__repeats(l, a)) return 0;
     }
     return 1;
 }

@@ -72,8 +72,25 @@ static inline double filtration__axis_distance(const filtration_cloth *cloth, in
     return way * way + aside * aside + away * away;
 }
 
-/* Returns the distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined by
-   Newton's method. */
+/* Moves a place s along a wire's axis, whose squared distance is `least`, to the nearest one by Newton's method. */
+static inline void filtration__nearest_place(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
+                                             double *s, double *least) {
+    double slope, curve, ignored[2];
+    for (int i = 0; i < 20; i++) {
+        const double before = *least;
+        filtration__axis_distance(cloth, warp, own, aside, along, z, *s, &slope, &curve);
+        double move = curve > 0.1 ? -slope / curve : -slope;
+        for (int half = 0; half < 8; half++, move *= 0.5) {
+            const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, *s + move, &ignored[0], &ignored[1]);
+            if (!(square < *least)) continue;
+            *least = square, *s += move;
+            break;
+        }
+        if (!(*least < before * (1.0 - 1e-14))) break;
+    }
+}
+
+/* Returns the distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined. */
 static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z) {
     double slope, curve, best = along;
     double least = filtration__axis_distance(cloth, warp, own, aside, along, z, along, &slope, &curve);
@@ -84,18 +101,7 @@ static inline double filtration__wire_distance(const filtration_cloth *cloth, in
         const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, at, &slope, &curve);
         if (square < least) least = square, best = at;
     }
-    for (int i = 0; i < 20; i++) {
-        const double before = least;
-        filtration__axis_distance(cloth, warp, own, aside, along, z, best, &slope, &curve);
-        double move = curve > 0.1 ? -slope / curve : -slope;
-        for (int half = 0; half < 8; half++, move *= 0.5) {
-            const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, best + move, &slope, &curve);
-            if (!(square < least)) continue;
-            least = square, best += move;
-            break;
-        }
-        if (!(least < before * (1.0 - 1e-14))) break;
-    }
+    filtration__nearest_place(cloth, warp, own, aside, along, z, &best, &least);
     return sqrt(least) - 0.5 * cloth->wire;
 }
 
@@ -131,9 +137,50 @@ static inline double filtration__cloth_at(const void *self, const double point[3
     return filtration_cloth_distance((const filtration_cloth *)self, point);
 }
 
+/* Lists the places of a wire that are near to a sphere: at each place where its axis comes no nearer on either side. A wire in a bend may
+   touch a sphere twice. */
+static inline int filtration__wire_touch(const filtration_cloth *cloth, int warp, int own, const double centre[3], double radius,
+                                         double reach, int most, filtration_near *near) {
+    const double along = centre[warp ? 1 : 0], aside = centre[warp ? 0 : 1] - (own + 0.5) * (cloth->wire + cloth->opening);
+    const double z = centre[2] - cloth->centre, limit = radius + reach + 0.5 * cloth->wire, span = limit * limit - aside * aside;
+    double slope, curve, square[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    int found = 0;
+    if (!(span > 0.0)) return 0;
+    const double half = sqrt(span);
+    const int samples = (int)(half / (cloth->wire + cloth->opening) * 8.0) + 4;
+    for (int i = -samples; i <= samples + 1 && found < most; i++) {
+        square[0] = square[1], square[1] = square[2];
+        square[2] = filtration__axis_distance(cloth, warp, own, aside, along, z, along + half * i / samples, &slope, &curve);
+        if (i == -samples || !(square[1] <= square[0] && square[1] < square[2])) continue;
+        double s = along + half * (i - 1) / samples, least = square[1];
+        filtration__nearest_place(cloth, warp, own, aside, along, z, &s, &least);
+        const double distance = sqrt(least);
+        if (!(distance < limit) || !(distance > 0.0)) continue;
+        filtration_near *n = &near[found++];
+        n->gap = distance - 0.5 * cloth->wire - radius;
+        n->normal[warp ? 0 : 1] = -aside / distance, n->normal[warp ? 1 : 0] = (s - along) / distance;
+        n->normal[2] = (filtration__cloth_axis(cloth, warp, own, s, &slope, &curve) - z) / distance;
+    }
+    return found;
+}
+
+static int filtration__cloth_touch(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near) {
+    const filtration_cloth *cloth = (const filtration_cloth *)self;
+    const double pitch = cloth->wire + cloth->opening, wide = radius + reach + 0.5 * cloth->wire;
+    int found = 0;
+    if (!(fabs(centre[2] - cloth->centre) < wide + 0.5 * cloth->wire)) return 0;
+    for (int warp = 0; warp < 2; warp++) {
+        const double across = centre[warp ? 0 : 1];
+        const int first = (int)floor((across - wide) / pitch), last = (int)floor((across + wide) / pitch);
+        for (int own = first; own <= last; own++)
+            found += filtration__wire_touch(cloth, warp, own, centre, radius, reach, most - found, near + found);
+    }
+    return found;
+}
+
 FILTRATION_API filtration_solid filtration_cloth_solid(const filtration_cloth *cloth) {
     filtration_solid solid;
-    solid.distance = filtration__cloth_at, solid.cut = NULL, solid.self = cloth;
+    solid.distance = filtration__cloth_at, solid.cut = NULL, solid.self = cloth, solid.touch = filtration__cloth_touch;
     return solid;
 }
 
@@ -144,7 +191,8 @@ typedef struct filtration__bed_entry {
     int image[3]; /* in multiples of the box's edges */
 } filtration__bed_entry;
 
-static inline double filtration__capsule_distance(const double point[3], const double *a, const double *b, double radius) {
+/* Returns the distance from a point to the axis of a fibre, or to the centre of a sphere (b NULL), and the way there. */
+static inline double filtration__axis_way(const double point[3], const double *a, const double *b, double way[3]) {
     double along = 0.0, length = 0.0, square = 0.0;
     for (int k = 0; k < 3 && b; k++) along += (point[k] - a[k]) * (b[k] - a[k]), length += (b[k] - a[k]) * (b[k] - a[k]);
     double share = length > 0.0 ? along / length : 0.0;
@@ -152,9 +200,10 @@ static inline double filtration__capsule_distance(const double point[3], const d
     if (share > 1.0) share = 1.0;
     for (int k = 0; k < 3; k++) {
         const double away = point[k] - a[k] - (b ? share * (b[k] - a[k]) : 0.0);
+        way[k] = -away;
         square += away * away;
     }
-    return sqrt(square) - radius;
+    return sqrt(square);
 }
 
 /* Finds the range of cells that object i, moved by an image, can be near to. Returns 0 if there are none. */
@@ -269,26 +318,52 @@ FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdif
     return FILTRATION_OK;
 }
 
-FILTRATION_API double filtration_bed_distance(const filtration_bed *bed, const double point[3]) {
-    if (!bed || !point) return (double)NAN;
-    double inside[3], nearest = bed->reach;
+/* Finds the cell of a point, which is moved into the box along periodic axes. */
+static inline size_t filtration__bed_cell(const filtration_bed *bed, const double point[3], double inside[3]) {
     int cell[3];
-    if (!bed->entry) return nearest;
     for (int k = 0; k < 3; k++) {
         inside[k] = bed->periodic[k] ? point[k] - bed->box[k] * floor(point[k] / bed->box[k]) : point[k];
         const double place = inside[k] / bed->box[k] * bed->cells[k];
         cell[k] = place >= 1.0 ? (place < bed->cells[k] ? (int)place : bed->cells[k] - 1) : 0;
     }
-    const size_t c = (size_t)((cell[2] * bed->cells[1] + cell[1]) * bed->cells[0] + cell[0]);
+    return (size_t)((cell[2] * bed->cells[1] + cell[1]) * bed->cells[0] + cell[0]);
+}
+
+/* Returns the distance from a point (inside the box) to the surface of an object of a cell, and the way to its axis. */
+static inline double filtration__bed_way(const filtration_bed *bed, const filtration__bed_entry *entry, const double inside[3],
+                                         double way[3]) {
+    double moved[3];
+    for (int k = 0; k < 3; k++) moved[k] = inside[k] - entry->image[k] * bed->box[k];
+    const double *b = bed->b ? bed->b + 3 * entry->index : NULL;
+    return filtration__axis_way(moved, bed->a + 3 * entry->index, b, way) - bed->radius[entry->index];
+}
+
+FILTRATION_API double filtration_bed_distance(const filtration_bed *bed, const double point[3]) {
+    if (!bed || !point) return (double)NAN;
+    double inside[3], way[3], nearest = bed->reach;
+    if (!bed->entry) return nearest;
+    const size_t c = filtration__bed_cell(bed, point, inside);
     for (size_t e = bed->start[c]; e < bed->start[c + 1]; e++) {
-        const filtration__bed_entry *entry = &bed->entry[e];
-        double moved[3];
-        for (int k = 0; k < 3; k++) moved[k] = inside[k] - entry->image[k] * bed->box[k];
-        const double *b = bed->b ? bed->b + 3 * entry->index : NULL;
-        const double distance = filtration__capsule_distance(moved, bed->a + 3 * entry->index, b, bed->radius[entry->index]);
+        const double distance = filtration__bed_way(bed, &bed->entry[e], inside, way);
         if (distance < nearest) nearest = distance;
     }
     return nearest;
+}
+
+static int filtration__bed_touch(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near) {
+    const filtration_bed *bed = (const filtration_bed *)self;
+    double inside[3], way[3];
+    int found = 0;
+    if (!bed->entry) return 0;
+    const size_t c = filtration__bed_cell(bed, centre, inside);
+    for (size_t e = bed->start[c]; e < bed->start[c + 1] && found < most; e++) {
+        const double distance = filtration__bed_way(bed, &bed->entry[e], inside, way), axis = distance + bed->radius[bed->entry[e].index];
+        if (!(distance - radius < reach) || !(axis > 0.0)) continue;
+        near[found].gap = distance - radius;
+        for (int k = 0; k < 3; k++) near[found].normal[k] = way[k] / axis;
+        found++;
+    }
+    return found;
 }
 
 static inline double filtration__bed_at(const void *self, const double point[3]) {
@@ -297,7 +372,7 @@ static inline double filtration__bed_at(const void *self, const double point[3])
 
 FILTRATION_API filtration_solid filtration_bed_solid(const filtration_bed *bed) {
     filtration_solid solid;
-    solid.distance = filtration__bed_at, solid.cut = NULL, solid.self = bed;
+    solid.distance = filtration__bed_at, solid.cut = NULL, solid.self = bed, solid.touch = filtration__bed_touch;
     return solid;
 }
 
@@ -360,6 +435,6 @@ static inline double filtration__image_at(const void *self, const double point[3
 
 FILTRATION_API filtration_solid filtration_image_solid(const filtration_image *image) {
     filtration_solid solid;
-    solid.distance = filtration__image_at, solid.cut = NULL, solid.self = image;
+    solid.distance = filtration__image_at, solid.cut = NULL, solid.self = image, solid.touch = NULL;
     return solid;
 }

@@ -4,6 +4,12 @@
 
 /* ==== >>solids: solids at rest in the fluid ==== */
 
+/* A place at which a solid is near to a sphere. */
+typedef struct filtration_near {
+    double gap;       /* [m], < 0: overlap */
+    double normal[3]; /* unit vector from the sphere's centre to the surface */
+} filtration_near;
+
 /* A solid at rest, described by functions of the caller, which are called in filtration_fluid_init and when spheres touch it. */
 typedef struct filtration_solid {
     /* Signed distance from a point to the surface [m], > 0 in the fluid. Its sign and its zero must be right; elsewhere it may be smaller
@@ -12,6 +18,9 @@ typedef struct filtration_solid {
     /* Fraction of the way from a fluid point to a solid one at which the surface lies [-], above 0 .. 1. NULL: computed from `distance`. */
     double (*cut)(const void *self, const double fluid[3], const double solid[3]);
     const void *self;
+    /* Lists at most `most` places with a gap below `reach` to a sphere, one for each wire or body that it may touch; returns their number.
+       For filtration_move. NULL: the nearest place, from differences of `distance`. */
+    int (*touch)(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near);
 } filtration_solid;
 
 /* The solids below keep their own data. filtration_..._solid() returns a filtration_solid that points to these data, which must outlive the

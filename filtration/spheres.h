@@ -28,7 +28,7 @@ static inline int32_t filtration__cover(const filtration__lattice *l, const int 
         double rr = 0.0;
         for (int a = 0; a < 3; a++) {
             double d = p[a] - b->centre[a];
-            if (l->face[2 * a] == FILTRATION_PERIODIC) d -= n[a] * floor(d / n[a] + 0.5);
+            if (filtration__repeats(l, a)) d -= n[a] * floor(d / n[a] + 0.5);
             rr += d * d;
         }
         if (rr < b->radius * b->radius) return (int32_t)k;
@@ -67,28 +67,72 @@ static inline void filtration__surface_velocity(const filtration__ball *b, const
     u[2] = b->velocity[2] + b->spin[0] * d[1] - b->spin[1] * d[0];
 }
 
-/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Populations are deviations, so that a film too thin for nodes
-   has the mean pressure. */
-static inline void filtration__exchange(const filtration__lattice *l, filtration__ball *b, int i, const double d[3], const double u[3],
-                                        double out, double back) {
+/* Sums over the links of a sphere, weighted as the lattice is: of the density at its surface and of places, for a line fitted to it. */
+typedef struct filtration__surface {
+    double weight, density, place[3], rise[3]; /* sums of w, w r, w d, w r d */
+    double spread[6];                          /* of w d d: xx, yy, zz, yz, zx, xy */
+    double arm[3];                             /* of w (d x c) */
+} filtration__surface;
+
+/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Half of what goes and comes is w times the density there. */
+static inline void filtration__exchange(const filtration__lattice *l, filtration__ball *b, filtration__surface *s, int i, const double d[3],
+                                        const double u[3], double out, double back) {
+    const double w = l->w[i], c[3] = {(double)l->c[i][0], (double)l->c[i][1], (double)l->c[i][2]}, wr = 0.5 * (out + back);
     double f[3];
     for (int a = 0; a < 3; a++) {
-        f[a] = l->c[i][a] * (out + back) - u[a] * (out - back);
+        const int y = (a + 1) % 3, z = (a + 2) % 3;
+        f[a] = c[a] * (out + back) - u[a] * (out - back);
         b->force[0][a] += f[a];
+        b->hull[a] += l->c[i][a] * l->whole_weight[i];
+        s->place[a] += w * d[a], s->rise[a] += wr * d[a];
+        s->spread[a] += w * d[a] * d[a], s->spread[3 + a] += w * d[y] * d[z];
+        s->arm[a] += w * (d[y] * c[z] - d[z] * c[y]);
     }
+    s->weight += w, s->density += wr;
     b->torque[0][0] += d[1] * f[2] - d[2] * f[1];
     b->torque[0][1] += d[2] * f[0] - d[0] * f[2];
     b->torque[0][2] += d[0] * f[1] - d[1] * f[0];
 }
 
-/* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one. */
-static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b, int x, int y, int z, int j) {
+/* Fits density + slope . d to the density at a sphere's links, by least squares; the more of the surface is hidden, the more the slope is
+   held down. A constant density is met exactly. */
+static inline void filtration__fit_density(filtration__ball *b, const filtration__surface *s) {
+    double mean[3], m[6], right[3], minor[3];
+    b->density = b->slope[0] = b->slope[1] = b->slope[2] = 0.0;
+    if (!(s->weight > 0.0)) return;
+    for (int a = 0; a < 3; a++) mean[a] = s->place[a] / s->weight, right[a] = s->rise[a] - s->density * mean[a];
+    for (int a = 0; a < 3; a++) {
+        const int y = (a + 1) % 3, z = (a + 2) % 3;
+        m[a] = s->spread[a] - s->weight * mean[a] * mean[a] + 0.01 * s->weight * b->radius * b->radius;
+        m[3 + a] = s->spread[3 + a] - s->weight * mean[y] * mean[z];
+    }
+    minor[0] = m[1] * m[2] - m[3] * m[3], minor[1] = m[3] * m[4] - m[5] * m[2], minor[2] = m[5] * m[3] - m[1] * m[4];
+    const double whole = m[0] * minor[0] + m[5] * minor[1] + m[4] * minor[2];
+    if (whole > 0.0) {
+        b->slope[0] = (right[0] * minor[0] + right[1] * minor[1] + right[2] * minor[2]) / whole;
+        b->slope[1] = (right[0] * minor[1] + right[1] * (m[0] * m[2] - m[4] * m[4]) + right[2] * (m[4] * m[5] - m[0] * m[3])) / whole;
+        b->slope[2] = (right[0] * minor[2] + right[1] * (m[4] * m[5] - m[0] * m[3]) + right[2] * (m[0] * m[1] - m[5] * m[5])) / whole;
+    }
+    b->density = s->density / s->weight - filtration__dot(b->slope, mean);
+}
+
+/* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one; otherwise counts a film. */
+static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
+                                         int z, int j) {
     int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
     double d[3], e[3], u[3], back, cd = 0.0, dd = 0.0, cc = 0.0;
     for (int a = 0; a < 3; a++) d[a] = p[a] - b->centre[a];
-    if (!filtration__inside(l, p, &mirrored) || mirrored) return;
-    if (l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) return;
     if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
+    const int from_image = mirrored;
+    if (!filtration__inside(l, p, &mirrored)) {
+        b->films += !from_image;
+        return;
+    }
+    if (mirrored) return;
+    if (l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) {
+        b->films += !from_image;
+        return;
+    }
     for (int a = 0; a < 3; a++) cd -= d[a] * l->c[j][a], dd += d[a] * d[a], cc += (double)(l->c[j][a] * l->c[j][a]);
     double root = cd * cd - cc * (dd - b->radius * b->radius);
     filtration__cut k = {p[0], p[1], p[2], filtration__opposite(j), l->half_way ? 0.5 : (-cd - sqrt(root > 0.0 ? root : 0.0)) / cc};
@@ -96,11 +140,16 @@ static inline void filtration__ball_link(filtration__lattice *l, int32_t index, 
     filtration__surface_velocity(b, e, u);
     double cu = -(l->c[j][0] * u[0] + l->c[j][1] * u[1] + l->c[j][2] * u[2]);
     double out = filtration__bounce(l, &k, cu, &back);
-    filtration__exchange(l, b, k.i, e, u, out, back);
+    filtration__exchange(l, b, sum, k.i, e, u, out, back);
 }
 
-/* Applies all links of a sphere: in every row those of its nodes whose neighbour along j is outside. */
-static inline void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b) {
+/* What is done with a link of a sphere, from its node (x, y, z) along j. */
+typedef void (*filtration__link_fn)(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
+                                    int z, int j);
+
+/* Visits all links of a sphere: in every row those of its nodes whose neighbour along j is outside. */
+FILTRATION__INLINE void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum,
+                                               const filtration__link_fn link) {
     int y0, y1, z0, z1;
     filtration__extent(b, 1, &y0, &y1);
     filtration__extent(b, 2, &z0, &z1);
@@ -117,14 +166,15 @@ static inline void filtration__ball_links(filtration__lattice *l, int32_t index,
             for (int j = 1; j < l->q; j++) {
                 const signed char *c = l->c[j];
                 int in = from[c[2] + 1][c[1] + 1] - c[0], out = to[c[2] + 1][c[1] + 1] - c[0];
-                for (int x = first; x <= end && x < in; x++) filtration__ball_link(l, index, b, x, y, z, j);
-                for (int x = out + 1 > first ? out + 1 : first; x <= end; x++) filtration__ball_link(l, index, b, x, y, z, j);
+                for (int x = first; x <= end && x < in; x++) link(l, index, b, sum, x, y, z, j);
+                for (int x = out + 1 > first ? out + 1 : first; x <= end; x++) link(l, index, b, sum, x, y, z, j);
             }
         }
 }
 
 static void filtration__ball_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
+    filtration__surface sum;
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
         filtration__ball *b = &l->balls[n];
         if (!(b->radius > 0.0)) continue;
@@ -132,7 +182,11 @@ static void filtration__ball_task(void *context, int task) {
         memcpy(b->torque[1], b->torque[0], sizeof b->torque[0]);
         memset(b->force[0], 0, sizeof b->force[0]);
         memset(b->torque[0], 0, sizeof b->torque[0]);
-        filtration__ball_links(l, (int32_t)n, b);
+        memset(&sum, 0, sizeof sum);
+        b->films = b->hull[0] = b->hull[1] = b->hull[2] = 0;
+        filtration__ball_links(l, (int32_t)n, b, &sum, filtration__ball_link);
+        filtration__fit_density(b, &sum);
+        for (int a = 0; a < 3; a++) b->torque[0][a] -= 2.0 * b->density * sum.arm[a]; /* a constant pressure turns no sphere */
         b->steps++;
     }
 }
@@ -149,7 +203,8 @@ static inline double filtration__moments(const filtration__lattice *l, int x, in
     return r;
 }
 
-/* Sets the populations of a node that a sphere has left. d: from the sphere's centre. */
+/* Sets the populations of a node that a sphere has left. d: from the sphere's centre. Without a fluid neighbour: the density at the
+   sphere's surface. */
 static inline void filtration__fill(filtration__lattice *l, const filtration__ball *b, int x, int y, int z, const double d[3]) {
     double r = 0.0, u[3], near_u[3] = {0, 0, 0}, best = -HUGE_VAL, near_r = 0.0, mean[FILTRATION__Q] = {0};
     int count = 0, from[3] = {0, 0, 0}, mirrored;
@@ -168,7 +223,7 @@ static inline void filtration__fill(filtration__lattice *l, const filtration__ba
         memcpy(from, p, sizeof from);
         memcpy(near_u, v, sizeof near_u);
     }
-    if (count) r /= count;
+    r = count ? r / count : filtration__density_at(b, d);
     filtration__surface_velocity(b, d, u);
     for (int i = 0; i < l->q; i++) {
         double h = filtration__equilibrium(l, i, r, u);

@@ -20,9 +20,10 @@ refuse() {
 
 # check_options PROGRAM [OPTION...]: leaves with 2 and the program's own line where it would refuse an option; nothing needs to be built.
 check_options() {
-    source=examples/$1.c
+    source=examples/$1/$1.c headers=examples/$1/*.h
     shift
-    awk -f scripts/options.awk "$source" examples/*.h -- "$@" || exit 2
+    # shellcheck disable=SC2086 # a list of files
+    awk -f scripts/options.awk "$source" $headers -- "$@" || exit 2
 }
 
 # need WHAT...: compiler, c++, meson, ninja, pkg-config, cmocka, clang-format. Leaves with 2 where it cannot be had.

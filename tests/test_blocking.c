@@ -1025,7 +1025,7 @@ static void equal_readings_with_sigma(void **state) {
         for (int j = 0; j < 5; j++) {
             int free_holes = 0;
             for (int hole = 0; hole < 100; hole++) free_holes += next_random(&seed) < .998;
-            const double share = (free_holes + 1.0) / 102.0; /* as examples/blocking_tests.h */
+            const double share = (free_holes + 1.0) / 102.0; /* as examples/sieve_blocking/blocking_tests.h */
             counted[j] = free_holes / 100.0;
             error[j] = sqrt(share * (1.0 - share) / 100.0);
         }

@@ -50,7 +50,7 @@ static int remove_folder(void **state) {
 /* The file as text with a 0 at the end; the caller frees it. */
 static char *slurp(const char *name, long *size) {
     char path[600];
-    FILE *f = fopen(output_path(path, sizeof path, folder, name), "rb");
+    FILE *f = fopen(riddle_io_path(path, sizeof path, folder, name), "rb");
     if (!f) return NULL;
     fseek(f, 0, SEEK_END);
     long n = ftell(f);
@@ -186,21 +186,21 @@ static void test_options_bad(void **state) {
 
 static void test_output_whole_or_absent(void **state) {
     (void)state;
-    output *f = output_open(folder, "a.txt");
+    riddle_io_file *f = riddle_io_open(folder, "a.txt");
     assert_non_null(f);
-    assert_int_equal(output_print(f, "%d\n", 1), 0);
+    assert_int_equal(riddle_io_print(f, "%d\n", 1), 0);
     char path[300];
-    assert_int_equal(access(output_path(path, sizeof path, folder, "a.txt"), F_OK), -1); /* not there before it is whole */
-    assert_int_equal(output_close(f), 0);
+    assert_int_equal(access(riddle_io_path(path, sizeof path, folder, "a.txt"), F_OK), -1); /* not there before it is whole */
+    assert_int_equal(riddle_io_close(f), 0);
     expect_file("a.txt", "1\n");
     assert_int_equal(files_in(folder), 1);
-    f = output_open(folder, "a.txt");
-    output_print(f, "other\n");
-    output_discard(f);
+    f = riddle_io_open(folder, "a.txt");
+    riddle_io_print(f, "other\n");
+    riddle_io_discard(f);
     expect_file("a.txt", "1\n"); /* the older one stays */
-    f = output_open(folder, "a.txt");
-    output_print(f, "2\n");
-    assert_int_equal(output_close(f), 0);
+    f = riddle_io_open(folder, "a.txt");
+    riddle_io_print(f, "2\n");
+    assert_int_equal(riddle_io_close(f), 0);
     expect_file("a.txt", "2\n");
     assert_int_equal(files_in(folder), 1);
     struct stat info;
@@ -213,12 +213,12 @@ static void test_output_whole_or_absent(void **state) {
 static void test_output_through_a_link(void **state) {
     (void)state;
     char target[300], link_name[300];
-    output_close(output_open(folder, "target"));
+    riddle_io_close(riddle_io_open(folder, "target"));
     assert_int_equal(
-        symlink(output_path(target, sizeof target, folder, "target"), output_path(link_name, sizeof link_name, folder, "link")), 0);
-    output *f = output_open(folder, "link");
-    output_print(f, "through\n");
-    assert_int_equal(output_close(f), 0);
+        symlink(riddle_io_path(target, sizeof target, folder, "target"), riddle_io_path(link_name, sizeof link_name, folder, "link")), 0);
+    riddle_io_file *f = riddle_io_open(folder, "link");
+    riddle_io_print(f, "through\n");
+    assert_int_equal(riddle_io_close(f), 0);
     expect_file("target", "through\n");
     struct stat info;
     assert_int_equal(lstat(link_name, &info), 0);
@@ -228,19 +228,19 @@ static void test_output_through_a_link(void **state) {
 static void test_output_refused(void **state) {
     (void)state;
     char message[200], path[300];
-    assert_null(output_open("/dev/null/at/all", "x"));
-    assert_null(output_open(NULL, folder)); /* a folder */
-    assert_int_not_equal(output_print(NULL, "x"), 0);
-    assert_int_not_equal(output_write(NULL, "x", 1), 0);
-    assert_int_not_equal(output_close(NULL), 0);
-    output_discard(NULL);
-    output_close(output_open(folder, "file"));
+    assert_null(riddle_io_open("/dev/null/at/all", "x"));
+    assert_null(riddle_io_open(NULL, folder)); /* a folder */
+    assert_int_not_equal(riddle_io_print(NULL, "x"), 0);
+    assert_int_not_equal(riddle_io_write(NULL, "x", 1), 0);
+    assert_int_not_equal(riddle_io_close(NULL), 0);
+    riddle_io_discard(NULL);
+    riddle_io_close(riddle_io_open(folder, "file"));
     snprintf(path, sizeof path, "%s/file/sub", folder);
-    assert_int_not_equal(output_make_folder(path, message, sizeof message), 0);
+    assert_int_not_equal(riddle_io_make_folder(path, message, sizeof message), 0);
     assert_string_equal(message, "Not a directory");
     snprintf(path, sizeof path, "%s/a//b/c/", folder);
-    assert_int_equal(output_make_folder(path, message, sizeof message), 0);
-    assert_int_equal(output_make_folder(path, message, sizeof message), 0);
+    assert_int_equal(riddle_io_make_folder(path, message, sizeof message), 0);
+    assert_int_equal(riddle_io_make_folder(path, message, sizeof message), 0);
     assert_int_equal(files_in(path), 0);
     for (int cut = 4; cut >= 1; cut--) { /* so that the folder can be removed again */
         static const char *const parts[] = {"", "a", "a/b", "a/b/c"};
@@ -254,23 +254,23 @@ static void test_output_full_disk(void **state) {
     (void)state;
     if (access("/dev/full", W_OK) != 0) skip();
     static const char block[100000];
-    output *f = output_open(NULL, "/dev/full");
+    riddle_io_file *f = riddle_io_open(NULL, "/dev/full");
     assert_non_null(f);
-    output_print(f, "short");
-    assert_int_not_equal(output_close(f), 0);
-    f = output_open(NULL, "/dev/full");
-    output_write(f, block, sizeof block);
-    assert_int_not_equal(output_write(f, block, sizeof block), 0);
-    assert_int_not_equal(output_close(f), 0);
+    riddle_io_print(f, "short");
+    assert_int_not_equal(riddle_io_close(f), 0);
+    f = riddle_io_open(NULL, "/dev/full");
+    riddle_io_write(f, block, sizeof block);
+    assert_int_not_equal(riddle_io_write(f, block, sizeof block), 0);
+    assert_int_not_equal(riddle_io_close(f), 0);
     json *j = json_open("/dev/full");
     json_number(j, "a", 1.0);
     assert_int_not_equal(json_close(j), 0);
-    csv *c = csv_open(NULL, "/dev/full", "a,b");
-    assert_int_not_equal(csv_close(c), 0);
-    plot *p = plot_new("full", 1, 1);
-    assert_int_not_equal(plot_write(p, NULL, "/dev/full"), 0);
+    riddle_io_file *c = csv_open(NULL, "/dev/full", "a,b");
+    assert_int_not_equal(riddle_io_close(c), 0);
+    riddle_plot *p = riddle_plot_new("full", 1, 1);
+    assert_int_not_equal(riddle_plot_write(p, NULL, "/dev/full"), 0);
     double xyz[3] = {1.0, 2.0, 3.0};
-    assert_int_not_equal(vtp_points(NULL, "/dev/full", 1, vtk_vector("position", xyz), NULL, 0), 0);
+    assert_int_not_equal(riddle_io_points(NULL, "/dev/full", 1, riddle_io_vector("position", xyz), NULL, 0), 0);
     assert_int_equal(access("/dev/full", W_OK), 0); /* still there */
     assert_int_equal(common_exit_status(), 1);
 }
@@ -282,7 +282,7 @@ static void test_json(void **state) {
     char path[300];
     double values[] = {0.1, -1e300, (double)NAN, HUGE_VAL};
     int whole[] = {1, -2};
-    json *j = json_open(output_path(path, sizeof path, folder, "a.json"));
+    json *j = json_open(riddle_io_path(path, sizeof path, folder, "a.json"));
     json_number(j, "time_s", 0.1);
     json_integer(j, "steps", 9007199254740993LL);
     json_string(j, "text", "\"a\\b\"\n\x01 \xC3\xA9");
@@ -323,7 +323,7 @@ static void test_json_absent(void **state) {
     json_discard(j);
     assert_int_equal(json_close(j), 0);
     char path[300];
-    j = json_open(output_path(path, sizeof path, folder, "deep.json"));
+    j = json_open(riddle_io_path(path, sizeof path, folder, "deep.json"));
     for (int i = 0; i < 100; i++) json_array_begin(j, NULL); /* deeper than it goes: stays balanced */
     for (int i = 0; i < 200; i++) json_array_end(j);
     assert_int_equal(json_close(j), 0);
@@ -343,13 +343,13 @@ static void test_json_absent(void **state) {
 static void test_csv_round_trip(void **state) {
     (void)state;
     double rows[3][3] = {{0.1, -1e-300, 3.0}, {(double)NAN, DBL_MAX, 4.9e-324}, {HUGE_VAL, -0.0, 1.0 / 3.0}};
-    csv *c = csv_open(folder, "a.csv", "# a comment\ntime_s,mass_kg,x [m]");
-    for (int i = 0; i < 3; i++) assert_int_equal(csv_row(c, rows[i], 3), 0);
+    riddle_io_file *c = csv_open(folder, "a.csv", "# a comment\ntime_s,mass_kg,x [m]");
+    for (int i = 0; i < 3; i++) assert_int_equal(riddle_io_row(c, rows[i], 3), 0);
     csv_line(c, "%d,%s,%g", 7, "", 2.5);
-    assert_int_equal(csv_close(c), 0);
+    assert_int_equal(riddle_io_close(c), 0);
     char path[300], message[200];
     csv_data data;
-    assert_int_equal(csv_read(output_path(path, sizeof path, folder, "a.csv"), &data, message, sizeof message), 0);
+    assert_int_equal(csv_read(riddle_io_path(path, sizeof path, folder, "a.csv"), &data, message, sizeof message), 0);
     assert_int_equal(data.rows, 4);
     assert_int_equal(data.columns, 3);
     assert_int_equal(csv_column(&data, "x [m]"), 2);
@@ -429,28 +429,32 @@ static void test_vtp_arrays_as_others_write_them(void **state) {
     double velocity[] = {1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
     float group[] = {0.0f, 1.0f}, part[] = {0.0f, 0.5f};
     struct {
-        vtk_array array[4];
+        riddle_io_array array[4];
         int n;
         const char *message; /* NULL: right */
     } cases[] = {
-        {{vtk_scalar("Diameter [um]", size), vtk_scalar("radius_mm", radius), vtk_vector("velocity_mm_s", velocity),
-          vtk_scalar_float("Group", group)},
+        {{riddle_io_scalar("Diameter [um]", size), riddle_io_scalar("radius_mm", radius), riddle_io_vector("velocity_mm_s", velocity),
+          riddle_io_scalar_float("Group", group)},
          4,
          NULL},
-        {{vtk_scalar("diameter_um", size), vtk_scalar_float("group", part)}, 2, "f.vtp: the array group is damaged or of another type"},
-        {{vtk_scalar("diameter_um", size), vtk_scalar("radius_mm", wide)}, 2, "f.vtp: the array radius_mm is damaged or of another type"},
-        {{vtk_scalar("diameter_um", size), vtk_scalar("diameter_mm", radius)}, 2, "f.vtp: two arrays are named diameter"},
-        {{vtk_scalar("diameter_um", size), vtk_vector("velocity_mm", velocity)},
+        {{riddle_io_scalar("diameter_um", size), riddle_io_scalar_float("group", part)},
+         2,
+         "f.vtp: the array group is damaged or of another type"},
+        {{riddle_io_scalar("diameter_um", size), riddle_io_scalar("radius_mm", wide)},
+         2,
+         "f.vtp: the array radius_mm is damaged or of another type"},
+        {{riddle_io_scalar("diameter_um", size), riddle_io_scalar("diameter_mm", radius)}, 2, "f.vtp: two arrays are named diameter"},
+        {{riddle_io_scalar("diameter_um", size), riddle_io_vector("velocity_mm", velocity)},
          2,
          "f.vtp: the unit of array velocity_mm cannot be that of velocity"},
-        {{vtk_scalar("diameter_s", size)}, 1, "f.vtp: the unit of array diameter_s cannot be that of diameter"},
-        {{vtk_vector("velocity", velocity)}, 1, "f.vtp: no diameter or radius"},
+        {{riddle_io_scalar("diameter_s", size)}, 1, "f.vtp: the unit of array diameter_s cannot be that of diameter"},
+        {{riddle_io_vector("velocity", velocity)}, 1, "f.vtp: no diameter or radius"},
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         char message[400] = "";
         long bytes;
         particles p;
-        assert_int_equal(vtp_points(folder, "f.vtp", 2, vtk_vector3("position", x, y, z), cases[k].array, cases[k].n), 0);
+        assert_int_equal(riddle_io_points(folder, "f.vtp", 2, riddle_io_vector3("position", x, y, z), cases[k].array, cases[k].n), 0);
         char *text = slurp("f.vtp", &bytes);
         assert_int_equal(particles_parse(text, (size_t)bytes, "f.vtp", &p, message, sizeof message), cases[k].message ? -1 : 0);
         assert_string_equal(message, cases[k].message ? cases[k].message : "");
@@ -516,17 +520,17 @@ static void test_table(void **state) {
     char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
-    text_table t = table_begin("name|value [m]|n");
-    table_cell(&t, "a");
-    table_cell(&t, "%.2f", 1.5);
-    table_cell(&t, "%d", 30);
-    table_cell(&t, "\xC3\xA9tage");
-    table_cell(&t, "%.2f", -10.0);
-    table_cell(&t, "-");
-    table_cell(&t, "b");
-    table_cell(&t, "%d", 3);
-    table_cell(&t, "%s", "");
-    table_end_to(&t, f);
+    riddle_io_table t = riddle_io_table_begin("name|value [m]|n");
+    riddle_io_table_cell(&t, "a");
+    riddle_io_table_cell(&t, "%.2f", 1.5);
+    riddle_io_table_cell(&t, "%d", 30);
+    riddle_io_table_cell(&t, "\xC3\xA9tage");
+    riddle_io_table_cell(&t, "%.2f", -10.0);
+    riddle_io_table_cell(&t, "-");
+    riddle_io_table_cell(&t, "b");
+    riddle_io_table_cell(&t, "%d", 3);
+    riddle_io_table_cell(&t, "%s", "");
+    riddle_io_table_end(&t, f);
     fclose(f);
     assert_string_equal(text, "name   value [m]   n\n"
                               "-----  ---------  --\n"
@@ -573,9 +577,9 @@ static void test_vtp(void **state) {
     double both[] = {1.0, 2.0, 3.0, 99.0, 4.0, 5.0, 6.0, 99.0, 7.0, 8.0, 9.0, 99.0};
     int klass[] = {0, -1, 2};
     float f[] = {1.5f, 2.5f, 3.5f};
-    vtk_array arrays[] = {vtk_scalar("radius", radius), vtk_ints("class", klass), vtk_vector_stride("velocity<&", both, 4),
-                          vtk_scalar_float("f", f)};
-    assert_int_equal(vtp_points(folder, "a.vtp", 3, vtk_vector3("position", x, y, z), arrays, 4), 0);
+    riddle_io_array arrays[] = {riddle_io_scalar("radius", radius), riddle_io_ints("class", klass),
+                                riddle_io_vector_stride("velocity<&", both, 4), riddle_io_scalar_float("f", f)};
+    assert_int_equal(riddle_io_points(folder, "a.vtp", 3, riddle_io_vector3("position", x, y, z), arrays, 4), 0);
     long size;
     char *text = slurp("a.vtp", &size);
     assert_non_null(strstr(text, "byte_order=\"LittleEndian\" header_type=\"UInt64\""));
@@ -597,15 +601,15 @@ static void test_vtp(void **state) {
     assert_memory_equal(a + 12, "\n</AppendedData>\n</VTKFile>\n", 28);
     assert_true(a + 12 + 28 == text + size);
     free(text);
-    assert_int_equal(vtp_points(folder, "empty.vtp", 0, vtk_vector3("position", x, y, z), NULL, 0), 0);
+    assert_int_equal(riddle_io_points(folder, "empty.vtp", 0, riddle_io_vector3("position", x, y, z), NULL, 0), 0);
 }
 
 static void test_vtp_polygons_and_image(void **state) {
     (void)state;
     double xyz[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
     int corners[] = {0, 1, 2, 0, 2, 3}, ends[] = {3, 6};
-    assert_int_equal(vtp_polygons(folder, "p.vtp", 4, vtk_vector("position", xyz), 2, ends, corners, NULL, 0), 0);
-    assert_int_equal(vtp_lines(folder, "l.vtp", 4, vtk_vector("position", xyz), 2, ends, corners, NULL, 0), 0);
+    assert_int_equal(riddle_io_polygons(folder, "p.vtp", 4, riddle_io_vector("position", xyz), 2, ends, corners, NULL, 0), 0);
+    assert_int_equal(riddle_io_lines(folder, "l.vtp", 4, riddle_io_vector("position", xyz), 2, ends, corners, NULL, 0), 0);
     char *text = slurp("p.vtp", NULL);
     assert_non_null(strstr(text, "NumberOfPolys=\"2\""));
     const char *a = array_of(text, "connectivity", 24);
@@ -618,24 +622,26 @@ static void test_vtp_polygons_and_image(void **state) {
     free(text);
     int size[3] = {2, 3, 1};
     double origin[3] = {0.0, -1.0, 0.0}, spacing[3] = {0.5, 0.25, 1.0}, values[6] = {1, 2, 3, 4, 5, 6};
-    vtk_array pressure = vtk_scalar("pressure_Pa", values);
-    assert_int_equal(vti_cells(folder, "i.vti", size, origin, spacing, &pressure, 1), 0);
+    riddle_io_array pressure = riddle_io_scalar("pressure_Pa", values);
+    assert_int_equal(riddle_io_cells(folder, "i.vti", size, origin, spacing, &pressure, 1), 0);
     text = slurp("i.vti", NULL);
     assert_non_null(strstr(text, "WholeExtent=\"0 2 0 3 0 1\" Origin=\"0 -1 0\" Spacing=\"0.5 0.25 1\""));
     a = array_of(text, "pressure_Pa", 24);
     assert_true(float_at(a + 20) == 6.0);
     free(text);
     size[0] = 0;
-    assert_int_not_equal(vti_cells(folder, "none.vti", size, origin, spacing, &pressure, 1), 0);
+    assert_int_not_equal(riddle_io_cells(folder, "none.vti", size, origin, spacing, &pressure, 1), 0);
     assert_int_equal(files_in(folder), 3);
 }
 
 static void test_pvd(void **state) {
     (void)state;
     double xyz[3] = {0.0, 0.0, 0.0};
-    pvd *series = pvd_open(folder, "run.pvd");
-    for (int i = 0; i < 3; i++) assert_int_equal(vtp_points(folder, pvd_name(series, 0.1 * i), 1, vtk_vector("position", xyz), NULL, 0), 0);
-    assert_int_equal(pvd_close(series), 0);
+    riddle_io_series *series = riddle_io_series_open(folder, "run.pvd");
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(riddle_io_points(folder, riddle_io_series_name(series, 0.1 * i), 1, riddle_io_vector("position", xyz), NULL, 0),
+                         0);
+    assert_int_equal(riddle_io_series_close(series), 0);
     expect_file("run.pvd",
                 "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n"
                 "<DataSet timestep=\"0\" part=\"0\" file=\"run_0000.vtp\"/>\n<DataSet timestep=\"0.1\" part=\"0\" file=\"run_0001.vtp\"/>\n"

@@ -1,4 +1,4 @@
-/* examples/contact_laws.h: adhesion, rolling, twisting and bonds against closed forms, in the formula and in a running world. */
+/* dem_laws.h: adhesion, rolling, twisting and bonds against closed forms, in the formula and in a running world. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "../examples/contact_laws.h"
+#include "dem_laws.h"
 #include "dem_scenes.h"
 #include "failing_allocator.h"
 

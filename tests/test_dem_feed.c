@@ -748,12 +748,12 @@ static void test_start_from_a_table(void **state) {
 
     /* written as .vtp and read again: the same to single precision, and into a world */
     dem_world w = plain_world();
-    const vtk_array arrays[] = {vtk_scalar("diameter_m", p.diameter), vtk_vector("velocity_m_s", p.velocity),
-                                vtk_vector("spin_rad_s", p.spin), vtk_ints("class", p.group)};
+    const riddle_io_array arrays[] = {riddle_io_scalar("diameter_m", p.diameter), riddle_io_vector("velocity_m_s", p.velocity),
+                                      riddle_io_vector("spin_rad_s", p.spin), riddle_io_ints("class", p.group)};
     const char *folder = getenv("TMPDIR");
     char path[600];
     snprintf(path, sizeof path, "%s/riddle-%06.0f.vtp", folder ? folder : "/tmp", fmod(machine_seconds() * 1e6, 1e6));
-    assert_int_equal(vtp_points(NULL, path, p.n, vtk_vector("position", p.centre), arrays, 4), 0);
+    assert_int_equal(riddle_io_points(NULL, path, p.n, riddle_io_vector("position", p.centre), arrays, 4), 0);
     particles q;
     assert_int_equal(particles_read(path, &q, message, sizeof message), 0);
     assert_int_equal(q.n, 2);

@@ -180,13 +180,13 @@ static void test_section(void **state) {
     const double centres[] = {0.0, 0.03, 0.0, 0.2, 0.2, 0.0, 0.05, -0.04, 0.1}, diameters[] = {0.1, 0.1, 0.1};
     dem_add_cylinder(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 1, 0), 0.3, 1);
     assert_int_equal(dem_add_spheres(&w, 3, centres, diameters, 0, 0), DEM_OK);
-    riddle_io_plot *p = riddle_io_plot_new("section", 1, 1);
-    riddle_io_plot_panel_size(p, 400.0, 400.0);
-    riddle_io_plot_panel(p, 0, 0, "x [mm]", "z [mm]");
-    riddle_io_plot_range_x(p, -400.0, 400.0);
-    riddle_io_plot_range_y(p, -400.0, 400.0);
+    riddle_plot *p = riddle_plot_new("section", 1, 1);
+    riddle_plot_panel_size(p, 400.0, 400.0);
+    riddle_plot_panel(p, 0, 0, "x [mm]", "z [mm]");
+    riddle_plot_range_x(p, -400.0, 400.0);
+    riddle_plot_range_y(p, -400.0, 400.0);
     assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), NULL, 0), DEM_OK);
-    assert_int_equal(riddle_io_plot_write(p, NULL, file(".svg")), RIDDLE_IO_OK);
+    assert_int_equal(riddle_plot_write(p, NULL, file(".svg")), RIDDLE_IO_OK);
     char *text = taken(path), *at = text;
     const double radius[] = {20.0, 15.0}; /* half a millimetre a point; the second sphere does not reach the plane */
     for (int i = 0; i < 2; i++) {
@@ -199,12 +199,12 @@ static void test_section(void **state) {
     assert_null(strstr(at + 1, "<circle"));
     assert_non_null(strstr(at, "M")); /* the drum */
     free(text);
-    p = riddle_io_plot_new(NULL, 1, 1);
+    p = riddle_plot_new(NULL, 1, 1);
     assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(0, 0, 0), dem_vec3(1, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(1, 0, 0), dem_vec3(2, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3((double)NAN, 0, 0), dem_vec3(1, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_io_section(&w, p, dem_vec3(0, (double)NAN, 0), dem_vec3(0, 1, 0), dem_vec3(1, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
-    riddle_io_plot_free(p);
+    riddle_plot_free(p);
     dem_free(&w);
 }
 
@@ -216,9 +216,9 @@ static int count_of(const char *text, const char *part) {
 
 /* The figure of a section through z = 0, seen from below y; the caller frees the text. */
 static char *section_of(const dem_world *w, const char *const *names, int n_names) {
-    riddle_io_plot *p = riddle_io_plot_new(NULL, 1, 1);
+    riddle_plot *p = riddle_plot_new(NULL, 1, 1);
     assert_int_equal(dem_io_section(w, p, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), names, n_names), DEM_OK);
-    assert_int_equal(riddle_io_plot_write(p, NULL, file(".svg")), RIDDLE_IO_OK);
+    assert_int_equal(riddle_plot_write(p, NULL, file(".svg")), RIDDLE_IO_OK);
     return taken(path);
 }
 
@@ -385,7 +385,7 @@ static void test_memory_and_wrong_calls(void **state) {
     const double centre[] = {0.0, 0.0, 0.5}, diameter[] = {0.1};
     assert_int_equal(dem_add_spheres(&w, 1, centre, diameter, 0, 0), DEM_OK);
     assert_true(dem_add_box(&w, 0, dem_vec3(0, 0, 0), dem_vec3(1, 1, 1)) >= 0);
-    riddle_io_plot *p = riddle_io_plot_new(NULL, 1, 1);
+    riddle_plot *p = riddle_plot_new(NULL, 1, 1);
     memory.fail_at = memory.calls;
     assert_int_equal(dem_io_surface_of(&w, &s), DEM_OUT_OF_MEMORY);
     assert_int_equal(dem_io_particles(&w, NULL, file(".vtp")), RIDDLE_IO_NO_MEMORY);
@@ -394,7 +394,7 @@ static void test_memory_and_wrong_calls(void **state) {
     memory.fail_at = memory.calls + 1; /* the second block of each */
     assert_int_equal(dem_io_walls(&w, NULL, path), RIDDLE_IO_NO_MEMORY);
     assert_int_equal(access(path, F_OK), -1);
-    riddle_io_plot_free(p);
+    riddle_plot_free(p);
     dem_free(&w);
     assert_int_equal(failing_live(&memory), 0);
     assert_int_equal(dem_io_surface_of(NULL, &s), DEM_BAD_ARGUMENT);
@@ -560,49 +560,49 @@ static void test_null_pointers(void **state) {
     riddle_io_series_name(NULL, 0);
     riddle_io_series_name_as(NULL, 0, NULL);
     riddle_io_series_close(NULL);
-    riddle_io_plot *p = riddle_io_plot_new(NULL, 1, 1);
-    riddle_io_plot *q[2];
+    riddle_plot *p = riddle_plot_new(NULL, 1, 1);
+    riddle_plot *q[2];
     q[0] = p;
     q[1] = NULL;
-    riddle_io_plot_new("x", 0, -1);
-    riddle_io_plot_new("x", 99, 1);
+    riddle_plot_new("x", 0, -1);
+    riddle_plot_new("x", 99, 1);
     for (int k = 0; k < 2; k++) {
-        riddle_io_plot *t = q[k];
-        riddle_io_plot_panel_size(t, -1, 0.0 / 0.0);
-        riddle_io_plot_panel(t, 9, -1, NULL, NULL);
-        riddle_io_plot_panel(t, 0, 0, NULL, NULL);
-        riddle_io_plot_title(t, NULL);
-        riddle_io_plot_log_x(t);
-        riddle_io_plot_log_y(t);
-        riddle_io_plot_range_x(t, 0.0 / 0.0, 1);
-        riddle_io_plot_range_y(t, 2, 1);
-        riddle_io_plot_range_y(t, -1, 1);
-        riddle_io_plot_equal(t);
-        riddle_io_plot_line(t, NULL, NULL, NULL, 3);
-        riddle_io_plot_line(t, NULL, x, x, 3);
-        riddle_io_plot_line(t, NULL, x, x, -3);
-        riddle_io_plot_points(t, NULL, x, NULL, 3);
-        riddle_io_plot_band(t, NULL, x, NULL, x, 3);
-        riddle_io_plot_error_bars(t, NULL, x, x, NULL, 3);
-        riddle_io_plot_discs(t, NULL, NULL, NULL, NULL, 3);
-        riddle_io_plot_discs(t, NULL, x, x, x, 3);
-        riddle_io_plot_bars(t, NULL, NULL, x, 3);
-        riddle_io_plot_bars(t, NULL, names, x, 3);
-        riddle_io_plot_bars(t, NULL, names, NULL, 3);
-        riddle_io_plot_heat(t, NULL, NULL, 1, 3, 0, 1, 0, 1);
-        riddle_io_plot_heat(t, NULL, x, 1, 3, 0, 1, 0, 0.0 / 0.0);
-        riddle_io_plot_heat(t, NULL, x, 0, -3, 0, 1, 0, 1);
-        riddle_io_plot_heat_range(t, 1, 1);
-        riddle_io_plot_style(t, -1, -99);
-        riddle_io_plot_style(t, 1 << 30, 99999999);
-        riddle_io_plot_horizontal(t, NULL, 0.0 / 0.0);
-        riddle_io_plot_vertical(t, NULL, 1e308);
-        riddle_io_plot_text(t, 0, 0, NULL);
-        riddle_io_plot_text_share(t, 0.0 / 0.0, 0, NULL);
-        riddle_io_plot_write(t, NULL, k ? NULL : "/dev/null");
+        riddle_plot *t = q[k];
+        riddle_plot_panel_size(t, -1, 0.0 / 0.0);
+        riddle_plot_panel(t, 9, -1, NULL, NULL);
+        riddle_plot_panel(t, 0, 0, NULL, NULL);
+        riddle_plot_title(t, NULL);
+        riddle_plot_log_x(t);
+        riddle_plot_log_y(t);
+        riddle_plot_range_x(t, 0.0 / 0.0, 1);
+        riddle_plot_range_y(t, 2, 1);
+        riddle_plot_range_y(t, -1, 1);
+        riddle_plot_equal(t);
+        riddle_plot_line(t, NULL, NULL, NULL, 3);
+        riddle_plot_line(t, NULL, x, x, 3);
+        riddle_plot_line(t, NULL, x, x, -3);
+        riddle_plot_points(t, NULL, x, NULL, 3);
+        riddle_plot_band(t, NULL, x, NULL, x, 3);
+        riddle_plot_error_bars(t, NULL, x, x, NULL, 3);
+        riddle_plot_discs(t, NULL, NULL, NULL, NULL, 3);
+        riddle_plot_discs(t, NULL, x, x, x, 3);
+        riddle_plot_bars(t, NULL, NULL, x, 3);
+        riddle_plot_bars(t, NULL, names, x, 3);
+        riddle_plot_bars(t, NULL, names, NULL, 3);
+        riddle_plot_heat(t, NULL, NULL, 1, 3, 0, 1, 0, 1);
+        riddle_plot_heat(t, NULL, x, 1, 3, 0, 1, 0, 0.0 / 0.0);
+        riddle_plot_heat(t, NULL, x, 0, -3, 0, 1, 0, 1);
+        riddle_plot_heat_range(t, 1, 1);
+        riddle_plot_style(t, -1, -99);
+        riddle_plot_style(t, 1 << 30, 99999999);
+        riddle_plot_horizontal(t, NULL, 0.0 / 0.0);
+        riddle_plot_vertical(t, NULL, 1e308);
+        riddle_plot_text(t, 0, 0, NULL);
+        riddle_plot_text_share(t, 0.0 / 0.0, 0, NULL);
+        riddle_plot_write(t, NULL, k ? NULL : "/dev/null");
     }
-    riddle_io_plot_free(NULL);
-    riddle_io_plot_write(riddle_io_plot_new("t", 1, 1), NULL, NULL);
+    riddle_plot_free(NULL);
+    riddle_plot_write(riddle_plot_new("t", 1, 1), NULL, NULL);
     riddle_io_table t = riddle_io_table_begin(NULL);
     riddle_io_table_cell(&t, "%d", 1);
     riddle_io_table_end(&t, NULL);

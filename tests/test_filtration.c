@@ -94,6 +94,104 @@ static void test_pressure_and_mirror(void **state) {
     assert_true(fabs(half / whole - 1.0) < 1e-9);
 }
 
+/* ---- the level of the pressure ---- */
+
+static void level_flow(void *user, const double point[3], double velocity[3], double *pressure) {
+    (void)point;
+    velocity[0] = velocity[1] = velocity[2] = 0.0, *pressure = *(const double *)user;
+}
+
+/* Three spheres in a liquid at rest at p0: two with a gap [voxels], the third at one of them or cut by a face. Largest force over p0 pi R^2,
+   torque over p0 pi R^3. */
+static double level_force(double p0, double gap, filtration_face side, int cut) {
+    const double voxel = 7.5e-6, R = 40e-6, z = 16 * voxel, h = R + 0.5 * gap * voxel,
+                 x = (side == FILTRATION_SYMMETRY ? 0.0 : 10.5) * voxel;
+    filtration_fluid_def def = filtration_fluid_default_def();
+    filtration_fluid fluid;
+    def.voxel = voxel, def.tau = 0.6, def.bulk_ratio = 10.0;
+    def.nodes[0] = def.nodes[1] = 21, def.nodes[2] = 32;
+    def.face[0] = def.face[1] = side;
+    def.face[4] = def.face[5] = FILTRATION_PRESSURE, def.face_pressure[4] = def.face_pressure[5] = p0;
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_set_flow(&fluid, level_flow, &p0), FILTRATION_OK);
+    double centre[9] = {x, 10.5 * voxel, z - h, x, 10.5 * voxel, z + h, x + 2.0 * h, 10.1 * voxel, cut ? 2.3 * voxel : z - h};
+    double zero[9] = {0}, radius[3] = {R, R, R}, force[9], torque[9], worst = 0.0;
+    const filtration_spheres s = {3, centre, zero, zero, radius, force, torque};
+    assert_int_equal(filtration_fluid_run(&fluid, 6, &s), FILTRATION_OK);
+    for (int k = 0; k < 9; k++) worst = fmax(worst, fmax(fabs(force[k]), fabs(torque[k]) / R) / (fabs(p0) * 3.14159265358979 * R * R));
+    filtration_fluid_free(&fluid);
+    return worst;
+}
+
+/* Spheres on two wires, one of them cut by a face, in a flow between faces at low and low + 100 Pa: forces and places after a while. */
+static void level_of_cake(double low, int moves, double out[36]) {
+    enum { N = 6 };
+    const double voxel = 10e-6, R = 40e-6;
+    double start = low + 50.0;
+    static const double box[3] = {160e-6, 160e-6, 300e-6}, a[6] = {0, 50e-6, 60e-6, 0, 130e-6, 60e-6},
+                        b[6] = {160e-6, 50e-6, 60e-6, 160e-6, 130e-6, 60e-6}, wire[2] = {20e-6, 20e-6};
+    static const int periodic[3] = {1, 1, 0};
+    filtration_bed bed;
+    filtration_fluid_def def = filtration_fluid_default_def();
+    filtration_motion_def motion = filtration_motion_default_def();
+    filtration_fluid fluid;
+    assert_int_equal(filtration_bed_init(&bed, 2, a, b, wire, box, periodic, 40e-6, NULL), FILTRATION_OK);
+    def.voxel = voxel, def.tau = 0.6, def.bulk_ratio = 10.0;
+    def.nodes[0] = def.nodes[1] = 16, def.nodes[2] = 30;
+    def.face[4] = def.face[5] = FILTRATION_PRESSURE, def.face_pressure[4] = low, def.face_pressure[5] = low + 100.0;
+    def.solid = filtration_bed_solid(&bed);
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_set_flow(&fluid, level_flow, &start), FILTRATION_OK);
+    double centre[3 * N] = {40e-6,  90e-6, 108e-6, 120e-6, 90e-6, 108e-6, 40e-6, 10e-6, 107e-6,
+                            120e-6, 10e-6, 110e-6, 80e-6,  80e-6, 178e-6, 20e-6, 20e-6, 281e-6};
+    double velocity[3 * N] = {0}, spin[3 * N] = {0}, radius[N] = {R, R, R, R, R, 25e-6}, force[3 * N], torque[3 * N];
+    const filtration_spheres s = {N, centre, velocity, spin, radius, force, torque};
+    filtration_spheres moved = s;
+    for (int k = 0; k < 400; k++) {
+        assert_int_equal(filtration_fluid_step(&fluid, &s), FILTRATION_OK);
+        if (moves) assert_int_equal(filtration_move(&motion, &fluid, &moved, 1.0, NULL), FILTRATION_OK);
+    }
+    for (int k = 0; k < 3 * N; k++) out[k] = moves ? centre[k] : force[k], out[18 + k] = moves ? velocity[k] : torque[k] / R;
+    filtration_fluid_free(&fluid);
+    filtration_bed_free(&bed);
+}
+
+static void test_pressure_has_no_level(void **state) {
+    (void)state;
+    static const double gaps[] = {-0.1, 0.0, 0.1, 0.7, 3.0}, levels[] = {500.0, -500.0, 5e4};
+    for (int g = 0; g < 5; g++)
+        for (int p = 0; p < 3; p++) assert_true(level_force(levels[p], gaps[g], FILTRATION_PERIODIC, 0) < 1e-10);
+    for (int p = 0; p < 3; p++) {
+        assert_true(level_force(levels[p], 0.1, FILTRATION_WALL, 1) < 1e-10);
+        assert_true(level_force(levels[p], 0.1, FILTRATION_SYMMETRY, 1) < 1e-10);
+    }
+    double about[36], above[36];
+    for (int moves = 0; moves < 2; moves++) {
+        double largest[2] = {0, 0};
+        level_of_cake(-50.0, moves, about);
+        level_of_cake(0.0, moves, above);
+        for (int k = 0; k < 36; k++) largest[k / 18] = fmax(largest[k / 18], fabs(about[k]));
+        for (int k = 0; k < 36; k++) assert_true(fabs(about[k] - above[k]) < 1e-9 * largest[k / 18]);
+    }
+}
+
+/* What a liquid is driven by in a periodic box, touching spheres take up: films push both with equal forces. */
+static void test_films_keep_momentum(void **state) {
+    (void)state;
+    filtration_fluid_def def = small_box(20);
+    filtration_fluid fluid;
+    def.tau = 2.0;
+    def.body_force[0] = 1e3, def.body_force[2] = 2e3;
+    double centre[9] = {6.2e-6, 6.1e-6, 6.3e-6, 14.2e-6, 6.1e-6, 6.3e-6, 10.2e-6, 12.4e-6, 9.0e-6}, zero[9] = {0};
+    double radius[3] = {4e-6, 4e-6, 3.9e-6}, force[9], torque[9];
+    const filtration_spheres s = {3, centre, zero, zero, radius, force, torque};
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_run(&fluid, 1500, &s), FILTRATION_OK);
+    const double liquid = filtration_fluid_porosity(&fluid) * 8000e-18;
+    for (int a = 0; a < 3; a += 2) assert_true(fabs((force[a] + force[3 + a] + force[6 + a]) / (def.body_force[a] * liquid) - 1.0) < 1e-6);
+    filtration_fluid_free(&fluid);
+}
+
 /* ---- Taylor-Green ---- */
 
 typedef struct vortex {
@@ -581,6 +679,90 @@ static double pulled(filtration_force_mode kind, int quarter) {
 }
 
 /* The paper's force is that of shear alone: two thirds of Stokes' drag, and 1.5 voxels over the radius less. */
+/* A dry sphere meets a wall and leaves it with the restitution asked, at any speed, size and stiffness. */
+static void test_restitution(void **state) {
+    (void)state;
+    static const double asked[] = {0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 1.0};
+    for (int k = 0; k < 7; k++) {
+        filtration_fluid_def def = small_box(16);
+        filtration_motion_def motion = filtration_motion_default_def();
+        filtration_fluid fluid;
+        def.voxel = 1e-5;
+        for (int f = 0; f < 6; f++) def.face[f] = FILTRATION_WALL;
+        assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+        const double speed = k % 2 ? 0.05 : 0.2;
+        motion.gravity[2] = 0.0, motion.restitution = asked[k], motion.lubrication = 0, motion.sub_steps = 20000;
+        motion.modulus = k % 3 ? 1e8 : 1e9;
+        double r = k % 2 ? 2e-5 : 4e-5, x[3] = {8e-5, 8e-5, r + 1e-9}, v[3] = {0, 0, -speed}, w[3] = {0}, force[3] = {0}, torque[3] = {0};
+        filtration_spheres s = {1, x, v, w, &r, force, torque};
+        for (int n = 0; n < 2; n++) assert_int_equal(filtration_move(&motion, &fluid, &s, 1.0, NULL), FILTRATION_OK);
+        assert_true(x[2] > r && fabs(v[2] / speed - asked[k]) < 0.005);
+        filtration_fluid_free(&fluid);
+    }
+}
+
+/* Presses a sphere into a pore; returns its speed and the speed of its surface after a while [m/s]. */
+static double speed_in_pore(const filtration_solid *solid, double x, double y, double z, double radius, double friction) {
+    filtration_fluid_def def = small_box(32);
+    filtration_motion_def motion = filtration_motion_default_def();
+    filtration_fluid fluid;
+    def.voxel = 7.5e-6, def.tau = 0.55, def.nodes[2] = 20;
+    def.face[4] = def.face[5] = FILTRATION_PRESSURE;
+    def.solid = *solid;
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    motion.gravity[2] = 0.0, motion.sub_steps = 20, motion.friction = friction;
+    double centre[3] = {x, y, z + radius}, v[3] = {0}, w[3] = {0}, force[3] = {0, 0, -1e-6}, torque[3] = {0}, contact[3];
+    filtration_spheres s = {1, centre, v, w, &radius, force, torque};
+    for (int n = 0; n < 2600; n++) assert_int_equal(filtration_move(&motion, &fluid, &s, 1.0, contact), FILTRATION_OK);
+    filtration_fluid_free(&fluid);
+    assert_true(fabs(contact[2] / 1e-6 - 1.0) < 1e-3);
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) + radius * sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+}
+
+/* A sphere touches every wire, fibre and sphere of the solid that it can: it comes to rest on them. */
+static void test_sphere_in_pore_rests(void **state) {
+    (void)state;
+    static const double a[9] = {60e-6, 60e-6, 50e-6, 130e-6, 70e-6, 50e-6, 90e-6, 130e-6, 55e-6}, r[3] = {40e-6, 38e-6, 36e-6};
+    static const double box[3] = {240e-6, 240e-6, 150e-6};
+    static const int periodic[3] = {1, 1, 0};
+    filtration_cloth cloth;
+    filtration_bed bed;
+    assert_int_equal(filtration_cloth_make(&cloth, 28e-6, 32e-6, FILTRATION_TWILL_WEAVE, 60e-6), FILTRATION_OK);
+    filtration_solid solid = filtration_cloth_solid(&cloth);
+    assert_true(speed_in_pore(&solid, 61e-6, 59.5e-6, 88e-6, 40e-6, 0.3) < 2e-7);
+    assert_true(speed_in_pore(&solid, 110e-6, 20e-6, 88e-6, 30e-6, 0.1) < 2e-7);
+    assert_int_equal(filtration_bed_init(&bed, 3, a, NULL, r, box, periodic, 60e-6, NULL), FILTRATION_OK);
+    solid = filtration_bed_solid(&bed);
+    assert_true(speed_in_pore(&solid, 95e-6, 85e-6, 92e-6, 40e-6, 0.3) < 2e-7);
+    filtration_bed_free(&bed);
+}
+
+/* The places of a cloth agree with its distance: the nearest of them is the nearest point. */
+static void test_places_of_a_cloth(void **state) {
+    (void)state;
+    filtration_cloth cloth;
+    filtration_near near[8];
+    for (int weave = 0; weave < 2; weave++) {
+        assert_int_equal(filtration_cloth_make(&cloth, 28e-6, 32e-6, (filtration_weave)weave, 60e-6), FILTRATION_OK);
+        const filtration_solid solid = filtration_cloth_solid(&cloth);
+        for (int k = 0; k < 300; k++) {
+            const double point[3] = {(k * 37 % 241) * 1e-6, (k * 53 % 239) * 1e-6, (60.0 + (k * 29 % 97) - 48.0) * 1e-6};
+            const double away = filtration_cloth_distance(&cloth, point);
+            if (!(away > 1e-6 && away < 25e-6)) continue;
+            const int n = solid.touch(&cloth, point, away - 0.5e-6, 1e-6, 8, near);
+            double least = HUGE_VAL;
+            assert_true(n >= 1);
+            for (int i = 0; i < n; i++) {
+                if (near[i].gap < least) least = near[i].gap;
+                double surface[3];
+                for (int a = 0; a < 3; a++) surface[a] = point[a] + near[i].normal[a] * (away - 0.5e-6 + near[i].gap);
+                assert_true(fabs(filtration_cloth_distance(&cloth, surface)) < 1e-11);
+            }
+            assert_true(fabs(least - 0.5e-6) < 1e-12);
+        }
+    }
+}
+
 static void test_shear_layer(void **state) {
     (void)state;
     const double drag = pulled(FILTRATION_MOMENTUM_EXCHANGE, 0), shear = pulled(FILTRATION_SHEAR_LAYER, 0);
@@ -626,6 +808,8 @@ static void test_bad_input(void **state) {
     REFUSED(bad.tau = 0.5, "tau");
     REFUSED(bad.viscosity = HUGE_VAL, "viscosity");
     REFUSED(bad.face[0] = FILTRATION_WALL, "face");
+    REFUSED(bad.face[4] = bad.face[5] = (filtration_face)17, "face");
+    REFUSED(bad.face[4] = FILTRATION_WALL; bad.face[5] = (filtration_face)-1, "face");
     REFUSED(bad.face_velocity[4][2] = 1.0, "face_velocity");
     REFUSED(bad.body_force[2] = (double)NAN, "body_force");
     REFUSED(bad.precision = FILTRATION_FLOAT; bad.lattice = FILTRATION_D3Q15, "precision");
@@ -759,6 +943,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_plates),
         cmocka_unit_test(test_pressure_and_mirror),
+        cmocka_unit_test(test_pressure_has_no_level),
+        cmocka_unit_test(test_films_keep_momentum),
         cmocka_unit_test(test_vortex_is_second_order),
         cmocka_unit_test(test_zick_homsy),
         cmocka_unit_test(test_fine_arrays),
@@ -770,6 +956,9 @@ int main(void) {
         cmocka_unit_test(test_another_time_step),
         cmocka_unit_test(test_mass),
         cmocka_unit_test(test_settling),
+        cmocka_unit_test(test_restitution),
+        cmocka_unit_test(test_sphere_in_pore_rests),
+        cmocka_unit_test(test_places_of_a_cloth),
         cmocka_unit_test(test_shear_layer),
         cmocka_unit_test(test_divergence_is_reported),
         cmocka_unit_test(test_bad_input),

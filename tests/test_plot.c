@@ -20,9 +20,9 @@
 static char path[300];
 
 /* Writes the figure, returns it as text (the caller frees it) and removes the file. */
-static char *drawn(plot *p) {
+static char *drawn(riddle_plot *p) {
     snprintf(path, sizeof path, "%s/riddle-plot.%ld.svg", getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp", (long)getpid());
-    assert_int_equal(plot_write(p, NULL, path), 0);
+    assert_int_equal(riddle_plot_write(p, NULL, path), 0);
     FILE *f = fopen(path, "rb");
     assert_non_null(f);
     fseek(f, 0, SEEK_END);
@@ -82,11 +82,11 @@ static bool has_tick(const char *text, const char *label) {
 static void test_data_stand_on_the_axes(void **state) {
     (void)state;
     double x[] = {0.0, 10.0, 5.0}, y[] = {-1.0, 1.0, 0.5}, box[4], cx, cy;
-    plot *p = plot_new("T & <co>", 1, 1);
-    plot_panel(p, 0, 0, "time [s]", "height [m]");
-    plot_range_x(p, 0.0, 10.0);
-    plot_range_y(p, -1.0, 1.0);
-    plot_points(p, "a", x, y, 3);
+    riddle_plot *p = riddle_plot_new("T & <co>", 1, 1);
+    riddle_plot_panel(p, 0, 0, "time [s]", "height [m]");
+    riddle_plot_range_x(p, 0.0, 10.0);
+    riddle_plot_range_y(p, -1.0, 1.0);
+    riddle_plot_points(p, "a", x, y, 3);
     char *text = drawn(p);
     expect_well_formed(text);
     frame(text, box);
@@ -110,12 +110,12 @@ static void test_data_stand_on_the_axes(void **state) {
 static void test_log_axes(void **state) {
     (void)state;
     double x[] = {1e-6, 1e-4, 0.0, -1.0}, y[] = {1.0, 100.0, 1.0, 1.0}, box[4], cx, cy;
-    plot *p = plot_new(NULL, 1, 1);
-    plot_panel(p, 0, 0, "error [-]", "time [s]");
-    plot_log_x(p);
-    plot_log_y(p);
-    plot_range_x(p, 1e-8, 1.0);
-    plot_points(p, NULL, x, y, 4);
+    riddle_plot *p = riddle_plot_new(NULL, 1, 1);
+    riddle_plot_panel(p, 0, 0, "error [-]", "time [s]");
+    riddle_plot_log_x(p);
+    riddle_plot_log_y(p);
+    riddle_plot_range_x(p, 1e-8, 1.0);
+    riddle_plot_points(p, NULL, x, y, 4);
     char *text = drawn(p);
     expect_well_formed(text);
     frame(text, box);
@@ -135,9 +135,9 @@ static void test_log_axes(void **state) {
 static void test_small_numbers_share_an_exponent(void **state) {
     (void)state;
     double x[] = {0.0, 1.9e-5}, y[] = {-2.5e6, 3e6};
-    plot *p = plot_new(NULL, 1, 1);
-    plot_panel(p, 0, 0, "gap [m]", "pressure [Pa]");
-    plot_line(p, NULL, x, y, 2);
+    riddle_plot *p = riddle_plot_new(NULL, 1, 1);
+    riddle_plot_panel(p, 0, 0, "gap [m]", "pressure [Pa]");
+    riddle_plot_line(p, NULL, x, y, 2);
     char *text = drawn(p);
     expect_well_formed(text);
     assert_true(has_tick(text, "5") && has_tick(text, "10") &&
@@ -173,22 +173,22 @@ static void test_hostile_data(void **state) {
         for (int k = 0; k < n_sets; k++)
             for (int kind = 0; kind < 8; kind++) {
                 const double *x = sets[i], *y = sets[k];
-                plot *p = plot_new("hostile", 1, 1);
-                plot_panel(p, 0, 0, "x [m]", "y [m]");
-                if (kind & 1) plot_log_x(p);
-                if (kind & 2) plot_log_y(p);
-                if (kind & 4) plot_equal(p);
-                plot_line(p, "line", x, y, 4);
-                plot_style(p, PLOT_MARKED | PLOT_DASHED | PLOT_STEPS, PLOT_NEXT);
-                plot_band(p, "band", x, y, x, 4);
-                plot_error_bars(p, "bars", x, y, x, 4);
-                riddle_io_plot_discs(p, "discs", x, y, x, 4);
-                plot_horizontal(p, "h", y[0]);
-                plot_vertical(p, "v", x[1]);
-                plot_text(p, x[2], y[2], "text");
-                if (kind == 0) plot_bars(p, "bars", names, y, 4);
-                if (kind == 3) plot_heat(p, "heat", y, 2, 2, x[0], x[1], x[2], x[3]);
-                if (kind == 3 && i % 2) plot_heat_range(p, x[3], y[3]);
+                riddle_plot *p = riddle_plot_new("hostile", 1, 1);
+                riddle_plot_panel(p, 0, 0, "x [m]", "y [m]");
+                if (kind & 1) riddle_plot_log_x(p);
+                if (kind & 2) riddle_plot_log_y(p);
+                if (kind & 4) riddle_plot_equal(p);
+                riddle_plot_line(p, "line", x, y, 4);
+                riddle_plot_style(p, RIDDLE_PLOT_MARKED | RIDDLE_PLOT_DASHED | RIDDLE_PLOT_STEPS, RIDDLE_PLOT_NEXT);
+                riddle_plot_band(p, "band", x, y, x, 4);
+                riddle_plot_error_bars(p, "bars", x, y, x, 4);
+                riddle_plot_discs(p, "discs", x, y, x, 4);
+                riddle_plot_horizontal(p, "h", y[0]);
+                riddle_plot_vertical(p, "v", x[1]);
+                riddle_plot_text(p, x[2], y[2], "text");
+                if (kind == 0) riddle_plot_bars(p, "bars", names, y, 4);
+                if (kind == 3) riddle_plot_heat(p, "heat", y, 2, 2, x[0], x[1], x[2], x[3]);
+                if (kind == 3 && i % 2) riddle_plot_heat_range(p, x[3], y[3]);
                 char *text = drawn(p);
                 expect_well_formed(text);
                 free(text);
@@ -197,25 +197,25 @@ static void test_hostile_data(void **state) {
 
 static void test_wrong_calls(void **state) {
     (void)state;
-    plot_panel(NULL, 0, 0, "x", "y");
-    plot_line(NULL, "a", NULL, NULL, 0);
-    plot_style(NULL, 0, 0);
-    plot_free(NULL);
-    assert_int_not_equal(plot_write(NULL, NULL, "x"), 0);
-    plot *p = plot_new("empty", 100, -3);
-    plot_style(p, 0, PLOT_SAME); /* nothing to style */
-    plot_panel(p, 50, 0, "x", "y");
-    plot_range_x(p, 1.0, 1.0);
-    plot_range_y(p, (double)NAN, 1.0);
-    plot_line(p, NULL, NULL, NULL, -5);
-    plot_heat(p, NULL, NULL, 0, 0, 0, 1, 0, 1);
-    plot_heat_range(p, 0.0, 1.0); /* no heat map to colour */
-    plot_heat_range(NULL, 0.0, 1.0);
-    plot_panel_size(p, 1e9, -1.0);
+    riddle_plot_panel(NULL, 0, 0, "x", "y");
+    riddle_plot_line(NULL, "a", NULL, NULL, 0);
+    riddle_plot_style(NULL, 0, 0);
+    riddle_plot_free(NULL);
+    assert_int_not_equal(riddle_plot_write(NULL, NULL, "x"), 0);
+    riddle_plot *p = riddle_plot_new("empty", 100, -3);
+    riddle_plot_style(p, 0, RIDDLE_PLOT_SAME); /* nothing to style */
+    riddle_plot_panel(p, 50, 0, "x", "y");
+    riddle_plot_range_x(p, 1.0, 1.0);
+    riddle_plot_range_y(p, (double)NAN, 1.0);
+    riddle_plot_line(p, NULL, NULL, NULL, -5);
+    riddle_plot_heat(p, NULL, NULL, 0, 0, 0, 1, 0, 1);
+    riddle_plot_heat_range(p, 0.0, 1.0); /* no heat map to colour */
+    riddle_plot_heat_range(NULL, 0.0, 1.0);
+    riddle_plot_panel_size(p, 1e9, -1.0);
     char *text = drawn(p);
     expect_well_formed(text);
     free(text);
-    assert_int_not_equal(plot_write(plot_new("x", 1, 1), "/dev/null", "x.svg"), 0);
+    assert_int_not_equal(riddle_plot_write(riddle_plot_new("x", 1, 1), "/dev/null", "x.svg"), 0);
 }
 
 /* The white box of the legend, or false if it stands outside. */
@@ -241,12 +241,12 @@ static void test_legend_keeps_off_the_data(void **state) {
                    : shape < 32 ? s * (1.0 - s) * a
                                 : cos(a * 3.0 * s);
         }
-        plot *p = plot_new(NULL, 1, 1);
-        plot_panel(p, 0, 0, "x [-]", "y [-]");
-        plot_range_x(p, 0.0, 1.0);
-        plot_range_y(p, -1.2, 1.2);
-        plot_line(p, "a series with a name", x, y, N);
-        plot_line(p, "another", x, y, N);
+        riddle_plot *p = riddle_plot_new(NULL, 1, 1);
+        riddle_plot_panel(p, 0, 0, "x [-]", "y [-]");
+        riddle_plot_range_x(p, 0.0, 1.0);
+        riddle_plot_range_y(p, -1.2, 1.2);
+        riddle_plot_line(p, "a series with a name", x, y, N);
+        riddle_plot_line(p, "another", x, y, N);
         char *text = drawn(p);
         frame(text, area);
         if (legend_box(text, box)) {
@@ -275,14 +275,14 @@ static double text_x(const char *svg, const char *label) {
 static void test_text_stays_in_its_panel(void **state) {
     (void)state;
     const double x[2] = {0, 1};
-    plot *p = plot_new("texts", 1, 1);
-    plot_panel(p, 0, 0, "x", "y");
-    plot_line(p, NULL, x, x, 2);
-    plot_text_share(p, 0.0, 0.5, "begin");
-    plot_text_share(p, 0.5, 0.5, "middle");
-    plot_text_share(p, 1.0, 0.4, "I");
-    plot_text_share(p, 0.9, 0.6, "a text of forty letters, which is long ..");
-    plot_text(p, 0.95, 0.2, "a text of forty letters, at a place here");
+    riddle_plot *p = riddle_plot_new("texts", 1, 1);
+    riddle_plot_panel(p, 0, 0, "x", "y");
+    riddle_plot_line(p, NULL, x, x, 2);
+    riddle_plot_text_share(p, 0.0, 0.5, "begin");
+    riddle_plot_text_share(p, 0.5, 0.5, "middle");
+    riddle_plot_text_share(p, 1.0, 0.4, "I");
+    riddle_plot_text_share(p, 0.9, 0.6, "a text of forty letters, which is long ..");
+    riddle_plot_text(p, 0.95, 0.2, "a text of forty letters, at a place here");
     char *svg = drawn(p);
     const double begin = text_x(svg, ">begin<"), middle = text_x(svg, ">middle<"), end = text_x(svg, ">I<");
     assert_true(end > middle && 2.0 * (middle - begin) > end - begin && 2.0 * (middle - begin) < end - begin + 30.0);
@@ -296,12 +296,12 @@ static void test_text_stays_in_its_panel(void **state) {
 static void test_discs_are_to_scale(void **state) {
     (void)state;
     double x[] = {0.0, 1.0}, y[] = {0.0, 0.5}, r[] = {1.0, 0.25}, box[4];
-    plot *p = plot_new(NULL, 1, 1);
-    plot_panel_size(p, 400.0, 400.0);
-    plot_panel(p, 0, 0, "x [m]", "y [m]");
-    plot_range_x(p, -2.0, 2.0);
-    plot_range_y(p, -2.0, 2.0);
-    riddle_io_plot_discs(p, NULL, x, y, r, 2);
+    riddle_plot *p = riddle_plot_new(NULL, 1, 1);
+    riddle_plot_panel_size(p, 400.0, 400.0);
+    riddle_plot_panel(p, 0, 0, "x [m]", "y [m]");
+    riddle_plot_range_x(p, -2.0, 2.0);
+    riddle_plot_range_y(p, -2.0, 2.0);
+    riddle_plot_discs(p, NULL, x, y, r, 2);
     char *text = drawn(p);
     expect_well_formed(text);
     frame(text, box);
@@ -322,9 +322,9 @@ static void test_same_input_same_picture(void **state) {
     double x[] = {0.0, 1.0, 2.0}, y[] = {0.3, 0.1, 0.2};
     char *texts[2];
     for (int i = 0; i < 2; i++) {
-        plot *p = plot_new("t", 2, 2);
-        plot_panel(p, 1, 1, "x", "y");
-        plot_line(p, "a", x, y, 3);
+        riddle_plot *p = riddle_plot_new("t", 2, 2);
+        riddle_plot_panel(p, 1, 1, "x", "y");
+        riddle_plot_line(p, "a", x, y, 3);
         texts[i] = drawn(p);
     }
     assert_string_equal(texts[0], texts[1]);

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "portable_math.h"
+#include "../base/portable_math.h"
 
 typedef double (*function)(double);
 typedef long double (*true_function)(long double);

@@ -47,6 +47,7 @@ static void told(const char *line) {
 #define RIDDLE_IO_CREATED(name) (created_files += *(name) != 0)
 #define RIDDLE_IO_GONE(name) (created_files -= *(name) != 0)
 #include "riddle_io.h"
+#include "riddle_plot.h"
 
 static char folder[200];
 
@@ -188,7 +189,7 @@ static void test_a_full_disk_is_told(void **state) {
     const double xyz[] = {1.0, 2.0, 3.0};
     assert_int_equal(riddle_io_points(NULL, "/dev/full", 1, riddle_io_vector("position", xyz), NULL, 0), RIDDLE_IO_NOT_WRITTEN);
     assert_string_equal(last_line, "/dev/full: No space left on device");
-    assert_int_equal(riddle_io_plot_write(riddle_io_plot_new(NULL, 1, 1), NULL, "/dev/full"), RIDDLE_IO_NOT_WRITTEN);
+    assert_int_equal(riddle_plot_write(riddle_plot_new(NULL, 1, 1), NULL, "/dev/full"), RIDDLE_IO_NOT_WRITTEN);
     assert_int_equal(said, 2);
 }
 
@@ -205,19 +206,19 @@ static bool write_everything(void) {
     worked &= riddle_io_series_close(series) == RIDDLE_IO_OK;
     worked &= riddle_io_polygons(folder, "t.vtp", 3, position, 1, ends, corners, NULL, 0) == RIDDLE_IO_OK;
     worked &= riddle_io_cells(folder, "c.vti", size, x, x, &array, 1) == RIDDLE_IO_OK;
-    riddle_io_plot *p = riddle_io_plot_new("title", 1, 2);
-    riddle_io_plot_panel(p, 0, 0, "x", "y");
-    riddle_io_plot_title(p, "panel");
-    riddle_io_plot_line(p, "line", x, x, 3);
-    riddle_io_plot_band(p, "band", x, x, x, 3);
-    riddle_io_plot_error_bars(p, "error", x, x, x, 3);
-    riddle_io_plot_horizontal(p, "h", 1.0);
-    for (int i = 0; i < 20; i++) riddle_io_plot_text(p, 0.0, 0.0, "text");
-    riddle_io_plot_panel(p, 0, 1, "x", "y");
-    riddle_io_plot_bars(p, "bars", names, x, 3);
-    riddle_io_plot_heat(p, "heat", x, 3, 1, 0.0, 1.0, 0.0, 1.0);
-    riddle_io_plot_heat_range(p, 0.0, 1.0);
-    worked &= riddle_io_plot_write(p, folder, "p.svg") == RIDDLE_IO_OK;
+    riddle_plot *p = riddle_plot_new("title", 1, 2);
+    riddle_plot_panel(p, 0, 0, "x", "y");
+    riddle_plot_title(p, "panel");
+    riddle_plot_line(p, "line", x, x, 3);
+    riddle_plot_band(p, "band", x, x, x, 3);
+    riddle_plot_error_bars(p, "error", x, x, x, 3);
+    riddle_plot_horizontal(p, "h", 1.0);
+    for (int i = 0; i < 20; i++) riddle_plot_text(p, 0.0, 0.0, "text");
+    riddle_plot_panel(p, 0, 1, "x", "y");
+    riddle_plot_bars(p, "bars", names, x, 3);
+    riddle_plot_heat(p, "heat", x, 3, 1, 0.0, 1.0, 0.0, 1.0);
+    riddle_plot_heat_range(p, 0.0, 1.0);
+    worked &= riddle_plot_write(p, folder, "p.svg") == RIDDLE_IO_OK;
     char message[100];
     worked &= riddle_io_make_folder(folder, message, sizeof message) == RIDDLE_IO_OK;
     int before = said;
@@ -414,13 +415,13 @@ static void test_a_decimal_comma(void **state) {
     riddle_io_row(f, row, 2);
     riddle_io_print(f, "%.2f;%s,%d\n", 0.125, "a,b", 3);
     assert_int_equal(riddle_io_close(f), RIDDLE_IO_OK);
-    riddle_io_plot *figure = riddle_io_plot_new("numbers", 1, 2);
-    riddle_io_plot_panel(figure, 0, 0, "x", "y");
-    riddle_io_plot_line(figure, "line", x, y, 3);
-    riddle_io_plot_panel(figure, 0, 1, "x", "y");
-    riddle_io_plot_log_y(figure);
-    riddle_io_plot_points(figure, NULL, x, y, 3);
-    assert_int_equal(riddle_io_plot_write(figure, folder, "plot.svg"), RIDDLE_IO_OK);
+    riddle_plot *figure = riddle_plot_new("numbers", 1, 2);
+    riddle_plot_panel(figure, 0, 0, "x", "y");
+    riddle_plot_line(figure, "line", x, y, 3);
+    riddle_plot_panel(figure, 0, 1, "x", "y");
+    riddle_plot_log_y(figure);
+    riddle_plot_points(figure, NULL, x, y, 3);
+    assert_int_equal(riddle_plot_write(figure, folder, "plot.svg"), RIDDLE_IO_OK);
     riddle_io_series *series = riddle_io_series_open(folder, "s");
     riddle_io_points(folder, riddle_io_series_name(series, 0.125), 1, riddle_io_vector("position", xyz), NULL, 0);
     riddle_io_series_close(series);

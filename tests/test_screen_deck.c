@@ -1,4 +1,4 @@
-/* examples/deck_scene.h, deck_measure.h: the machine of screen_deck: its geometry and motion, its books, its steady state. */
+/* examples/screen_deck/deck_scene.h, deck_measure.h: the machine of screen_deck: its geometry and motion, its books, its steady state. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,7 +8,7 @@
 
 #include <stdio.h>
 
-#include "../examples/deck_measure.h"
+#include "../examples/screen_deck/deck_measure.h"
 
 static double random_normal(uint64_t *state) { /* sum of twelve */
     double sum = -6.0;

@@ -1,4 +1,4 @@
-/* examples/sieve_patch.h: the periodic sieve of sieve_blocking --simulate. */
+/* examples/sieve_blocking/sieve_patch.h: the periodic sieve of sieve_blocking --simulate. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,7 +8,7 @@
 
 #include <stdio.h>
 
-#include "../examples/sieve_patch.h"
+#include "../examples/sieve_blocking/sieve_patch.h"
 
 enum { FEATURES = DEM_LINEAR | DEM_FRICTION };
 

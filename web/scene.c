@@ -1,6 +1,6 @@
 /* scene.c - the wet screen of the page: 2000 spheres of three sizes on a vibrating screen, and the models fitted to what is left on it.
    The same file is compiled to WebAssembly and, by native.c, for this machine: the bits must be the same. */
-#include "../examples/wet_contact.h"
+#include "dem_wet.h"
 #include "../screen_models.h"
 
 #ifdef __wasm__

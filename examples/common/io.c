@@ -15,6 +15,8 @@ static void tell(const char *line);
 
 #define RIDDLE_IO_API extern
 #define RIDDLE_IO_IMPLEMENTATION
+#define RIDDLE_PLOT_API extern
+#define RIDDLE_PLOT_IMPLEMENTATION
 #define RIDDLE_IO_FAIL(line) tell(line)
 #define RIDDLE_IO_CREATED(name) created(name)
 #define RIDDLE_IO_GONE(name) gone(name)
@@ -57,9 +59,9 @@ static void gone(const char *name) {
 }
 
 const char *output_find(char *buffer, size_t size, const char *name) {
-    output_path(buffer, size, NULL, name);
+    riddle_io_path(buffer, size, NULL, name);
 #ifdef RIDDLE_ROOT /* meson.build sets it */
-    if (access(buffer, F_OK) != 0) output_path(buffer, size, RIDDLE_ROOT, name);
+    if (access(buffer, F_OK) != 0) riddle_io_path(buffer, size, RIDDLE_ROOT, name);
 #endif
     return buffer;
 }
@@ -78,13 +80,13 @@ int output_hold_folder(const char *folder) {
     return 0; /* the descriptor stays open: the system drops the lock with the program */
 }
 
-csv *csv_open(const char *folder, const char *name, const char *header) {
-    csv *c = output_open(folder, name);
-    output_print(c, "%s\n", header);
+riddle_io_file *csv_open(const char *folder, const char *name, const char *header) {
+    riddle_io_file *c = riddle_io_open(folder, name);
+    riddle_io_print(c, "%s\n", header);
     return c;
 }
 
-int csv_line(csv *c, const char *format, ...) {
+int csv_line(riddle_io_file *c, const char *format, ...) {
     if (!c) return -1;
     char line[4000];
     va_list arguments;
@@ -92,7 +94,7 @@ int csv_line(csv *c, const char *format, ...) {
     int length = vsnprintf(line, sizeof line, format, arguments);
     va_end(arguments);
     if (length < 0 || length >= (int)sizeof line) return common_fail("a row of %d characters is too long", length);
-    return (int)output_print(c, "%s\n", line);
+    return (int)riddle_io_print(c, "%s\n", line);
 }
 
-void table_end(text_table *t) { table_end_to(t, common_quiet() ? NULL : stdout); }
+void table_end(riddle_io_table *t) { riddle_io_table_end(t, common_quiet() ? NULL : stdout); }

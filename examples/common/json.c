@@ -11,7 +11,7 @@
 enum { DEEPEST = 32 };
 
 struct json {
-    output *file;
+    riddle_io_file *file;
     int depth;
     bool comma[DEEPEST]; /* something stands before, at this depth */
     char closer[DEEPEST];
@@ -28,37 +28,37 @@ static int character_length(const unsigned char *c) {
 
 static void write_text(json *j, const char *text) {
     int length;
-    output_print(j->file, "\"");
+    riddle_io_print(j->file, "\"");
     for (const unsigned char *c = (const unsigned char *)text; *c; c += length) {
         length = character_length(c);
-        if (*c == '"' || *c == '\\') output_print(j->file, "\\%c", *c);
-        else if (*c < 32 || *c == 127 || length == 0) output_print(j->file, "\\u%04x", *c);
-        else output_write(j->file, c, (size_t)length);
+        if (*c == '"' || *c == '\\') riddle_io_print(j->file, "\\%c", *c);
+        else if (*c < 32 || *c == 127 || length == 0) riddle_io_print(j->file, "\\u%04x", *c);
+        else riddle_io_write(j->file, c, (size_t)length);
         if (length == 0) length = 1;
     }
-    output_print(j->file, "\"");
+    riddle_io_print(j->file, "\"");
 }
 
 /* The comma, the line and the key before a value. */
 static void before(json *j, const char *key) {
-    if (j->comma[j->depth]) output_print(j->file, ",");
+    if (j->comma[j->depth]) riddle_io_print(j->file, ",");
     j->comma[j->depth] = true;
-    output_print(j->file, "\n%*s", 2 * (j->depth + 1), "");
+    riddle_io_print(j->file, "\n%*s", 2 * (j->depth + 1), "");
     if (key) {
         write_text(j, key);
-        output_print(j->file, ": ");
+        riddle_io_print(j->file, ": ");
     }
 }
 
 static void write_number(json *j, double value) {
-    if (value - value == 0.0) output_print(j->file, "%.17g", value);
-    else output_print(j->file, "null");
+    if (value - value == 0.0) riddle_io_print(j->file, "%.17g", value);
+    else riddle_io_print(j->file, "null");
 }
 
 static void open_level(json *j, const char *key, char opener, char closer) {
     if (!j || j->depth + 1 >= DEEPEST) return;
     before(j, key);
-    output_print(j->file, "%c", opener);
+    riddle_io_print(j->file, "%c", opener);
     j->depth++;
     j->comma[j->depth] = false;
     j->closer[j->depth] = closer;
@@ -67,7 +67,7 @@ static void open_level(json *j, const char *key, char opener, char closer) {
 static void close_level(json *j) {
     if (!j || j->depth == 0) return;
     char closer = j->closer[j->depth--];
-    output_print(j->file, "\n%*s%c", 2 * (j->depth + 1), "", closer);
+    riddle_io_print(j->file, "\n%*s%c", 2 * (j->depth + 1), "", closer);
 }
 
 json *json_open(const char *path) {
@@ -77,27 +77,27 @@ json *json_open(const char *path) {
         common_fail("%s: out of memory", path);
         return NULL;
     }
-    j->file = output_open(NULL, path);
+    j->file = riddle_io_open(NULL, path);
     if (!j->file) {
         free(j);
         return NULL;
     }
-    output_print(j->file, "{");
+    riddle_io_print(j->file, "{");
     return j;
 }
 
 int json_close(json *j) {
     if (!j) return 0;
     while (j->depth > 0) close_level(j);
-    output_print(j->file, "\n}\n");
-    int status = (int)output_close(j->file);
+    riddle_io_print(j->file, "\n}\n");
+    int status = (int)riddle_io_close(j->file);
     free(j);
     return status;
 }
 
 void json_discard(json *j) {
     if (!j) return;
-    output_discard(j->file);
+    riddle_io_discard(j->file);
     free(j);
 }
 
@@ -110,39 +110,39 @@ void json_number(json *j, const char *key, double value) {
 void json_integer(json *j, const char *key, long long value) {
     if (!j) return;
     before(j, key);
-    output_print(j->file, "%lld", value);
+    riddle_io_print(j->file, "%lld", value);
 }
 
 void json_bool(json *j, const char *key, bool value) {
     if (!j) return;
     before(j, key);
-    output_print(j->file, value ? "true" : "false");
+    riddle_io_print(j->file, value ? "true" : "false");
 }
 
 void json_string(json *j, const char *key, const char *value) {
     if (!j) return;
     before(j, key);
     if (value) write_text(j, value);
-    else output_print(j->file, "null");
+    else riddle_io_print(j->file, "null");
 }
 
 void json_array(json *j, const char *key, const double *values, int n) {
     if (!j) return;
     before(j, key);
-    output_print(j->file, "[");
+    riddle_io_print(j->file, "[");
     for (int i = 0; i < n; i++) {
-        if (i) output_print(j->file, ", ");
+        if (i) riddle_io_print(j->file, ", ");
         write_number(j, values[i]);
     }
-    output_print(j->file, "]");
+    riddle_io_print(j->file, "]");
 }
 
 void json_integers(json *j, const char *key, const int *values, int n) {
     if (!j) return;
     before(j, key);
-    output_print(j->file, "[");
-    for (int i = 0; i < n; i++) output_print(j->file, "%s%d", i ? ", " : "", values[i]);
-    output_print(j->file, "]");
+    riddle_io_print(j->file, "[");
+    for (int i = 0; i < n; i++) riddle_io_print(j->file, "%s%d", i ? ", " : "", values[i]);
+    riddle_io_print(j->file, "]");
 }
 
 void json_object_begin(json *j, const char *key) { open_level(j, key, '{', '}'); }
@@ -158,7 +158,7 @@ void json_program(json *j, const program *self) {
     json_integer(j, "threads", self->threads);
     if (j) {
         before(j, "seed");
-        output_print(j->file, "%llu", (unsigned long long)self->seed);
+        riddle_io_print(j->file, "%llu", (unsigned long long)self->seed);
     }
     json_bool(j, "quick", self->quick);
     json_number(j, "wall_s", machine_seconds() - self->started);

@@ -318,12 +318,12 @@ program program_start(const char *name, const char *about, option *options, int 
     if (status == 0 && strlen(self.out) > LONGEST_OUT)
         status =
             refuse(message, (int)sizeof message, "%s: --out %.60s...: allowed: a path of at most %d bytes", name, self.out, LONGEST_OUT);
-    if (status == 0 && output_make_folder(self.out, message, sizeof message) != 0) {
+    if (status == 0 && riddle_io_make_folder(self.out, message, sizeof message) != 0) {
         char why[600];
         snprintf(why, sizeof why, "%s", message);
         status = refuse(message, (int)sizeof message, "%s: --out %s: %s; allowed: a folder that can be written to", name, self.out, why);
     }
-    if (status == 0 && self.json && output_can_write(self.json, message, sizeof message) != 0) {
+    if (status == 0 && self.json && riddle_io_can_write(self.json, message, sizeof message) != 0) {
         char why[600];
         snprintf(why, sizeof why, "%s", message);
         status = refuse(message, (int)sizeof message, "%s: --json %s: %s; allowed: a file that can be written", name, self.json, why);

@@ -1,4 +1,4 @@
-/* particles.h: spheres from a table: CSV with named columns, or .vtp as vtp_points() writes it (binary, appended, raw).
+/* particles.h: spheres from a table: CSV with named columns, or .vtp as riddle_io_points() writes it (binary, appended, raw).
 
        particles start;
        if (particles_read("start.csv", &start, message, sizeof message) == 0)

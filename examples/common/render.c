@@ -672,7 +672,7 @@ int picture_draw(picture *s, unsigned char *rgb) {
 
 #ifdef RIDDLE_PNG
 static void png_bytes(png_structp png, png_bytep bytes, png_size_t size) {
-    if (output_write(png_get_io_ptr(png), bytes, size) != 0) png_error(png, "not written");
+    if (riddle_io_write(png_get_io_ptr(png), bytes, size) != 0) png_error(png, "not written");
 }
 static void png_flushed(png_structp png) { (void)png; }
 
@@ -683,14 +683,14 @@ static void png_failed(png_structp png, png_const_charp why) {
 }
 
 static int write_png(const char *folder, const char *name, int width, int height, unsigned char *rgb) {
-    output *file = output_open(folder, name);
+    riddle_io_file *file = riddle_io_open(folder, name);
     if (!file) return -1;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, png_failed, NULL);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     if (!info || setjmp(png_jmpbuf(png))) {
         png_destroy_write_struct(&png, &info);
-        if (output_write(file, "", 0) != RIDDLE_IO_OK) return (int)output_close(file); /* which says why */
-        output_discard(file);
+        if (riddle_io_write(file, "", 0) != RIDDLE_IO_OK) return (int)riddle_io_close(file); /* which says why */
+        riddle_io_discard(file);
         return common_fail("%s: the picture could not be written", name);
     }
     png_set_write_fn(png, file, png_bytes, png_flushed);
@@ -700,7 +700,7 @@ static int write_png(const char *folder, const char *name, int width, int height
     for (int y = 0; y < height; y++) png_write_row(png, rgb + 3 * (size_t)y * (size_t)width);
     png_write_end(png, info);
     png_destroy_write_struct(&png, &info);
-    return output_close(file);
+    return riddle_io_close(file);
 }
 #endif
 

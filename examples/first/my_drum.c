@@ -50,12 +50,12 @@ int main(void) {
         time[f] = world.time, unlike[f] = dem_unlike_contacts(&world, 0);
     }
     dem_io_close(&series);
-    riddle_io_plot *picture = riddle_io_plot_new("My drum", 1, 2);
-    riddle_io_plot_panel(picture, 0, 0, "x [mm]", "z [mm]");
+    riddle_plot *picture = riddle_plot_new("My drum", 1, 2);
+    riddle_plot_panel(picture, 0, 0, "x [mm]", "z [mm]");
     dem_io_section(&world, picture, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), names, 2);
-    riddle_io_plot_panel(picture, 0, 1, "time [s]", "unlike contacts, 1: mixed [-]");
-    riddle_io_plot_line(picture, NULL, time, unlike, status == DEM_OK && written == RIDDLE_IO_OK ? FRAMES : 0);
-    if (riddle_io_plot_write(picture, "out/my_drum", "my_drum.svg") != RIDDLE_IO_OK) written = RIDDLE_IO_NOT_WRITTEN;
+    riddle_plot_panel(picture, 0, 1, "time [s]", "unlike contacts, 1: mixed [-]");
+    riddle_plot_line(picture, NULL, time, unlike, status == DEM_OK && written == RIDDLE_IO_OK ? FRAMES : 0);
+    if (riddle_plot_write(picture, "out/my_drum", "my_drum.svg") != RIDDLE_IO_OK) written = RIDDLE_IO_NOT_WRITTEN;
     printf("%s after %.2f s\n", written ? riddle_io_status_text(written) : dem_status_text(status), world.time);
     dem_free(&world);
     return status != DEM_OK || written != RIDDLE_IO_OK;

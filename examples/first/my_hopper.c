@@ -44,8 +44,8 @@ int main(void) {
 
     dem_io_series series = dem_io_open("out/my_hopper", "hopper");
     riddle_io_status written = RIDDLE_IO_OK;
-    riddle_io_plot *picture = riddle_io_plot_new("My hopper", 1, 2);
-    riddle_io_plot_panel(picture, 0, 0, "x [mm]", "z [mm]");
+    riddle_plot *picture = riddle_plot_new("My hopper", 1, 2);
+    riddle_plot_panel(picture, 0, 0, "x [mm]", "z [mm]");
     double time[FRAMES], out[FRAMES];
     for (int f = 0; f < FRAMES && status == DEM_OK && written == RIDDLE_IO_OK; f++) {
         status = dem_run(&world, duration / FRAMES, FEATURES);
@@ -55,10 +55,10 @@ int main(void) {
         time[f] = world.time, out[f] = feed.placed_mass * (double)world.passed_count / (double)feed.placed;
     }
     dem_io_close(&series);
-    riddle_io_plot_panel(picture, 0, 1, "time [s]", "mass that has run out [kg]");
-    riddle_io_plot_line(picture, NULL, time, out, status == DEM_OK && written == RIDDLE_IO_OK ? FRAMES : 0);
-    riddle_io_plot_vertical(picture, "gate opens", shut);
-    if (riddle_io_plot_write(picture, "out/my_hopper", "my_hopper.svg") != RIDDLE_IO_OK) written = RIDDLE_IO_NOT_WRITTEN;
+    riddle_plot_panel(picture, 0, 1, "time [s]", "mass that has run out [kg]");
+    riddle_plot_line(picture, NULL, time, out, status == DEM_OK && written == RIDDLE_IO_OK ? FRAMES : 0);
+    riddle_plot_vertical(picture, "gate opens", shut);
+    if (riddle_plot_write(picture, "out/my_hopper", "my_hopper.svg") != RIDDLE_IO_OK) written = RIDDLE_IO_NOT_WRITTEN;
     const char *said = written ? riddle_io_status_text(written) : dem_status_text(status);
     printf("%s: %.0f spheres, %.0f have run out after %.2f s\n", said, (double)feed.placed, (double)world.passed_count, world.time);
     dem_free(&world);

@@ -41,8 +41,8 @@ int main(void) {
 
     dem_io_series series = dem_io_open("out/my_screen", "screen");
     riddle_io_status written = RIDDLE_IO_OK;
-    riddle_io_plot *picture = riddle_io_plot_new("My screen", 1, 2);
-    riddle_io_plot_panel(picture, 0, 0, "x [mm]", "z [mm]");
+    riddle_plot *picture = riddle_plot_new("My screen", 1, 2);
+    riddle_plot_panel(picture, 0, 0, "x [mm]", "z [mm]");
     for (int f = 0; f < FRAMES && status == DEM_OK && written == RIDDLE_IO_OK; f++) {
         status = dem_run(&world, duration / FRAMES, FEATURES);
         written = dem_io_add(&series, &world);
@@ -51,9 +51,9 @@ int main(void) {
         for (ptrdiff_t k = 0; k < world.passed_count; k++) left[world.passed[k].group][f] -= 1.0 / fed[world.passed[k].group];
     }
     dem_io_close(&series);
-    riddle_io_plot_panel(picture, 0, 1, "time [s]", "fraction retained, by number [-]");
-    for (int k = 0; k < 2 && status == DEM_OK && !written; k++) riddle_io_plot_line(picture, names[k], time, left[k], FRAMES);
-    if (riddle_io_plot_write(picture, "out/my_screen", "my_screen.svg") != RIDDLE_IO_OK) written = RIDDLE_IO_NOT_WRITTEN;
+    riddle_plot_panel(picture, 0, 1, "time [s]", "fraction retained, by number [-]");
+    for (int k = 0; k < 2 && status == DEM_OK && !written; k++) riddle_plot_line(picture, names[k], time, left[k], FRAMES);
+    if (riddle_plot_write(picture, "out/my_screen", "my_screen.svg") != RIDDLE_IO_OK) written = RIDDLE_IO_NOT_WRITTEN;
     if (status != DEM_OK || written)
         printf("%s after %.2f s\n", written ? riddle_io_status_text(written) : dem_status_text(status), world.time);
     else printf("ok: %.0f and %.0f spheres, of the small ones %.3f are left\n", fed[0], fed[1], left[0][FRAMES - 1]);

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "common.h"
-#include "examples/wet_contact.h"
+#include "dem_wet.h"
 
 static const double water_density = 1000.0, sphere_density = 2534.0;
 
@@ -37,18 +37,18 @@ static void start_shake(start *s, uint64_t seed) {
 }
 
 static int write_data(const start *s, const char *path) {
-    output *f = output_open(NULL, path);
+    riddle_io_file *f = riddle_io_open(NULL, path);
     if (!f) return -1;
-    output_print(f, "start of a wet scene, by wet_scenes\n\n%d atoms\n1 atom types\n\n", s->n);
-    for (int a = 0; a < 3; a++) output_print(f, "%.17g %.17g %clo %chi\n", s->low[a], s->high[a], "xyz"[a], "xyz"[a]);
-    output_print(f, "\nAtoms # sphere\n\n");
+    riddle_io_print(f, "start of a wet scene, by wet_scenes\n\n%d atoms\n1 atom types\n\n", s->n);
+    for (int a = 0; a < 3; a++) riddle_io_print(f, "%.17g %.17g %clo %chi\n", s->low[a], s->high[a], "xyz"[a], "xyz"[a]);
+    riddle_io_print(f, "\nAtoms # sphere\n\n");
     for (int i = 0; i < s->n; i++)
-        output_print(f, "%d 1 %.17g %.17g %.17g %.17g %.17g\n", i + 1, s->diameter[i], sphere_density, s->centre[3 * i],
-                     s->centre[3 * i + 1], s->centre[3 * i + 2]);
-    output_print(f, "\nVelocities\n\n");
+        riddle_io_print(f, "%d 1 %.17g %.17g %.17g %.17g %.17g\n", i + 1, s->diameter[i], sphere_density, s->centre[3 * i],
+                        s->centre[3 * i + 1], s->centre[3 * i + 2]);
+    riddle_io_print(f, "\nVelocities\n\n");
     for (int i = 0; i < s->n; i++)
-        output_print(f, "%d %.17g %.17g %.17g 0 0 0\n", i + 1, s->velocity[3 * i], s->velocity[3 * i + 1], s->velocity[3 * i + 2]);
-    return output_close(f);
+        riddle_io_print(f, "%d %.17g %.17g %.17g 0 0 0\n", i + 1, s->velocity[3 * i], s->velocity[3 * i + 1], s->velocity[3 * i + 2]);
+    return riddle_io_close(f);
 }
 
 /* ---- scenes ---- */
@@ -71,7 +71,7 @@ static int bed_scene(start *s, dem_world *world, const char *folder, double ampl
     static const char *const names[3] = {"x", "y", "z"};
     char path[1000], message[1200];
     csv_data data;
-    output_path(path, sizeof path, folder, "settled_2000.csv");
+    riddle_io_path(path, sizeof path, folder, "settled_2000.csv");
     if (csv_read(path, &data, message, sizeof message) != 0) return common_fail("%s", message);
     if (start_allocate(s, data.rows) != 0) return -1;
     for (int i = 0; i < s->n; i++) {
@@ -119,7 +119,7 @@ static int wet(wet_scene *wet, dem_world *world, const start *s, const int *grou
     double mass = 0.0;
     screen.centre = dem_vec3(0.0, 0.0, -50.0);
     for (int i = 0; i < s->n; i++) mass += RIDDLE_PI / 6.0 * sphere_density * s->diameter[i] * s->diameter[i] * s->diameter[i];
-    const int deck = dem_add_screen(world, 1, &screen); /* the books of wet_contact.h want one; it is out of the way */
+    const int deck = dem_add_screen(world, 1, &screen); /* the books of dem_wet.h want one; it is out of the way */
     if (deck < 0 || dem_enable_wall(world, deck, 0) != DEM_OK) return -1;
     if (wet_init(wet, s->n, group, s->diameter, classes, moisture * 1000.0 / water_density, mass, deck, world, false, WET_STEEL) !=
         BRIDGE_OK)
@@ -135,7 +135,7 @@ static int wet(wet_scene *wet, dem_world *world, const start *s, const int *grou
     return 0;
 }
 
-static void measure(csv *file, const wet_scene *wet, const dem_world *world, int up) {
+static void measure(riddle_io_file *file, const wet_scene *wet, const dem_world *world, int up) {
     double height = 0.0, energy = 0.0;
     int bridges;
     const double liquid = wet_total(wet, world, &bridges);
@@ -182,7 +182,7 @@ int main(int argc, char **argv) {
             status = dem_set_motion(&world, i, dem_vec3(s.velocity[3 * i], s.velocity[3 * i + 1], s.velocity[3 * i + 2]),
                                     dem_vec3(0.0, 0.0, 0.0));
         if (status == DEM_OK && !dry && wet(&books, &world, &s, group, moisture) != 0) status = DEM_BAD_ARGUMENT;
-        csv *file = csv_open(self.out, "course.csv", "time_s,bridges,liquid_m3,height_m,kinetic_energy_J");
+        riddle_io_file *file = csv_open(self.out, "course.csv", "time_s,bridges,liquid_m3,height_m,kinetic_energy_J");
         double cpu = 0.0;
         progress bar;
         progress_begin(&bar, scene ? "drum" : "bed", duration);
@@ -194,7 +194,7 @@ int main(int argc, char **argv) {
             progress_update(&bar, world.time);
         }
         progress_end(&bar);
-        csv_close(file);
+        riddle_io_close(file);
         if (status != DEM_OK) common_fail("%s", dem_status_text(status));
         printf("%s: %d spheres, %.4g s, %.3g s of processor time, %.3g particle-steps/s\n", scene ? "drum" : "bed", s.n, world.time, cpu,
                s.n * world.time / world.def.dt / (cpu > 0.0 ? cpu : 1.0));

@@ -1,9 +1,9 @@
-/* wet.c - liquid bridges for Python (dem.Law): the laws of examples/wet_contact.h for worlds with a wire screen. The first run of a world
+/* wet.c - liquid bridges for Python (dem.Law): the laws of dem_wet.h for worlds with a wire screen. The first run of a world
    puts an equal film on every sphere, by the moisture and the screen's wall that law_set gave last. Groups 0, 1, 2 are size classes. One
    thread at a time. From the repository's root:
 
    cc -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math -fPIC -shared -I. python/laws/wet.c -lm -o wet.so */
-#include "examples/wet_contact.h"
+#include "dem_wet.h"
 
 /* The books of one world, which points to them: world->user is the scene. */
 typedef struct wet_books {

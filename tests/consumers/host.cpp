@@ -1,5 +1,5 @@
 // A C++ host with its own particles and its own loop: it asks for the bridge's forces only. Two wet spheres part; the liquid is kept.
-#include "liquid_bridge.h"
+#include <riddle/liquid_bridge.h>
 
 #include <cmath>
 #include <cstdio>

@@ -7,7 +7,7 @@
    or 0; seeds: of programs that have found something, which is mended. As a plain program:
 
        fuzz_dem                 `count` seeds of each kind, and `seeds`: the regression test
-       fuzz_dem FIRST COUNT     seeds FIRST .. FIRST + COUNT - 1; prints one hash of all, the same for every compiler and machine
+       fuzz_dem FIRST COUNT     seeds FIRST .. FIRST + COUNT - 1; prints one hash of all, the same with gcc and clang and on every machine
        fuzz_dem FILE...         the programs that these bytes spell
 
    With FUZZ_HASHES set it prints the hash of each program, with FUZZ_TRACE each call and what it answered.

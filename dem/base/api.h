@@ -1,0 +1,481 @@
+/* The public functions, declared and explained. */
+#pragma once
+#include "law.h"
+
+DEM_INLINE dem_vec dem_vec3(double x, double y, double z) {
+    dem_vec v;
+    v.x = x, v.y = y, v.z = z;
+    return v;
+}
+
+/* Returns component 0, 1 or 2. By name, because a compiler may assume that an access beyond the address of x is not to
+   the vector. */
+DEM_INLINE double dem_axis(dem_vec v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+DEM_INLINE double *dem_axis_of(dem_vec *v, int axis) { return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z; }
+
+DEM_API const char *dem_status_text(dem_status status); /* never NULL */
+
+/* Returns 1 if this header, as built, computes the same bits as elsewhere: doubles evaluated as doubles, no fused
+   multiply-add. Tested at run time. The code around it is not tested: compile that with -ffp-contract=off. */
+DEM_API int dem_build_is_deterministic(void);
+
+/* ---- definition ---- */
+
+DEM_API dem_def dem_default_def(void);
+/* Adds a material. Returns its index, or -1 if there are DEM_MATERIALS_MAX already. Units as in dem_material. */
+DEM_API int dem_add_material(dem_def *def, double density, double young_modulus, double poisson_ratio);
+/* Returns the parameters of a pair of materials, in either order, to be edited; NULL if an index is out of range. From
+   then on the pair counts as set, even to its defaults. */
+DEM_API dem_pair_def *dem_pair(dem_def *def, int a, int b);
+/* Returns DEM_OK, or DEM_BAD_DEFINITION; then *field is the name of the first bad field (field may be NULL). */
+DEM_API dem_status dem_check_def(const dem_def *def, const char **field);
+
+/* ---- a world ---- */
+
+/* Makes an empty world with a copy of the definition. What the memory of *world contained is not read, so that it need
+   not be set: a world that is in use must be freed before, or all its memory is lost. On failure nothing is allocated,
+   and *field (if not NULL) names what is wrong. */
+DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **field);
+DEM_API void dem_free(dem_world *world); /* frees everything; safe on a zeroed or freed world */
+
+/* Adds n spheres at rest. centres: shape [n][3] [m]; diameters: [n] [m] > 0; material: index; group: any number of
+   yours, kept in records. Overlaps are allowed and push. On failure nothing is added. Ids, world->id[i], count up in
+   array order. */
+DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters,
+                                   int material, int group);
+/* Makes a shape of n spheres, overlapping or not. centres: shape [n][3] [m], in a frame of the shape's own, anywhere;
+   diameters: [n] [m] > 0. Volume, centre of mass and moments are those of the union at one density: exact for spheres
+   that do not overlap and for centres on one line; otherwise overlaps are integrated to about 1e-5 of the whole.
+   Moments that differ by less than that are taken to be equal. A sphere within another is left out: it can touch
+   nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
+DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
+DEM_API double dem_clump_diameter(const dem_clump *clump); /* of the sphere of the same volume [m] */
+/* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]; diameters: of spheres of the same volume, [n]
+   [m], to which the shape is scaled, NULL: as it was made; orientations: shape [n][4], quaternions (scalar first, of
+   any length but 0) from the shape's frame to the world's, NULL: as it was made. Each sphere is a particle; those of a
+   clump are consecutive, move as one and do not touch each other. A contact counts with the mass of the whole clump. On
+   failure nothing is added. */
+DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres,
+                                  const double *diameters, const double *orientations, int material, int group);
+/* Sets velocity [m/s] and spin [rad/s] of particle i (array index), or of the rigid body that it is a part of, at its
+   centre of mass. */
+DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin);
+/* Sets a constant external force [N] at the centre of particle i, and a torque [N m]; they act until changed.
+   DEM_BAD_ARGUMENT also for accelerations above 1e80. */
+DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque);
+/* Fixes particle i and the body that it is a part of (1), or releases it (0). A fixed particle stops at once. From then
+   on it stays at rest, or moves with the velocity of dem_set_motion (bodies: without spin), whatever forces act on it.
+   To other particles it is an obstacle of its shape; the mass of a contact is theirs, as at a wall. Gravity, loads,
+   walls, exits and other fixed particles have no effect on it. The ledger counts no energy of it, and books its work on
+   others as external_work. */
+DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed);
+DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i); /* 1 or 0 */
+/* Returns the forces of contacts and links on a fixed particle, or on the whole fixed body that it is a part of: force
+   [N], and torque about the centre [N m], at the end of the last step; time integral of the force since it was fixed [N
+   s]. For other particles, DEM_BAD_ARGUMENT and NaN. */
+DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque,
+                                       dem_vec *impulse);
+/* Removes particle i, and the body that it is a part of. */
+DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);
+
+/* ---- filling, feeding, removing ---- */
+
+#define DEM_SIZES_MAX 32 /* sizes of a list, at most: a stack of sieves has fewer */
+
+/* A part of space, for filling, removing and measuring. Made by the four functions below. Functions that take a region
+   return DEM_BAD_ARGUMENT (or NaN) if it is not finite or a length is negative. */
+typedef enum dem_region_kind {
+    DEM_REGION_BOX,
+    DEM_REGION_CYLINDER,
+    DEM_REGION_SPHERE,
+    DEM_REGION_MESH
+} dem_region_kind;
+typedef struct dem_region {
+    dem_region_kind kind;
+    dem_vec low, high; /* box: its corners; mesh: those of its bounding box; cylinder: centre of its bottom; sphere: its
+                          centre [m] */
+    dem_vec axis;      /* cylinder: from bottom to top, of any length but 0 */
+    double length, radius; /* cylinder, sphere [m] >= 0 */
+    const dem_mesh *mesh;  /* yours: it must not change while the region is in use */
+} dem_region;
+DEM_API dem_region dem_box_region(dem_vec low, dem_vec high); /* low = high along an axis: a face */
+DEM_API dem_region dem_cylinder_region(dem_vec bottom, dem_vec axis, double length,
+                                       double radius); /* length 0: a disc */
+DEM_API dem_region dem_sphere_region(dem_vec centre, double radius);
+/* Makes a region of the inside of a closed mesh; where shells overlap, of the points that an odd number of them
+   encloses. A mesh that is not closed is refused when the region is used. Filling and measuring sort the triangles at
+   each call; dem_region_holds tests all of them. */
+DEM_API dem_region dem_mesh_region(const dem_mesh *mesh);
+DEM_API double dem_region_volume(const dem_region *region);            /* [m3] */
+DEM_API int dem_region_holds(const dem_region *region, dem_vec point); /* 1 if the point is inside or on the surface */
+
+/* Diameters of spheres. Shares are by number or, with by_mass, by mass. Made by the functions below, to be edited. */
+typedef enum dem_size_kind {
+    DEM_SIZES_LIST,
+    DEM_SIZES_UNIFORM,
+    DEM_SIZES_LOGNORMAL,
+    DEM_SIZES_ROSIN_RAMMLER
+} dem_size_kind;
+typedef struct dem_sizes {
+    dem_size_kind kind;
+    int by_mass;                                          /* 1: shares of mass, 0: of number */
+    int count;                                            /* list: 1 .. DEM_SIZES_MAX */
+    double diameter[DEM_SIZES_MAX], share[DEM_SIZES_MAX]; /* list: [m] > 0; >= 0, of any sum > 0 */
+    double scale;             /* lognormal: median; Rosin-Rammler: diameter that 36.8 % exceed [m] > 0 */
+    double spread;            /* lognormal: standard deviation of ln d, 1e-3 .. 5; R.-R.: exponent, 0.1 .. 100 */
+    double smallest, largest; /* all but the list are cut off there [m] > 0, largest <= 1e6 smallest; refused if the
+                                 share per ln d reaches 1e-20 of its peak nowhere between */
+} dem_sizes;
+DEM_API dem_sizes dem_one_size(double diameter);
+DEM_API dem_sizes dem_size_list(int n, const double *diameter, const double *share,
+                                int by_mass); /* more than DEM_SIZES_MAX: refused later */
+DEM_API dem_sizes dem_uniform_sizes(double smallest, double largest, int by_mass);
+DEM_API dem_sizes dem_lognormal_sizes(double median, double spread, double smallest, double largest, int by_mass);
+/* Makes sizes by Rosin & Rammler 1933: the share coarser than d is exp(-(d/scale)^exponent). */
+DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double smallest, double largest, int by_mass);
+/* Draws a diameter [m]. *random is the generator's state, any number at first. NaN if the sizes are out of range. Takes
+   12 tries on average at most, and never more than 10000. */
+DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random);
+
+/* A source of spheres: where, what, and how far it is. Owned by the caller, plain data: with a copy of it beside the
+   saved world, a restart continues with the same spheres. (It is no part of the world, because a world may have any
+   number of sources, and most have none.) */
+typedef struct dem_feed {
+    dem_region region; /* spheres lie wholly within; in a face or a disc, their centres do */
+    dem_sizes sizes;
+    int material, group;    /* as in dem_add_spheres; default 0 */
+    dem_vec velocity;       /* of the new spheres [m/s]; default 0 */
+    dem_vec scatter;        /* largest deviation from it, uniform by component [m/s] >= 0; default 0 */
+    const dem_clump *clump; /* shape of the bodies, oriented at random; the sizes are then those of spheres of the same
+                               volume. It must exist as long as the feed is used. Default NULL: spheres */
+    int polyhedron;  /* 1 + number of a shape of the world (dem_add_shape): bodies are polyhedra of that shape and size,
+                        oriented at  random; sizes are not used, and clump is NULL. Each is kept apart by the sphere
+                        around it. Default 0: none */
+    int tries;       /* random places tried for a sphere before it is given up, 1 .. 1000000; default 1000 */
+    uint64_t random; /* the generator's state; at first the seed; default 1 */
+    /* set by the functions below */
+    ptrdiff_t placed, missed;        /* spheres placed in all; those for which dem_fill found no place */
+    double placed_mass, missed_mass; /* [kg] */
+    double due,
+        due_mass;   /* what dem_feed_number, dem_feed_mass still owe [-], [kg]; they may be ahead by half a sphere */
+    double waiting; /* diameter of the next sphere [m]; 0: not drawn yet */
+} dem_feed;
+DEM_API dem_feed dem_default_feed(void); /* one size of 1 mm in a cube of 0.1 m at the origin, to be edited */
+
+/* Places a number of spheres, or as many as come nearest to `mass` [kg], at random, the largest first. They touch
+   neither spheres nor enabled walls, and are in no solid wall (dem_set_solid). Spheres without a place are dropped and
+   counted in missed; random places fill up to about 0.3 of a volume within reasonable time. At most feed->tries places
+   are tried for each sphere. Statuses: DEM_BAD_ARGUMENT, DEM_OUT_OF_MEMORY, DEM_TOO_MANY (more than 2e8 spheres; more
+   mass than the density times the volume of the region or, of a mesh, of the box around it), DEM_STOPPED (def.stop;
+   also from the feeds below); then nothing has changed. */
+DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count);
+DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass);
+/* Places what falls due within duration [s] >= 0 at a rate [1/s] or [kg/s] >= 0. Call it before every dem_run of that
+   duration, which is no longer than spheres need to clear the region. A sphere without a place waits, and with it those
+   after it, so that sizes keep their shares; `due` tells how far the source is behind. */
+DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration);
+DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration);
+/* Copies the oldest records of what passed exits, at most `capacity`, and removes them from the world. Returns their
+   number, or minus a dem_status. records: [capacity], or NULL to drop them. Until then world->passed keeps 88 bytes of
+   every particle that passed; world->passed_total counts all. dem_residence() reads the records: call it first. */
+DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity);
+/* Removes the spheres whose centres lie in the region, and the bodies whose centres of mass do. Returns their number,
+   or minus a dem_status. */
+DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region);
+
+/* Adds a wall, as the functions below do. Returns the wall's index (>= 0), or minus a dem_status. normal and axis may
+   have any length but 0. Walls are independent of each other: on the seam of two flush walls a sphere touches both, and
+   both push. One mesh of both has one surface. */
+DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point,
+                          dem_vec normal); /* particles are on the side of the normal */
+DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside);
+DEM_API dem_screen dem_default_screen(void);
+DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen);
+DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside);
+DEM_API dem_cone dem_default_cone(void);
+DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone);
+/* Adds triangles, which are copied, as one wall: a thin sheet that particles touch from both sides, at faces, edges and
+   corners. How it is oriented, welded or cut into triangles does not matter. Places whose normals differ by less than
+   26 degrees are one contact, at the deepest of them (its friction goes with it from triangle to triangle); a sharper
+   concave corner makes two. Triangles without area are left out. Besides the common statuses: DEM_OUT_OF_MEMORY;
+   DEM_BAD_ARGUMENT if an index or a number is out of range, or no triangle is left. */
+DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh);
+/* Adds six faces between two corners low < high [m], as a mesh of 12 triangles: a container or a block, one wall that
+   moves as one. */
+DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high);
+/* Makes a mesh or a box a solid body (1), whose inside dem_fill and the feeds leave empty, or a sheet (0, the default),
+   as a container is. DEM_BAD_ARGUMENT for a wall that is not a closed mesh: an edge of one triangle only, a triangle
+   that is there twice. DEM_OUT_OF_MEMORY. */
+DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid);
+/* Sets the groups of particles that a wall acts on, or an exit removes: bit g for group g = 0 .. 30, bit 31 for all
+   others. Default: all. */
+DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups);
+/* Returns 1 if a wall is enabled and acts on particle i's group, otherwise 0. */
+DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i);
+/* Adds a plane that records and removes particles whose centre passes to the side opposite to the normal. */
+DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal);
+
+/* Moves a wall from now on, from where it is. Amplitude [m] and phase [rad] are components along the world's axes;
+   frequency [Hz]. Displacement A (sin(2 pi f t + phase) - sin(phase)). */
+DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency);
+DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity);                            /* [m/s] */
+DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin); /* [rad/s] */
+/* Moves a wall by a function of time, which replaces its other motions. Velocities follow from differences over the
+   time step. For a wall that is prescribed already, as after dem_load (functions are not saved: until then running
+   gives DEM_NO_MOTION), it replaces function and centre only. DEM_BAD_ARGUMENT if the pose now is not finite. */
+DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user);
+/* Makes a wall a piston: it moves along axis only, as a body of mass [kg] > 0, under the particles' forces, a force
+   along the axis [N] (its own weight is not added) and a damper fixed in space [N s/m] >= 0. It begins with its present
+   speed along the axis, so that another call can change the force. At rest the particles exert -force on it. The
+   damping of contacts takes the wall's mass for infinite: it should be 20 times a particle's or more. */
+DEM_API dem_status dem_control_force(dem_world *world, int wall, dem_vec axis, double mass, double force,
+                                     double damping);
+/* Makes a wall a rotor: it turns about a fixed line only, with a moment of inertia about it [kg m2] > 0, under the
+   particles' torques, a torque [N m] and a damper [N m s/rad] >= 0. Otherwise as dem_control_force. world->wall[].rate
+   is its speed [rad/s], coordinate its angle [rad]. */
+DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre, dem_vec axis, double inertia,
+                                      double torque, double damping);
+/* Makes a wall a belt: its surface moves at this velocity [m/s], or at its part along the surface, while the wall stays
+   where it is. */
+DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity);
+DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 0: as if it were not there */
+
+/* ---- meshes from files ---- */
+
+/* Reads an STL file from memory (3D Systems 1988), text or binary, which the bytes themselves tell (docs/dem_walls.md).
+   bytes: [size]; scale [m per unit of the file] > 0, 1e-3 for millimetres; weld [m] >= 0: corners nearer than this
+   become one, 0 joins equal ones only; allocator may be NULL; report may be NULL. DEM_OK also for a file with faults,
+   which the report counts; DEM_BAD_DATA if it is no STL file or no triangle is left; DEM_OUT_OF_MEMORY. On failure
+   *mesh is empty. */
+DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld,
+                                const dem_allocator *allocator, dem_mesh *mesh, dem_stl_report *report);
+DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; safe on a zeroed or freed one */
+
+/* ---- running ---- */
+
+/* Advances by duration [s] (to the nearest step; the remainder carries over to the next call). features: DEM_LINEAR |
+   DEM_FRICTION | ... Statuses: DEM_BAD_ARGUMENT (features that no shipped law has, more than 9e15 steps),
+   DEM_BAD_DEFINITION (def.threads; a sphere wider than 1/2.2 of a periodic box), DEM_LAW_MISMATCH, DEM_NO_MOTION,
+   DEM_NO_FIELD, DEM_POLYHEDRON, DEM_BUSY, DEM_OUT_OF_MEMORY, DEM_TOO_MANY, DEM_PAIR_NOT_SET (world->failed_pair), and
+   DEM_NOT_FINITE and DEM_TOO_FAST (world->failed_id names the particle, world->step the step at which it was noticed;
+   the world can be read, saved and freed). */
+DEM_API dem_status dem_run(dem_world *world, double duration, int features);
+/* Does the same with a law of your own. kernel: made by DEM_KERNEL; it must outlive the world. Besides the statuses of
+   dem_run: DEM_LAW_MISMATCH if the contacts present have the history of a law with another name, version or number of
+   states (see dem_law). */
+DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kernel *kernel);
+
+/* Changes gravity [m/s2], or the parameters of a pair of materials, from now on, also for what flies or touches
+   already. Between runs. The ledger books the energy of the change as added. DEM_BAD_ARGUMENT; nothing has changed
+   then. */
+DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity);
+DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair);
+/* Changes the time step [s], 1e-60 .. 1e6, from now on. */
+DEM_API dem_status dem_set_time_step(dem_world *world, double dt);
+
+/* The time steps [s] that the smallest and stiffest pair present needs; infinite where nothing limits them, as before
+   the first feed. */
+typedef struct dem_advice {
+    double contact;  /* duration of the shortest contact, t_c */
+    double rayleigh; /* pi R sqrt(rho/G)/(0.1631 nu + 0.8766) of the smallest sphere (materials with moduli) */
+    double dashpot;  /* m_eff/gamma of the strongest dashpot */
+    double advised;  /* min(t_c/20, 0.2 rayleigh for DEM_HERTZ, dashpot/2) */
+} dem_advice;
+/* Advises on the time step. speed: expected impact speed [m/s] > 0; used by DEM_HERTZ only. */
+DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed);
+
+/* ---- links: forces between bodies that need not touch, smooth enough for a larger step; a liquid bridge ---- */
+
+/* Sets the law of links; before the first link, and again after dem_load. kernel: made by DEM_LINK_KERNEL. Of a
+   dem_law, a link uses states, history, vectors, force (gap of any sign; no contact, constants and mass) and ended.
+   interval: time between evaluations [s] > 0, rounded down to steps, at least one; the force is constant between. near:
+   gap below which linked bodies also have a contact, by the law of contacts [m] >= 0, at most 0.01 * skin * smallest
+   diameter; forces that grow fast near contact (lubrication) belong there. DEM_LAW_MISMATCH if there are links of
+   a law with another name, version or number of states (see dem_law). */
+DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near);
+/* Links particle i with j (a particle, or -1 - wall at an element of it). state: [law->states]. From a law's born hook,
+   or between runs. When a particle leaves, ended is called for its links, and they are gone. From the hook ended:
+   DEM_BUSY. */
+DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state);
+DEM_API ptrdiff_t dem_link_count(const dem_world *world);
+
+/* ---- force fields: a force on every particle, in flight and touching; drag in a gas (docs/dem_gas.md) ---- */
+
+DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user);
+/* Sets the force field from now on, or with NULL removes it. A particle in flight advances by steps of its own, chosen
+   by their error (Cash & Karp 1990). Between the ends of a step it is on a parabola that has the right places at both
+   ends and errs by at most `accuracy`; velocities read in between err as little. A particle in contact gets the force
+   of the law in each step. Where the law gives exactly 0, a flight is the same to the bit as without a field. Call this
+   again after dem_load (until then running gives DEM_NO_FIELD), and when what the law reads has changed. The time step
+   must be below the shortest relaxation time. A rigid body feels the field at its centre, as a sphere of its volume;
+   the field exerts no torque. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
+DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
+
+/* Computes the constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, of a body
+   of volume pi x^3/6 and surface S. sphericity: pi x^2/S, 0 < .. <= 1; crosswise: (pi x^2/4)/A, A its area seen along
+   the flow; lengthwise: (pi x^2/4)/(S/2 - B), B its mean area seen across the flow; both 0 < .. <= 100. A convex body
+   that turns at random has all three equal. NaN outside these ranges. */
+DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengthwise, double shape[3]);
+DEM_API dem_gas dem_default_gas(void); /* air at 20 degrees C, at rest everywhere */
+/* Returns DEM_OK, or DEM_BAD_DEFINITION; then *field is the name of the first bad field (field may be NULL). */
+DEM_API dem_status dem_check_gas(const dem_gas *gas, const char **field);
+/* Returns a force field of a kernel made by DEM_GAS, with the gas as its user and half a cell of the grid as its
+   length. */
+DEM_API dem_force_field dem_gas_field(dem_field_fn kernel, const dem_gas *gas);
+/* Attaches the frame to a wall moved by dem_rotate or dem_move, or at rest: it moves with the wall from now on.
+   DEM_BAD_ARGUMENT for other walls. */
+DEM_API dem_status dem_attach_gas(dem_gas *gas, const dem_world *world, int wall);
+/* Returns the velocity of the gas in the world [m/s] at a place [m] and a time [s]; NaN beyond the grid. */
+DEM_API dem_vec dem_gas_velocity(const dem_gas *gas, dem_vec position, double time);
+/* Computes the porosity at the grid's nodes from the present volumes of the spheres, each shared among the nodes around
+   it; at least 0.2. Cells should be 3 diameters wide or more. porosity: [n[2]][n[1]][n[0]], which gas->porosity may be.
+   DEM_BAD_ARGUMENT without a finite grid. */
+DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, double *porosity);
+
+/* ---- reading ---- */
+
+DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i); /* now [m]; NaN if i is out of range */
+DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i); /* now [m/s] */
+DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i);     /* now [rad/s], along the world's axes */
+/* Returns the orientation now: from the frame in which the shape was given to the world's. A single sphere has none: 1,
+   0, 0, 0. */
+DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i);
+/* Returns the body that particle i is, or is a part of, now; first is -1 if i is out of range. */
+DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i);
+/* Turns the body of particle i about its centre of mass into an orientation, a quaternion of any length but 0. Velocity
+   and spin stay. DEM_BAD_ARGUMENT for a single sphere, which has none. */
+DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation);
+DEM_API double dem_radius(const dem_world *world, ptrdiff_t i); /* [m]; NaN if i is out of range */
+DEM_API double dem_mass(const dem_world *world, ptrdiff_t i);   /* [kg]; of a part of a body: the body's */
+DEM_API dem_vec dem_momentum(const dem_world *world);           /* of all particles [kg m/s] */
+/* Returns the energies now. Only runs with DEM_ENERGY add to the sums of work and losses. */
+DEM_API dem_energy_ledger dem_energy(const dem_world *world);
+
+typedef struct dem_contact_info {
+    ptrdiff_t i, j; /* particles; j < 0: wall -1 - j */
+    double gap;     /* [m] */
+    dem_vec force;  /* on i [N] */
+    dem_vec normal,
+        point;   /* from j to i; place of the contact, which divides the distance of the centres as the radii do [m] */
+    int element; /* screen: the bar; mesh: 0, 1 ... tell a particle's contacts with it apart */
+    double state[DEM_STATE_MAX]; /* of the law */
+} dem_contact_info;
+/* Returns link k = 0 .. dem_link_count-1; gap and force as last evaluated. */
+DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k);
+/* Returns the link of particle i with j (a wall: -1 - index) at an element of it, or -1. */
+DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element);
+DEM_API ptrdiff_t dem_contact_count(const dem_world *world);
+/* Returns contact k = 0 .. dem_contact_count-1. Hooks of laws get k as a number; for them force is not set. */
+DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k);
+/* Sets the law's states of contact k. state: [law->states]. For hooks of laws, and between runs. */
+DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state);
+
+/* Counts the apertures of a screen now: whole apertures, those without a blocking particle, those in which any particle
+   sits. A particle sits in an aperture if it touches two or more of its bars with its centre within one radius of the
+   mesh plane; it blocks if, besides, friction would hold it against reversed gravity. */
+typedef struct dem_apertures {
+    int total, free, occupied;
+} dem_apertures;
+DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall);
+
+/* ---- measuring: readers of a world, into arrays of the caller; DEM_BAD_ARGUMENT for what is not finite or out of
+ * range ---- */
+
+/* Stresses are positive where spheres push. First index: component of force or momentum; second: direction in which it
+   is carried. */
+typedef struct dem_measure {
+    ptrdiff_t count; /* spheres whose centres lie in the region */
+    double mass;     /* of them [kg] */
+    double
+        solid_fraction;  /* volume of the parts of spheres in the region over its volume [-]; exact for box and sphere,
+                            to 1e-4 for  a cylinder, to 1e-2 of what the surface of a mesh cuts; overlaps count twice */
+    double coordination; /* mean number of contacts of these spheres [-] */
+    dem_vec velocity;    /* mean by mass [m/s] */
+    double granular_temperature; /* sum m |v - velocity|^2/(3 sum m) [m2/s2] */
+    double contact_stress[3][3]; /* sum F l/V over contacts and links, l the part of the branch in the region [Pa]; the
+                                    branch goes from centre to centre, or from a wall's point to the centre (Goldhirsch
+                                    2010, the region as kernel) */
+    double kinetic_stress[3][3]; /* sum m v' v'/V, v' = v - velocity [Pa] */
+} dem_measure;
+/* Measures a region. Along periodic axes it must not be longer than the box. Without a volume, what is divided by it is
+   NaN. With a mesh also DEM_OUT_OF_MEMORY. */
+DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *region, dem_measure *measure);
+
+/* A block of cells. n = 1 along an axis: no profile along it. */
+typedef struct dem_cells {
+    dem_vec low, high; /* corners of the block [m] */
+    int n[3];          /* cells by axis, 1 .. 100000, their product < 2^30 */
+    double width[3];   /* half width of the kernel by axis [m] >= 0; 0: none, a centre counts in its cell */
+} dem_cells;
+/* Coarse-grained fields: their means over a cell. */
+typedef struct dem_field {
+    double density;              /* [kg/m3] */
+    dem_vec momentum;            /* per volume [kg/(m2 s)]; divided by density: velocity */
+    double contact_stress[3][3]; /* [Pa] */
+    double kinetic_stress[3][3]; /* with v' relative to the cell's own velocity [Pa] */
+} dem_field;
+/* Computes coarse-grained fields (Goldhirsch 2010, Granular Matter 12, 239, eqs 5, 6, 25, 30) with the kernel product
+   of 15/16 (1 - u^2)^2 by axis, u = distance/width. field: [n[2]][n[1]][n[0]]. Masses are integrated exactly over
+   cells: their sum is that of the spheres if the block extends a width beyond them. Branches are integrated by Gauss's
+   rule with 8 points. */
+DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field);
+
+/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N] or overlap [m]; contacts without
+   overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
+typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP } dem_quantity;
+DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
+                                double *count);
+
+/* Sums times in a region. Call it at intervals [s], which are its resolution; ids < n are followed. entered: [n] time
+   of entering, NaN outside, NaN at first; stayed: [n] sum of the visits that are over [s], 0 at first. Leaving by an
+   exit counts at its own time. */
+DEM_API dem_status dem_residence(const dem_world *world, const dem_region *region, ptrdiff_t n, double *entered,
+                                 double *stayed);
+
+/* Counts centres by cell: those of one group, and all. [n[2]][n[1]][n[0]] each; width is not used. */
+DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *cells, int group, double *of_group,
+                                      double *of_all);
+/* How well two species are mixed, from their numbers in samples: [samples] of one, of both; empty samples do not count.
+   All NaN if one species is missing, or a number is negative or larger than that of both. */
+typedef struct dem_mixing {
+    double share;     /* share of the one species in all [-] */
+    double separated; /* variance of its share over samples, weighted by their numbers: if each sample held one species
+                         only [-] */
+    double random;    /* the same, expected of a random mixture with these sizes of samples [-] */
+    double variance;  /* the same, as it is [-] */
+    double lacey; /* (separated - variance)/(separated - random): 0 separated, 1 on average in a random mixture (Lacey
+                     1954) */
+    double segregation; /* variance/separated: 1 separated (intensity of segregation, Danckwerts 1952) */
+} dem_mixing;
+DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, const double *of_all);
+/* Returns the number of contacts between a group and the others, over what chance would give: 0 separated, 1 random.
+   NaN without contacts. */
+DEM_API double dem_unlike_contacts(const dem_world *world, int group);
+
+/* Returns the volume of a ball within a box, its centre at the origin [m3] (closed form: Gauss-Bonnet for the sphere's
+   part, then the divergence theorem). radius > 0, low <= high by axis; otherwise NaN. */
+DEM_API double dem_ball_in_box(double radius, dem_vec low, dem_vec high);
+
+/* Returns a hash of every bit of the particles' state and histories, and of controlled walls. */
+DEM_API uint64_t dem_hash(const dem_world *world);
+
+/* Saves everything that the future depends on, little-endian, with version and checksum. Returns the size in bytes;
+   writes only if capacity is enough (call it with NULL, 0 first). 0 for what is no world, and from hooks: a step is
+   half done there. */
+DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
+/* Makes a world from saved bytes; its runs continue with the same bits, under a law with the name, version and number of
+   states of that which made the contacts (see dem_law). As for dem_init, *world must not be in use.
+   allocator may be NULL. DEM_BAD_DATA, DEM_OUT_OF_MEMORY: nothing is allocated then. */
+DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator);
+
+/* ---- pure laws, NaN outside their domain ---- */
+
+/* Returns the damping ratio zeta = gamma/(2 sqrt(k m_eff)) that gives the coefficient of restitution e, 0 < e <= 1. */
+DEM_API double dem_damping_ratio(double e, dem_restitution mode);
+/* Returns the coefficient of restitution of a damping ratio >= 0 (naive: < 1). */
+DEM_API double dem_restitution_of(double zeta, dem_restitution mode);
+/* Returns the duration of a contact [s]: stiffness k [N/m] > 0, effective mass [kg] > 0. */
+DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitution mode);
+/* Returns the duration of an elastic Hertz contact [s] (Hertz 1881): E* [Pa], R* [m], m_eff [kg], impact speed [m/s],
+   all > 0. */
+DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed);

@@ -1,0 +1,237 @@
+/* Memory: blocks of arrays that grow together, and the tables of those arrays. */
+#pragma once
+#include "engine.h"
+
+static inline void *dem__default_allocator(void *user, void *old, size_t old_size, size_t new_size) {
+    (void)user;
+    (void)old_size;
+    if (new_size > 0) return realloc(old, new_size);
+    free(old);
+    return NULL;
+}
+
+/* An array of a group. Lists of them make growing, freeing and saving loops. */
+typedef struct dem__array {
+    void *address; /* of the pointer to it */
+    size_t size;   /* of an entry [bytes] */
+} dem__array;
+enum { DEM__ARRAYS_MAX = 96, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
+
+/* Lists the arrays of particles in a force field. Returns their number. */
+static inline int dem__field_arrays(dem_world *w, dem__array *list) {
+    dem__field *field = &w->engine->field;
+    const dem__array arrays[] = {{&field->until, sizeof *field->until},
+                                 {&field->end_velocity, sizeof *field->end_velocity},
+                                 {&field->force, sizeof *field->force},
+                                 {&field->work, sizeof *field->work},
+                                 {&field->booked, sizeof *field->booked}};
+    const int n = (int)(sizeof arrays / sizeof *arrays);
+    memcpy(list, arrays, sizeof arrays);
+    return n;
+}
+
+/* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
+DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) {
+    return w->engine->bodies.has_fixed && w->engine->bodies.fixed[i].on != 0;
+}
+
+/* Returns the shape of particle i, or NULL if it is a sphere. */
+DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
+    const dem__convex_state *convex = &w->engine->convex;
+    return convex->shapes > 0 && convex->shape_of[i] > 0 ? &convex->shape[convex->shape_of[i] - 1] : NULL;
+}
+
+/* Returns the radius with which particle i touches: its own, or that of its rounding. */
+DEM_INLINE double dem__touching_radius(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    return s ? s->radius : w->particle[i].radius;
+}
+
+/* Lists the arrays of particles. Returns their number. */
+static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__links *links = &w->engine->links;
+    int n = 0;
+    double **doubles[] = {&bodies->wall_speed, &bodies->shifted, &bodies->mass_share};
+    dem__two_vec **sixes[] = {&bodies->load, &bodies->external, &links->evaluated_at};
+    int32_t **integers[] = {&w->material,
+                            &w->group,
+                            &w->alive,
+                            &w->touching,
+                            &bodies->active,
+                            &w->engine->walls.first_contact,
+                            &w->engine->pairs.adjacent_start,
+                            &w->engine->pairs.cell_of,
+                            &w->engine->scratch.index,
+                            &bodies->activity,
+                            &bodies->number,
+                            &links->first_link,
+                            &links->is_loaded,
+                            &bodies->to_check};
+    for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
+        list[n].address = doubles[k], list[n].size = sizeof(double);
+    }
+    for (size_t k = 0; k < sizeof sixes / sizeof *sixes; k++, n++) {
+        list[n].address = sixes[k], list[n].size = sizeof(dem__two_vec);
+    }
+    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
+        list[n].address = integers[k], list[n].size = sizeof(int32_t);
+    }
+    if (bodies->rigid_capacity > 0) {
+        list[n].address = &bodies->rigid_of, list[n++].size = sizeof(int32_t);
+        list[n].address = &bodies->offset, list[n++].size = sizeof(dem_vec);
+        list[n].address = &bodies->arm, list[n++].size = sizeof(dem_vec);
+    }
+    if (bodies->has_fixed) list[n].address = &bodies->fixed, list[n++].size = sizeof(dem__fixed);
+    if (w->engine->convex.shapes > 0) {
+        list[n].address = &w->engine->convex.shape_of, list[n++].size = sizeof(int32_t);
+        list[n].address = &w->engine->convex.place, list[n++].size = sizeof(dem__placed);
+    }
+    list[n].address = &w->particle, list[n++].size = sizeof(dem_particle);
+    list[n].address = &w->spin_rate, list[n++].size = sizeof(dem_vec);
+    list[n].address = &w->engine->pairs.listed_at, list[n++].size = sizeof(dem_vec);
+    list[n].address = &bodies->impact, list[n++].size = sizeof(dem_vec);
+    list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
+    list[n].address = &bodies->bound, list[n++].size = sizeof(dem__bound);
+    list[n].address = &bodies->sum, list[n++].size = sizeof(dem__sum);
+    return w->engine->field.on ? n + dem__field_arrays(w, list + n) : n;
+}
+
+static inline int dem__may_postpone(const dem_world *w) { return w->engine->contacts.postponed || w->def.threads > 1; }
+
+/* Lists the arrays of contacts, ordered by how long their values are needed: from step to step, ... */
+static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
+    dem__contacts *contacts = &w->engine->contacts;
+    int n = 0;
+    int32_t **integers[] = {&contacts->i,    &contacts->j,         &contacts->element,
+                            &contacts->near, &contacts->wall_next, &contacts->type};
+    double **own[DEM__OWN_ARRAYS] = {&contacts->predict, &contacts->mass, &contacts->sum, &contacts->part};
+    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++)
+        list[n].address = integers[k], list[n].size = sizeof(int32_t);
+    list[n].address = &contacts->gap, list[n++].size = sizeof(double);
+    list[n].address = &contacts->force, list[n++].size = sizeof(double);
+    for (int k = 0; k < contacts->states; k++, n++)
+        list[n].address = &contacts->state[k], list[n].size = sizeof(double);
+    for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) {
+        list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
+    }
+    if (w->engine->ledger.on) {
+        list[n].address = &contacts->elastic, list[n++].size = sizeof(double);
+        for (int k = 0; k < 3; k++, n++) list[n].address = &contacts->power[k], list[n].size = sizeof(double);
+        for (int k = 0; k < 4; k++, n++) list[n].address = &contacts->loss[k], list[n].size = sizeof(double);
+    }
+    list[n].address = &contacts->ended, list[n++].size = 1;
+    /* ... with constants of their own, ... */
+    for (int k = 0; k < DEM__OWN_ARRAYS; k++, n++) list[n].address = own[k], list[n].size = sizeof(double);
+    for (int k = 0; k < contacts->constants; k++, n++)
+        list[n].address = &contacts->constant[k], list[n].size = sizeof(double);
+    /* ... after the last step of a run, ... */
+    for (int k = 0; k < DEM__OUT_ARRAYS; k++, n++)
+        list[n].address = &contacts->wrench[k], list[n].size = sizeof(double);
+    /* ... within a step */
+    list[n].address = &contacts->correction, list[n++].size = sizeof(dem__correction);
+    list[n].address = &contacts->edge, list[n++].size = 1;
+    list[n].address = &contacts->slots, list[n++].size = sizeof(int32_t);
+    if (dem__may_postpone(w)) list[n].address = &contacts->postponed, list[n++].size = sizeof(dem__postponed);
+    return n;
+}
+
+/* Lists the arrays of contacts, and returns the number of the first ones: those that move with a contact to another
+   slot. */
+static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
+    const int with_out = dem__contact_arrays(w, list) - dem__may_postpone(w) - DEM__STEP_ARRAYS,
+              with_own = with_out - DEM__OUT_ARRAYS;
+    return w->engine->run.keeps_wrenches ? with_out
+           : w->engine->contacts.type_count > DEM__TYPES_MAX
+               ? with_own
+               : with_own - DEM__OWN_ARRAYS - w->engine->contacts.constants;
+}
+
+/* Grows a group of arrays. All lie in one block, so that growing works for all or changes nothing; each begins with a
+   cache line. Returns 0 when out of memory. */
+static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes,
+                                  ptrdiff_t *capacity, ptrdiff_t wanted) {
+    ptrdiff_t larger =
+        wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* more arrays alone need no more entries */
+    size_t total = 64;
+    if (larger < wanted) larger = wanted;
+    for (int k = 0; k < n; k++) {
+        if ((size_t)larger > (SIZE_MAX / 4 - total) / list[k].size) return 0;
+        total += ((size_t)larger * list[k].size + 63) & ~(size_t)63;
+    }
+    char *fresh = (char *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, total), *at = fresh;
+    if (!fresh) return 0;
+    memset(fresh, 0, total);
+    at += 64 - (size_t)((uintptr_t)fresh & 63);
+    for (int k = 0; k < n; k++) {
+        void *old = NULL, *now = at;
+        memcpy(&old, list[k].address, sizeof old);
+        if (old && *capacity > 0) memcpy(now, old, (size_t)*capacity * list[k].size);
+        memcpy(list[k].address, &now, sizeof now);
+        at += ((size_t)larger * list[k].size + 63) & ~(size_t)63;
+    }
+    if (*block) w->def.allocator.fn(w->def.allocator.user, *block, *bytes, 0);
+    *block = fresh;
+    *bytes = total;
+    *capacity = larger;
+    return 1;
+}
+
+/* Lists the arrays of links. Returns their number. */
+static inline int dem__link_arrays(dem_world *w, dem__array *list) {
+    dem__links *links = &w->engine->links;
+    int n = 0;
+    int32_t **integers[] = {&links->i, &links->j, &links->element, &links->next_i, &links->next_j};
+    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++)
+        list[n].address = integers[k], list[n].size = sizeof(int32_t);
+    for (int k = 0; k < links->states; k++, n++) list[n].address = &links->state[k], list[n].size = sizeof(double);
+    for (int k = 0; k < 9; k++, n++) list[n].address = &links->wrench[k], list[n].size = sizeof(double);
+    list[n].address = &links->gap, list[n++].size = sizeof(double);
+    list[n].address = &links->ended, list[n++].size = 1;
+    return n;
+}
+
+/* Makes room for `count` timers, and for `bytes` beside each in another array. Returns 0 when out of memory. */
+static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count, void *other, size_t bytes) {
+    const dem__array list[] = {{&t->due, DEM__LINE * sizeof *t->due},
+                               {&t->list, DEM__LINE * sizeof *t->list},
+                               {&t->earliest, sizeof *t->earliest},
+                               {other, DEM__LINE * bytes}};
+    const ptrdiff_t lines = (count / DEM__PAGE + 1) * DEM__LINE;
+    return lines <= t->capacity || dem__grow_group(w, list, 4, &t->block, &t->bytes, &t->capacity, lines);
+}
+static inline int dem__grow_near(dem_world *w, ptrdiff_t count) {
+    dem__pairs *pairs = &w->engine->pairs;
+    return dem__grow_timers(w, &pairs->timers, count, &pairs->near, sizeof *pairs->near);
+}
+
+/* Sets the number of timers, and stops those from `kept` on. */
+static inline void dem__stop_timers(dem__timers *t, ptrdiff_t kept, ptrdiff_t count) {
+    t->pages = count / DEM__PAGE + 1;
+    for (ptrdiff_t e = kept; e < t->pages * DEM__PAGE; e++) t->due[e] = DEM__STOPPED;
+    for (ptrdiff_t b = 0; b < t->pages * DEM__LINE; b++) {
+        t->earliest[b] = DEM__STOPPED;
+        for (const int32_t *due = t->due + b * DEM__LINE, *end = due + DEM__LINE; due < end; due++)
+            t->earliest[b] = *due < t->earliest[b] ? *due : t->earliest[b];
+    }
+}
+
+/* Makes timers count from another step. */
+static inline void dem__count_from(dem__timers *t, int64_t step) {
+    const int32_t later = (int32_t)(step - t->from);
+    for (ptrdiff_t e = 0; e < t->pages * DEM__PAGE; e++) t->due[e] -= t->due[e] < DEM__NEVER ? later : 0;
+    for (ptrdiff_t b = 0; b < t->pages * DEM__LINE; b++) t->earliest[b] -= t->earliest[b] < DEM__NEVER ? later : 0;
+    t->from = step;
+}
+
+/* Makes room in a single array, whose values are lost. Returns 0 when out of memory. */
+static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capacity, ptrdiff_t wanted) {
+    if (wanted <= *capacity) return 1;
+    ptrdiff_t larger = wanted + wanted / 4 + 64;
+    int32_t *fresh = (int32_t *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)larger * sizeof *fresh);
+    if (!fresh) return 0;
+    if (*array) w->def.allocator.fn(w->def.allocator.user, *array, (size_t)*capacity * sizeof **array, 0);
+    *array = fresh;
+    *capacity = larger;
+    return 1;
+}

@@ -1,0 +1,104 @@
+/* What depends on the compiler: inlining, options, prefetch, AVX2 copies of loops. */
+#pragma once
+
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "dem.h needs NaN and exact arithmetic: compile without -ffast-math and -ffinite-math-only"
+#endif
+
+#ifndef DEM_API
+#define DEM_API static inline
+#define DEM__BODIES
+#elif defined(DEM_IMPLEMENTATION)
+#define DEM__BODIES
+#endif
+
+/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built
+   with. Clang fuses only if told to by -ffp-contract=fast. Without these options gcc leaves a loop scalar if a root in
+   it may set errno or arithmetic may trap, and most loops at -O2. The loops of a step (DEM__FAST) are compiled as with
+   -O3, all else as with -O2: that takes a quarter off the time of a compiler, and nothing off the speed. With the
+   address sanitizer the command line decides. */
+#if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__NO_MATH_ERRNO__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wredundant-decls"
+#ifdef __cplusplus
+extern "C" double sqrt(double) noexcept(noexcept(::sqrt(1.0))) __attribute__((const));
+#else
+extern double sqrt(double) __attribute__((const));
+#endif
+#pragma GCC diagnostic pop
+#endif
+#if defined(__clang__)
+#define DEM__FAST
+#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
+#define DEM__FAST __attribute__((optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")))
+#else
+#define DEM__FAST
+#endif
+
+#if defined(__GNUC__)
+#define DEM_INLINE static inline __attribute__((always_inline)) DEM__FAST
+#define DEM_RESTRICT __restrict__
+#define DEM__NOINLINE __attribute__((noinline))
+#elif defined(_MSC_VER)
+#define DEM_INLINE static __forceinline
+#define DEM_RESTRICT __restrict
+#define DEM__NOINLINE
+#else
+#define DEM_INLINE static inline
+#define DEM_RESTRICT
+#define DEM__NOINLINE
+#endif
+
+/* dem_run is compiled where it is called: with constant features, only the kernel that they choose. */
+#if defined(__GNUC__) && !defined(DEM_IMPLEMENTATION)
+#define DEM__CHOICE static inline __attribute__((always_inline))
+#else
+#define DEM__CHOICE DEM_API
+#endif
+
+/* Particles are scattered in memory: those needed soon are prefetched into the second cache, because the first is full
+   of the current block. */
+#if defined(__GNUC__)
+#define DEM__PREFETCH(address) __builtin_prefetch(address, 0, 2)
+#else
+#define DEM__PREFETCH(address) ((void)(address))
+#endif
+
+/* gcc: the law's loop writes its results directly to the contacts; ivdep tells that no iteration reads what another one
+   writes. Clang's pragma would also promise that arrays do not alias within an iteration, which is wrong here. With
+   clang the loop writes to rows, which are copied afterwards. gcc unrolls a short loop before it tries to vectorise it;
+   `unroll 1` stops that. */
+#if defined(__GNUC__) && !defined(__clang__)
+#define DEM__INDEPENDENT _Pragma("GCC ivdep")
+#define DEM__NO_UNROLL _Pragma("GCC unroll 1")
+#define DEM__COPY_ROWS 0
+#else
+#define DEM__INDEPENDENT
+#define DEM__NO_UNROLL
+#define DEM__COPY_ROWS 1
+#endif
+
+/* x86-64: the loops that vectorise are compiled twice, with AVX2 and without. The bits are the same, because neither
+   fuses. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412): there -mavx2 for the
+   whole program gives the speed. */
+#if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
+#define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
+    __attribute__((target("avx2"))) DEM__FAST static void name##_wide parameters { call; }                             \
+    DEM__FAST static void name parameters {                                                                            \
+        if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                     \
+        else call;                                                                                                     \
+    }
+#else
+#define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
+    DEM__FAST static void name parameters { call; }
+#endif

@@ -1,0 +1,32 @@
+/* Constants that tune the engine, each with its reason. Results change in their last bits with them. */
+#pragma once
+
+#define DEM_MATERIALS_MAX 8  /* a pair table of 64 entries stays in the definition */
+#define DEM_WALLS_MAX 32     /* every particle near a wall is tested with it; a mesh counts as one */
+#define DEM_CONSTANTS_MAX 16 /* constants of a law, computed when a contact begins */
+#define DEM_STATE_MAX 16     /* doubles that a law may keep for each contact */
+/* Sets of constants that contacts share: enough for a few sizes and materials. */
+#define DEM__TYPES_MAX 32
+/* Contacts evaluated together: 30 arrays of a block fit the first-level cache. */
+#define DEM__BLOCK 64
+/* Longest life of a list, and longest delay of a test, in steps: rounding errors grow with it. */
+#define DEM__STEPS_MAX (1 << 20)
+/* Longest delay of a test at turning walls, in steps: beyond it another test costs little. */
+#define DEM__RETEST_STEPS 1024
+/* Flights in a field that a bound should last: with more of them neighbours are tested sooner. */
+#define DEM__FLIGHTS 8.0
+#define DEM__AHEAD 16                     /* entries ahead for which memory is prefetched */
+#define DEM__LINE 16                      /* timers of a line, which are compared together: a cache line */
+#define DEM__PAGE (DEM__LINE * DEM__LINE) /* timers of a page: as many lines as a line has timers */
+#define DEM__REORDER_STEPS 256            /* steps between two reorderings of contacts */
+/* Steps that a list should last: building it takes as long as about thirty steps of a gas. */
+#define DEM__LIST_STEPS 100
+/* Near pairs a sphere: with fewer a wide margin costs little, and lists should last four times as long. */
+#define DEM__FEW_PAIRS 3
+/* Chunks of contacts, if they are many: more threads than that do not share them. */
+#define DEM__CHUNKS 16
+#define DEM__PARTS_MAX 256 /* threads that share a step: arrays of this size lie on the stack */
+/* Speeds, spins and histories of contacts are rounded to 2^-52 of this: what decays ends at 0. */
+#define DEM__LEAST 1e-84
+#define DEM__MAGIC 0x0a1a64656d52u /* first bytes of a saved world */
+#define DEM__FORMAT 11u            /* version of its records: new fields do not change it */

@@ -1,0 +1,75 @@
+/* The engine's state of polyhedra. */
+#pragma once
+#include "polyhedron.h"
+
+/* Place of a core: its centre [m] and the directions of its own axes. */
+typedef struct dem__placed {
+    dem_vec x, axis[3];
+} dem__placed;
+
+/* The corners that were nearest at the last test of a pair: 12 bytes that change how fast a distance is found, not what
+   it is. */
+typedef struct dem__nearest_cache {
+    uint8_t n, a[4], b[4], unused[3];
+} dem__nearest_cache;
+
+/* A point where two rounded cores a and b touch: a sphere of a's radius about `at` touches one of b's about at - (gap +
+   radii) normal. */
+typedef struct dem__convex_point {
+    int32_t key;        /* 0 .. 31: corner of a; 32 .. 63: corner of b; from 64 on: a pair of edges, or its ends */
+    int32_t taken;      /* a contact uses it */
+    dem_vec normal, at; /* from b to a; [m] */
+    double gap, weight; /* [m]; factor of forces: 1, or what an end takes back from a crossing, at least -1 */
+} dem__convex_point;
+
+/* Two bodies that may touch, at least one of them a polyhedron: particles i < j, or particle i and wall -1 - j. */
+typedef struct dem__convex_pair {
+    int32_t i, j, near;   /* near: its number among near pairs, or -1 */
+    int32_t first, count; /* of its points in the present step */
+    int32_t is_close;     /* whether the spheres around the two touch in the present step */
+    int64_t idle_until;   /* step before which they cannot touch while both fly on, and the wall is no faster */
+    int64_t origin[2];    /* origin steps of these flights */
+    double speed, spin;   /* bounds of the wall's motion on which it relies [m/s], [rad/s] */
+    dem__nearest_cache cache;
+    dem_vec axis; /* a direction in which the cores were apart at the last test; 0: none */
+} dem__convex_pair;
+
+/* The functions that the engine calls for polyhedra, in the order of a step; they are in polyhedra/add.h. The first
+   shape of a world sets the table, so that a program that adds no shape and loads no world compiles none of them. */
+struct dem__rows;
+struct dem__type_rows;
+struct dem__wall_row;
+struct dem__columns;
+struct dem__chunk;
+typedef struct dem__convex_calls {
+    int (*list_pairs)(dem_world *w);            /* lists pairs for a new list of near pairs; 0: out of memory */
+    void (*follow)(dem_world *w, int64_t step); /* finds points of contact at a step; moves and begins contacts */
+    void (*prepare)(const dem_world *w, ptrdiff_t c, dem_birth *b); /* sets sizes and mass of the contact in slot c */
+    void (*fill_rows)(const dem_world *w, struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n,
+                      double half, struct dem__wall_row *wall); /* fills rows of a block before the law */
+    void (*finish_rows)(const dem_world *w, const struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base,
+                        int n, const struct dem__columns *at, const double *before, double half,
+                        int features); /* forces and torques after the
+                                                                                                            law; before:
+                                          contact forces */
+    dem_status (*add)(dem_world *w, int shape, ptrdiff_t n, const double *centres, const double *orientations,
+                      int material, int group); /* adds polyhedra: dem_add_convex, for feeds */
+    void (*leave_edges)(dem_world *w, const struct dem__chunk *in,
+                        ptrdiff_t marked); /* excludes polyhedra from edge steps */
+} dem__convex_calls;
+
+/* Polyhedra. polyhedra/add.h adds shapes, polyhedra/pairs.h lists pairs and finds their points. Without any shape all
+   of it is zero. */
+typedef struct dem__convex_state {
+    const dem__convex_calls *calls; /* NULL without shapes */
+    dem_convex *shape;
+    int shapes;
+    int32_t *shape_of;      /* of a particle: its shape's number + 1, or 0 for a sphere; NULL without shapes */
+    dem__placed *place;     /* of a particle that is a polyhedron: its place at the end of the present step */
+    dem__convex_pair *pair; /* those of particles in the order of near pairs, then those with walls in the order of
+                               particles and walls */
+    ptrdiff_t pairs, of_particles, pair_capacity;
+    dem__convex_point *point;
+    ptrdiff_t point_capacity;
+    int64_t overlaps; /* of cores, in the last step */
+} dem__convex_state;

@@ -1,0 +1,65 @@
+/* Convex polyhedra: public types and functions. */
+#pragma once
+#include "law.h"
+
+#define DEM_CORNERS_MAX 32                      /* corners of a polyhedron, at most: a set of them fits into 32 bits */
+#define DEM_FACES_MAX (2 * DEM_CORNERS_MAX - 4) /* by Euler's formula, if all are triangles */
+#define DEM_EDGES_MAX (3 * DEM_CORNERS_MAX - 6)
+
+/* A convex polyhedron with rounded edges and corners: all points within a radius of a core. Its flat faces are those of
+   the polyhedron that it was made of; the core is that polyhedron, eroded by the radius. Volume, centroid and inertia
+   are those of the sharp polyhedron. Lengths are from the centroid, along the principal axes. Made by the three
+   functions below. */
+typedef struct dem_convex {
+    int corners, edges, faces;
+    int is_box;       /* 1: the core is a box along the axes with half lengths `half` */
+    double radius;    /* of rounding [m] */
+    double reach;     /* from the centroid to the farthest point [m] */
+    double volume;    /* [m3] */
+    double moment[3]; /* principal moments of inertia over density [m5] */
+    double share;     /* share of its mass that the outermost corner has in an impact, mean over directions [-] */
+    dem_vec half;     /* of a box [m] */
+    dem_vec centroid; /* in the frame in which the polyhedron was given [m] */
+    dem_vec
+        axis[3]; /* principal axes in that frame, right-handed; where moments are equal, those nearest to its axes */
+    double corner[DEM_CORNERS_MAX][3];      /* of the core [m] */
+    double plane[DEM_FACES_MAX][4];         /* of the core: outward normal and distance from the centroid [m] */
+    uint8_t face_start[DEM_FACES_MAX + 1];  /* where a face's corners begin in face_corner */
+    uint8_t face_corner[2 * DEM_EDGES_MAX]; /* counterclockwise from outside */
+    uint8_t edge[DEM_EDGES_MAX][2];         /* corners of an edge */
+    uint8_t edge_face[DEM_EDGES_MAX]
+                     [2]; /* its faces; it runs along the first one's corners, against the second one's */
+} dem_convex;
+
+/* Makes a polyhedron from its corners, in any order. n: 4 .. DEM_CORNERS_MAX; corners: shape [n][3] [m]; rounding:
+   radius over the smallest distance of a face from the corner opposite to it [-], 0.001 .. 0.4; 0.03 is a good value.
+   DEM_BAD_ARGUMENT, with the cause in *reason (may be NULL): a number that is not finite or out of range, corners in
+   one plane, a point that is no corner (it lies inside, in a face, on an edge or on another), or a core of more than
+   DEM_CORNERS_MAX corners (it may have more of them where more than three faces meet). */
+DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding,
+                                   const char **reason);
+/* Makes a box of these lengths along its axes [m] > 0. rounding, reason: as in dem_make_convex. */
+DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason);
+/* Makes a polyhedron from a closed surface of triangles that is convex. Also refuses an edge that has not two
+   triangles, and a corner outside of a triangle's plane. Triangles in one plane make one face. */
+DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason);
+
+/* Adds a shape to a world, which keeps a copy of it. Returns its number from 0 on, or minus a dem_status. */
+DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
+/* Adds n polyhedra of a shape at rest. centres: of mass, shape [n][3] [m]; orientations: [n][4], quaternions of any
+   length but 0, scalar first, from the shape's principal axes to the world's; NULL: none is turned. Otherwise as
+   dem_add_spheres. Each is one particle, whose radius is that of the sphere around it. A contact is a point: a corner
+   at the other body, or two edges that cross. At each point the pair's law acts between spheres with the rounding radii
+   (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass; so a face on a face has as many
+   springs as points. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs
+   need DEM_FRICTION (otherwise DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the sum of
+   the radii: cores that overlap are pushed apart, too, but their normals may jump. Corners, edges and faces touch walls
+   of every kind. Links of polyhedra are refused with DEM_POLYHEDRON. */
+DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres,
+                                  const double *orientations, int material, int group);
+DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i); /* number of its shape; -1: it has none */
+DEM_API const dem_convex *dem_get_shape(const dem_world *world,
+                                        int shape); /* owned by the world; NULL if there is none */
+/* Counts the overlaps that are too deep, in the last step: pairs of polyhedra whose cores overlapped, spheres whose
+   centre was in a core, and walls that cut a core. 0 is right. */
+DEM_API int64_t dem_core_overlaps(const dem_world *world);

@@ -1,0 +1,96 @@
+/* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body. */
+#pragma once
+#include "rigid.h"
+
+static inline int dem__is_clump(const dem_clump *c) {
+    dem_quaternion unit;
+    if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) ||
+        !dem__unit_turn(c->axes, &unit))
+        return 0;
+    const dem_vec m = c->moments;
+    if (!dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
+    const double most = (1.0 + 1e-6) * (m.x + m.y + m.z); /* no moment exceeds the sum of the two others */
+    if (2.0 * m.x > most || 2.0 * m.y > most || 2.0 * m.z > most) return 0;
+    for (int k = 0; k < c->spheres; k++) {
+        if (!dem__positive(c->radius[k]) || !dem__finite_vec(c->centre[k])) return 0;
+    }
+    return 1;
+}
+
+DEM_API double dem_clump_diameter(const dem_clump *clump) {
+    return clump && dem__positive(clump->volume) ? riddle_cbrt(6.0 / RIDDLE_PI * clump->volume) : (double)NAN;
+}
+
+/* Returns the radius of the sphere about the centre of mass that contains a clump [m]. */
+static inline double dem__clump_reach(const dem_clump *c) {
+    double reach = 0.0;
+    for (int k = 0; k < c->spheres; k++) {
+        const double r = dem__length(c->centre[k]) + c->radius[k];
+        reach = r > reach ? r : reach;
+    }
+    return reach;
+}
+
+/* Returns the definition of a body with a clump's shape, `scale` times as large, of a material. offset and radius:
+   [spheres], filled here. */
+static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material,
+                                            dem_vec *offset, double *radius) {
+    const double density = w->def.material[material].density, cube = scale * scale * scale;
+    dem__body_def def;
+    dem_quaternion axes = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    memset(&def, 0, sizeof def);
+    dem__unit_turn(c->axes, &axes);
+    for (int k = 0; k < c->spheres; k++)
+        offset[k] = dem__scale(scale, dem__to_body(axes, c->centre[k])), radius[k] = scale * c->radius[k];
+    def.mass = density * cube * c->volume;
+    def.moments = dem__scale(density * cube * scale * scale, c->moments);
+    def.frame = axes, def.turn = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    def.pieces = c->spheres, def.offset = offset, def.radius = radius, def.material = material;
+    return def;
+}
+
+/* Returns whether a body's mass and moments, and their inverses, are valid numbers. */
+static inline int dem__is_body_def(const dem__body_def *def) {
+    const dem_vec m = def->moments;
+    if (!dem__positive(def->mass) || !dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
+    if (!dem__positive(1.0 / m.x) || !dem__positive(1.0 / m.y) || !dem__positive(1.0 / m.z)) return 0;
+    for (ptrdiff_t k = 0; k < def->pieces; k++) {
+        const double r = def->radius[k];
+        if (!dem__positive(def->mass * r * r) || !dem__positive(1.0 / (def->mass * r * r))) return 0;
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres,
+                                  const double *diameters, const double *orientations, int material, int group) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    dem_vec offset[DEM_CLUMP_MAX];
+    double radius[DEM_CLUMP_MAX];
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials ||
+        !dem__is_clump(clump))
+        return DEM_BAD_ARGUMENT;
+    if (n > (INT32_MAX / 4 - w->count) / clump->spheres) return DEM_TOO_MANY;
+    const double own = dem_clump_diameter(clump);
+    for (ptrdiff_t k = 0; k < n; k++) {
+        dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+        const double *o = orientations ? orientations + 4 * k : NULL;
+        if (diameters && !dem__positive(diameters[k])) return DEM_BAD_ARGUMENT;
+        const dem__body_def def =
+            dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
+        if (!dem__is_body_def(&def) ||
+            !dem__finite_vec(dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2])))
+            return DEM_BAD_ARGUMENT;
+        if (o && !dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return DEM_BAD_ARGUMENT;
+    }
+    if (n == 0) return DEM_OK;
+    if (!dem__reserve_bodies(w, n, n * clump->spheres)) return DEM_OUT_OF_MEMORY;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const double *o = orientations ? orientations + 4 * k : NULL;
+        dem__body_def def = dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
+        def.x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]), def.group = group;
+        if (o) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &def.turn);
+        dem__add_body(w, &def);
+    }
+    return DEM_OK;
+}

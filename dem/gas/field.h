@@ -1,0 +1,273 @@
+/* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads
+   bodies, the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end,
+   computed at its origin and the same whatever is skipped. */
+#pragma once
+#include "../search/timers.h"
+#include "../walls/exits.h"
+
+/* Tasks of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none
+   of it. */
+enum {
+    DEM__FIND_FLIGHTS,    /* of particles: begins flights now */
+    DEM__RENEW_FLIGHTS,   /* of particles: keeps the flights that the law still gives, begins the others anew */
+    DEM__END_FLIGHTS,     /* of particles: ends flights now; from here on they take steps */
+    DEM__ADD_FIELD_FORCE, /* on particles: at the end of the present step, of length h */
+    DEM__PREPARE_FIELD,   /* before a run: dem__prepare_flights */
+    DEM__FIELD_CONTACTS,  /* n contacts have begun: dem__end_flights */
+    DEM__FIELD_FORCES,    /* on all particles that take steps: dem__add_field_forces */
+    DEM__FIELD_FLIGHTS,   /* after a step: dem__begin_flights */
+    DEM__FIELD_BOOKS,     /* the ledger begins: dem__begin_books */
+    DEM__RUN_IN_FIELD     /* n steps */
+};
+typedef struct dem__field_task {
+    int task;
+    const int32_t *particle;
+    ptrdiff_t n;
+    double h;                 /* [s] */
+    const dem_kernel *kernel; /* of contacts */
+} dem__field_task;
+
+/* Runs one of the tasks that need only a number. Returns 0 after a failure. */
+static inline int dem__ask_field(dem_world *w, int task, ptrdiff_t n) {
+    dem__field_task q;
+    memset(&q, 0, sizeof q);
+    q.task = task, q.n = n;
+    return w->engine->field.def.kernel(w, &q);
+}
+static inline int dem__ask_field_to_run(dem_world *w, ptrdiff_t steps, const dem_kernel *kernel) {
+    dem__field_task q;
+    memset(&q, 0, sizeof q);
+    q.task = DEM__RUN_IN_FIELD, q.n = steps, q.kernel = kernel;
+    return w->engine->field.def.kernel(w, &q);
+}
+
+DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
+    return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
+}
+
+/* A rigid body feels the field at its centre and flies as its first particle: only that one has a flight. Returns
+   whether i is a sphere or such a particle. */
+DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return !r || r->first == i;
+}
+
+/* Returns the radius of particle i, or of the sphere with its body's volume [m]. */
+DEM_INLINE double dem__size_in_field(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? 0.5 * dem__equal_diameter(w, r) : w->particle[i].radius;
+}
+
+/* Gives particle i, or its body, a new parabola from here on. */
+static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem_vec a) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem_particle *p = &w->particle[i];
+    if (r) {
+        w->engine->bodies.calls->set_origin(w, r);
+        r->x = x, r->v = v, r->a = a;
+        w->engine->bodies.calls->place(w, r);
+        return;
+    }
+    p->spin = dem__spin_at(w, i, dem__now(w, i));
+    p->x = x, p->v = v, p->a = a;
+    p->origin = w->step;
+}
+
+/* Returns the acceleration of particle i at x with v by the law [m/s2]. */
+DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
+                                   dem_vec (*law)(const dem_force_point *)) {
+    dem_force_point at;
+    at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
+    at.velocity = v;
+    at.radius = dem__size_in_field(w, i), at.mass = w->particle[i].mass;
+    at.time = time;
+    at.gravity = dem__free_fall(w);
+    at.user = w->engine->field.def.user;
+    return dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
+}
+
+DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
+/* Returns whether particle i, or its body, has the acceleration of free fall only. */
+DEM_INLINE int dem__falls_freely(const dem_world *w, ptrdiff_t i) {
+    return dem__is_zero(dem__sub(dem__centre_pull(w, i), dem__free_fall(w)));
+}
+
+/* Result of one step of a flight. */
+typedef struct dem__flown {
+    dem_vec way;  /* mean gain of velocity: the displacement beyond that at the first velocity, over the time [m/s] */
+    dem_vec gain; /* of velocity, at the end [m/s] */
+    double work;  /* of the field [J] */
+    double error; /* of position [m] */
+    int zero;     /* whether the law gave 0 at every stage */
+} dem__flown;
+
+/* Integrates one step of h from x with v at a time: of fifth order, with the error of fourth order (Cash & Karp 1990).
+ */
+DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double h,
+                               dem_vec (*law)(const dem_force_point *)) {
+    enum { STAGES = 6 };
+    static const double at[STAGES] = {0.0, 0.2, 0.3, 0.6, 1.0, 0.875};
+    static const double by[STAGES][STAGES - 1] = {
+        {0.0, 0.0, 0.0, 0.0, 0.0},
+        {0.2, 0.0, 0.0, 0.0, 0.0},
+        {3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0},
+        {0.3, -0.9, 1.2, 0.0, 0.0},
+        {-11.0 / 54.0, 2.5, -70.0 / 27.0, 35.0 / 27.0, 0.0},
+        {1631.0 / 55296.0, 175.0 / 512.0, 575.0 / 13824.0, 44275.0 / 110592.0, 253.0 / 4096.0}};
+    static const double fifth[STAGES] = {37.0 / 378.0, 0.0, 250.0 / 621.0, 125.0 / 594.0, 0.0, 512.0 / 1771.0};
+    static const double fourth[STAGES] = {2825.0 / 27648.0, 0.0, 18575.0 / 48384.0, 13525.0 / 55296.0,
+                                          277.0 / 14336.0,  0.25};
+    const dem_vec g = dem__free_fall(w), none = dem_vec3(0.0, 0.0, 0.0);
+    dem_vec gain[STAGES], pull[STAGES], off = none, stray = none;
+    dem__flown q;
+    q.way = q.gain = none, q.work = 0.0, q.zero = 1;
+    for (int s = 0; s < STAGES; s++) {
+        dem_vec way = none;
+        gain[s] = none;
+        for (int r = 0; r < s; r++) {
+            gain[s] = dem__plus(gain[s], h * by[s][r], dem__add(g, pull[r]));
+            way = dem__plus(way, h * by[s][r], gain[r]);
+        }
+        const dem_vec now = dem__add(v, gain[s]);
+        pull[s] = dem__field_pull(w, i, dem__add(dem__plus(x, at[s] * h, v), way), now, time + at[s] * h, law);
+        q.zero &= dem__is_zero(pull[s]);
+        q.way = dem__plus(q.way, fifth[s], gain[s]);
+        q.gain = dem__plus(q.gain, h * fifth[s], dem__add(g, pull[s]));
+        q.work += h * fifth[s] * w->particle[i].mass * dem__dot(pull[s], now);
+        off = dem__plus(off, h * (fifth[s] - fourth[s]), gain[s]);
+        stray = dem__plus(stray, h * h * (fifth[s] - fourth[s]), pull[s]);
+    }
+    q.error = dem__length(off) + dem__length(stray);
+    return q;
+}
+
+/* Returns the number of steps of the world in a time [s], at least one, at most as many as a list can last. */
+DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
+    const double n = time * w->engine->pairs.steps_per_second;
+    return n >= (double)(DEM__STEPS_MAX - 2) ? DEM__STEPS_MAX - 2 : n > 1.0 ? (int)n : 1; /* NaN: one */
+}
+
+/* Chooses the number of steps of a flight from x with v by its error, and computes the flight. A parabola that is right
+   at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first one, times
+   the time squared. */
+DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem__flown *q,
+                                  dem_vec (*law)(const dem_force_point *)) {
+    const dem_force_field *def = &w->engine->field.def;
+    const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i),
+                 probe = 16.0 * dt;
+    const dem_vec first = dem__field_pull(w, i, x, v, time, law), a = dem__add(dem__free_fall(w), first);
+    const dem_vec there = dem__plus(x, probe, dem__plus(v, 0.5 * probe, a));
+    const dem_vec soon = dem__field_pull(w, i, there, dem__plus(v, probe, a), time + probe, law);
+    const double jerk = dem__length(dem__sub(soon, first)) / probe;
+    const double far = dem__time_to_cover(def->length, dem__length(v), dem__length(a));
+    double longest = far < def->interval ? far : def->interval;
+    if (jerk > 0.0) {
+        const double guess = riddle_cbrt(13.5 * 3.0 * limit / jerk);
+        longest = guess < longest ? guess : longest;
+    }
+    int n = dem__steps_within(w, longest);
+    for (;;) {
+        const double h = (double)n * dt;
+        *q = dem__fly(w, i, x, v, time, h, law);
+        const double bent = dem__length(dem__sub(dem__scale(2.0 / h, q->way), a)) * h * h / 13.5;
+        const double error = bent > 100.0 * q->error ? bent : 100.0 * q->error; /* errors of the ends add up */
+        if (n == 1 || error <= limit) return n;
+        const double part = 0.9 * riddle_cbrt(limit / error);
+        const int fewer = (int)((part > 0.1 ? part : 0.1) * (double)n); /* NaN: a tenth */
+        n = fewer > 1 ? fewer : 1;
+    }
+}
+
+/* Begins a flight now. Where the law gives 0 and gave 0 before, the present parabola stays. */
+DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
+    dem__field *field = &w->engine->field;
+    const double tau = dem__now(w, i), dt = w->engine->run.dt;
+    const dem_vec x = dem__centre_at(w, i, tau),
+                  v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
+    const dem_vec g = dem__free_fall(w);
+    dem__flown q;
+    const int n = dem__choose_flight(w, i, x, v, &q, law);
+    const double h = (double)n * dt;
+    field->until[i] = w->step + n;
+    field->work[i] = q.work, field->booked[i] = 0.0;
+    if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
+    if (!(q.zero && dem__falls_freely(w, i))) {
+        dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
+    }
+    field->end_velocity[i] =
+        q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
+}
+
+/* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0
+   to the end. Then computes the velocity at its end and the work. */
+DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
+    dem__field *field = &w->engine->field;
+    const int64_t end = field->until[i], last = w->step + DEM__STEPS_MAX, origin = w->particle[i].origin;
+    const dem_vec pull = dem__centre_pull(w, i);
+    const double dt = w->engine->run.dt, tau = dem__now(w, i);
+    if (!(end > w->step && end < last && origin <= w->step && end - origin < 2 * (int64_t)last)) return 0;
+    const int zero = dem__falls_freely(w, i);
+    const double h = (double)(end - (zero ? w->step : origin)) * dt, from = zero ? tau : 0.0;
+    const dem_vec v = dem__drift_at(w, i, from);
+    const dem__flown q =
+        dem__fly(w, i, dem__centre_at(w, i, from), v, zero ? w->time : dem__time_of(w, origin), h, law);
+    const dem_vec a = dem__scale(2.0 / h, q.way);
+    if (zero != q.zero || (zero && h * dem__length(v) > 2.0 * field->def.length)) return 0;
+    if (!zero && !(a.x == pull.x && a.y == pull.y && a.z == pull.z)) return 0;
+    field->end_velocity[i] = zero ? dem__drift_at(w, i, (double)(end - origin) * dt) : dem__add(v, q.gain);
+    field->work[i] = q.work;
+    return 1;
+}
+
+/* Ends the flight of particle i now. Its position is that on the parabola; its velocity is computed anew. */
+DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
+    dem__field *field = &w->engine->field;
+    dem__rigid *r = dem__rigid_of(w, i);
+    const dem_vec a = dem__centre_pull(w, i);
+    const double tau = dem__now(w, i);
+    const dem_vec x = dem__centre_at(w, i, tau);
+    dem_vec v = dem__drift_at(w, i, tau);
+    const int falls = dem__falls_freely(w, i);
+    field->work[i] = 0.0;
+    if (tau > 0.0 && !falls) {
+        const dem_vec begun = dem__drift_at(w, i, 0.0);
+        const dem__flown q =
+            dem__fly(w, i, dem__centre_at(w, i, 0.0), begun, dem__time_of(w, w->particle[i].origin), tau, law);
+        v = dem__add(begun, q.gain);
+        field->work[i] = q.work;
+    }
+    const dem_vec pull = dem__field_pull(w, i, x, v, w->time, law);
+    field->force[i] = dem__scale(w->particle[i].mass, pull);
+    field->until[i] = DEM__NO_FLIGHT;
+    if (falls && dem__is_zero(pull)) return; /* the same bits as without a field */
+    dem__begin_parabola(w, i, x, v, a);
+    dem__free_acceleration(w, i);
+    if (!r) w->particle[i].a = dem__add(w->particle[i].a, pull);
+}
+
+/* Adds the law's force on particle i, which takes steps, at its position after a step of h and at the velocity
+   predicted for it. That on a body is added where its forces are summed up. */
+DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *)) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const dem_particle *p = &w->particle[i];
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), v = r ? r->v : p->v;
+    if (!dem__leads(w, i)) {
+        w->engine->field.force[i] = none;
+        return;
+    }
+    const dem_vec pull = dem__field_pull(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
+                                         dem__time_of(w, w->step + (h > 0.0)), law);
+    const dem_vec force = dem__scale(p->mass, pull);
+    double *load = w->engine->bodies.sum[i].load;
+    if (!r) load[0] += force.x, load[1] += force.y, load[2] += force.z;
+    w->engine->field.force[i] = force;
+}
+
+DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_vec (*law)(const dem_force_point *)) {
+    for (ptrdiff_t k = 0; k < q->n; k++) {
+        const ptrdiff_t i = q->particle[k];
+        if (q->task == DEM__ADD_FIELD_FORCE) dem__add_field_force(w, i, q->h, law);
+        else if (q->task == DEM__END_FLIGHTS) dem__end_flight(w, i, law);
+        else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law);
+    }
+}

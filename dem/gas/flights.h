@@ -1,0 +1,300 @@
+/* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. */
+#pragma once
+#include "../step/integrate.h"
+#include "field.h"
+
+/* Runs a task of the kernel for a part of a list of particles. */
+static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__field_task q = *(const dem__field_task *)context;
+    (void)part;
+    q.n = end - first;
+    if (q.n > 0) q.particle += first;
+    w->engine->field.def.kernel(w, &q);
+}
+/* Runs a task of the kernel for a list of particles, on one thread or several. */
+static inline void dem__run_field(dem_world *w, const int32_t *particle, ptrdiff_t n, int task, double h) {
+    dem__field_task q;
+    memset(&q, 0, sizeof q);
+    q.particle = particle, q.n = n, q.task = task, q.h = h;
+    dem__in_parts(w, dem__parts(w, 4 * n), n, dem__run_field_range, &q);
+}
+
+/* Returns the work of the field along a flight until now [J]: the energy that the particle has gained since its origin.
+ */
+static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
+    const double tau = dem__now(w, i);
+    const dem_vec u = dem__drift_at(w, i, 0.0), v = dem__drift_at(w, i, tau), g = dem__free_fall(w);
+    const dem_vec way = dem__sub(dem__centre_at(w, i, tau), dem__centre_at(w, i, 0.0));
+    const double gain = 0.5 * (dem__dot(v, v) - dem__dot(u, u)) - dem__dot(g, way);
+    return dem__falls_freely(w, i) ? 0.0 : w->particle[i].mass * gain;
+}
+
+/* Returns whether particle i, or the body that it leads, is in flight. */
+DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) {
+    return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING && dem__leads(w, i);
+}
+
+/* Takes the work of the field on all flights until now as booked: the ledger begins, or flights are known anew. */
+static inline void dem__begin_books(dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (dem__is_flying(w, i)) w->engine->field.booked[i] = dem__flight_gain(w, i);
+    }
+}
+
+/* Books the work of the field on all flights until now, or only on those of particles that leave. */
+static inline void dem__book_flights(dem_world *w, int leaving) {
+    dem__field *field = &w->engine->field;
+    for (ptrdiff_t i = 0; i < w->count && w->engine->ledger.on; i++) {
+        if ((leaving ? w->alive[i] != DEM_LEAVING : w->alive[i] <= 0) || field->until[i] == DEM__NO_FLIGHT) continue;
+        const double gain = dem__flight_gain(w, i);
+        dem__book_field_work(w, gain - field->booked[i]);
+        field->booked[i] = gain;
+    }
+}
+
+/* Returns how far the velocity of particle k, which flies with i, can be from that of its bound until the end of the
+   flight [m/s]. */
+DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff_t k) {
+    const dem__field *field = &w->engine->field;
+    const dem__bound *c = &w->engine->bodies.bound[k];
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const double t = dem__since_listed(w, w->step), left = (double)(field->until[i] - w->step) * w->engine->run.dt;
+    const dem_vec g = dem__free_fall(w), u = dem_vec3(c->ux, c->uy, c->uz);
+    const dem_vec now = dem__sub(dem__plus(dem__drift_at(w, i, dem__now(w, i)), -t, g), u);
+    const double here = dem__length(now),
+                 there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
+                 end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
+    const double most = here > there ? here : there;
+    const double swing = r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
+    return (most > end ? most : end) + swing;
+}
+
+/* Sets a bound for particle k, which flies with i, that holds for about DEM__FLIGHTS flights like this one. */
+static inline void dem__bound_flight(dem_world *w, ptrdiff_t i, ptrdiff_t k) {
+    const dem__field *field = &w->engine->field;
+    const dem__pairs *pairs = &w->engine->pairs;
+    const double t = dem__since_listed(w, w->step), tau = dem__now(w, i), dt = w->engine->run.dt;
+    const double left = (double)(field->until[i] - w->step) * dt;
+    const dem_vec g = dem__free_fall(w), x = dem__at(w, k, tau), v = dem__drift_at(w, i, tau);
+    const dem_vec turn = dem__scale(0.5 * DEM__FLIGHTS * left, dem__sub(dem__centre_pull(w, i), g)),
+                  u = dem__add(v, turn);
+    dem__bound *c = &w->engine->bodies.bound[k];
+    c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
+    c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y),
+    c->z = x.z - t * (u.z - 0.5 * t * g.z);
+    const double turned = 1.1 * dem__length(turn), most = 1.1 * dem__flight_deviation(w, i, k);
+    c->tolerance = 0.001 * pairs->least_tolerance + (turned > most ? turned : most);
+    c->reach = w->particle[k].radius + pairs->position_tolerance - t * c->tolerance;
+    w->engine->bodies.shifted[k] = 0.0;
+}
+
+/* Sets the timers of n flights that have just been computed, and new bounds for particles that leave theirs. Returns 0
+   if one is too fast. */
+static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff_t n) {
+    dem__field *field = &w->engine->field;
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__list_frame frame = dem__frame_at(w, w->step);
+    dem__outcome news = dem__no_outcome(w);
+    ptrdiff_t reset = 0;
+    for (ptrdiff_t q = 0; q < n; q++) {
+        const int32_t i = list[q];
+        dem__rigid *r = dem__rigid_of(w, i);
+        const double tau = dem__now(w, i);
+        if (w->engine->run.has_periodic && w->particle[i].origin == w->step) {
+            if (r) bodies->calls->wrap(w, r);
+            else dem__wrap(w, i);
+        }
+        dem__set_timer(&field->timers, i, field->until[i]);
+        for (int32_t k = i; k < i + (r ? r->pieces : 1); k++) {
+            if (dem__flight_deviation(w, i, k) < bodies->bound[k].tolerance) continue; /* false for NaN */
+            const double shifted = bodies->shifted[k];
+            dem__bound_flight(w, i, k);
+            w->engine->scratch.index[reset++] = k;
+            if (dem__apply_bound(w, k, w->step, &frame, dem__at(w, k, tau), dem__velocity_at(w, k, tau), shifted,
+                                 &news))
+                dem__advance_wall_timers(w, k, w->step);
+        }
+    }
+    dem__apply_outcome(w, &news);
+    dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
+    return w->status == DEM_OK;
+}
+
+/* Returns whether particle i, which takes steps, has the acceleration without contacts and without the field. A body
+   never has. */
+static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
+    if (dem__rigid_of(w, i)) return 0;
+    const dem_vec a =
+        dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
+    return dem__is_zero(dem__sub(w->particle[i].a, a));
+}
+
+/* Sets timers and bounds of all flights for a new list of near pairs. Returns 0 after a failure. */
+static inline int dem__list_flights(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    ptrdiff_t n = 0;
+    if (!dem__grow_timers(w, &field->timers, w->count, &field->stepping, sizeof *field->stepping)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return 0;
+    }
+    dem__stop_timers(&field->timers, 0, w->count);
+    field->timers.from = w->step;
+    field->rebuilds = w->rebuilds;
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        field->timers.list[n] = i;
+        n += dem__is_flying(w, i);
+    }
+    return dem__follow_flights(w, field->timers.list, n);
+}
+
+/* Prepares a run: begins anew the flights that the caller has changed, and those of new particles. Returns 0 after a
+   failure. */
+static inline int dem__prepare_flights(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    ptrdiff_t n = 0, ended = 0;
+    if (!dem__grow_timers(w, &field->timers, w->count, &field->stepping, sizeof *field->stepping)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return 0;
+    }
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        field->timers.list[n] = field->stepping[ended] = i;
+        n += dem__is_flying(w, i);
+        ended += w->alive[i] > 0 && dem__leads(w, i) && !dem__is_flying(w, i) &&
+                 (field->until[i] != DEM__NO_FLIGHT || dem__feels_no_field(w, i));
+        if (w->alive[i] <= 0 || field->until[i] <= w->step) field->until[i] = DEM__NO_FLIGHT;
+    }
+    dem__run_field(w, field->stepping, ended, DEM__END_FLIGHTS, 0.0);
+    dem__run_field(w, field->timers.list, n, DEM__RENEW_FLIGHTS, 0.0);
+    dem__begin_books(w);
+    field->steppers = 0;
+    return dem__list_flights(w);
+}
+
+/* Continues flights that are over by new ones, before a step. Returns 0 after a failure. */
+static inline int dem__continue_flights(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    ptrdiff_t n, flying = 0;
+    int32_t *list = field->timers.list;
+    if (field->rebuilds != w->rebuilds && !dem__list_flights(w)) return 0;
+    dem__list_due(&field->timers, 0, field->timers.pages, w->step, DEM__STOPPED, &n);
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const int32_t i = list[k];
+        if (!dem__is_flying(w, i)) continue;
+        dem__book_field_work(w, field->work[i] - field->booked[i]);
+        list[flying++] = i;
+    }
+    if (flying == 0) return 1;
+    dem__run_field(w, list, flying, DEM__FIND_FLIGHTS, 0.0);
+    return dem__follow_flights(w, list, flying);
+}
+
+/* Ends the flights of particles whose contacts begin, in the slots that contacts.slots lists. */
+static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
+    dem__field *field = &w->engine->field;
+    const dem__contacts *contacts = &w->engine->contacts;
+    const double t = dem__since_listed(w, w->step);
+    for (ptrdiff_t k = 0; k < 2 * begun; k++) {
+        const int32_t c = contacts->slots[k / 2], touched = k % 2 ? contacts->j[c] : contacts->i[c];
+        const dem__rigid *r = touched < 0 ? NULL : dem__rigid_of(w, touched);
+        const int32_t i = r ? r->first : touched;
+        if (i < 0 || field->until[i] == DEM__NO_FLIGHT) continue;
+        const double booked = field->booked[i];
+        dem__run_field(w, &i, 1, DEM__END_FLIGHTS, 0.0);
+        dem__book_field_work(w, field->work[i] - booked);
+        for (int32_t q = i; q < i + (r ? r->pieces : 1); q++)
+            dem__set_tolerance_left(w, q, dem__length(dem__deviation(w, q, t)));
+        dem__stop_timer(&field->timers, i);
+    }
+}
+
+/* Books half of the work of the present forces on the particles that take steps. */
+static inline void dem__book_stepping(dem_world *w, double h) {
+    for (ptrdiff_t k = 0; k < w->engine->bodies.active_count && w->engine->ledger.on && h > 0.0; k++) {
+        const ptrdiff_t i = w->engine->bodies.active[k];
+        const dem__rigid *r = dem__rigid_of(w, i);
+        dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.force[i], r ? r->v : w->particle[i].v));
+    }
+}
+
+/* Adds the field's forces on the particles that take steps, at the end of a step, and lists these particles. Books the
+   work by the mean of the forces at both ends. */
+static inline void dem__add_field_forces(dem_world *w, double h) {
+    dem__field *field = &w->engine->field;
+    const dem__bodies *bodies = &w->engine->bodies;
+    const ptrdiff_t n = bodies->active_count;
+    if (n > 0) memcpy(field->stepping, bodies->active, (size_t)n * sizeof *bodies->active);
+    field->steppers = n;
+    dem__book_stepping(w, h);
+    dem__run_field(w, bodies->active, n, DEM__ADD_FIELD_FORCE, h);
+    dem__book_stepping(w, h);
+}
+
+/* Begins flights of particles whose last contact is over, after a step. Returns 0 after a failure. */
+static inline int dem__begin_flights(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    int32_t *list = field->stepping;
+    ptrdiff_t n = 0;
+    for (ptrdiff_t k = 0; k < field->steppers; k++) {
+        const int32_t i = list[k];
+        if (dem__is_flying(w, i)) list[n++] = i;
+        else if (w->alive[i] > 0 && w->touching[i] == 0 && !dem__rigid_of(w, i) &&
+                 !dem__is_fixed(w, i)) {  /* it has a load */
+            dem__free_acceleration(w, i); /* rounded as after a check of its bound */
+            w->particle[i].a = dem__plus(w->particle[i].a, w->engine->bodies.sum[i].per_mass, field->force[i]);
+        }
+    }
+    field->steppers = 0;
+    if (n == 0) return 1;
+    dem__run_field(w, list, n, DEM__FIND_FLIGHTS, 0.0);
+    return dem__follow_flights(w, list, n);
+}
+
+DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user) {
+    dem_force_field field;
+    field.kernel = kernel;
+    field.user = user;
+    field.length = field.interval = HUGE_VAL;
+    field.accuracy = 1e-6;
+    return field;
+}
+
+/* Removes the field: particles in flight fall freely from now on. */
+static inline void dem__drop_field(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    for (ptrdiff_t i = 0; i < w->count && field->on; i++) {
+        if (!dem__is_flying(w, i)) continue;
+        dem__restart(w, i);
+        dem__free_acceleration(w, i);
+    }
+    dem__release(&w->def.allocator, field->timers.block, field->timers.bytes);
+    memset(field, 0, sizeof *field);
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+}
+
+DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field) {
+    dem_world *w = world;
+    dem__array list[DEM__ARRAYS_MAX];
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!w || !w->def.allocator.fn) return DEM_BAD_ARGUMENT;
+    if (!field) {
+        dem__drop_field(w);
+        return DEM_OK;
+    }
+    const int was_loaded = w->engine->field.on && !w->engine->field.def.kernel;
+    if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) ||
+        !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) || w->engine->links.on)
+        return DEM_BAD_ARGUMENT;
+    if (!w->engine->field.on) {
+        w->engine->field.on = 1;
+        if (w->engine->bodies.capacity > 0 &&
+            !dem__grow_group(w, list, dem__particle_arrays(w, list), &w->engine->bodies.block, &w->engine->bodies.bytes,
+                             &w->engine->bodies.capacity, w->engine->bodies.capacity)) {
+            w->engine->field.on = 0;
+            return DEM_OUT_OF_MEMORY;
+        }
+    }
+    if (!was_loaded) w->engine->run.needs_forces = 1; /* otherwise the accelerations are those of the field already */
+    w->engine->field.def = *field;
+    w->engine->run.needs_lists = 1;
+    return DEM_OK;
+}

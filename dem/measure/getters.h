@@ -1,0 +1,236 @@
+/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. */
+#pragma once
+#include "../contacts/block.h"
+
+DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__in_box(world, dem__at(world, i, dem__now(world, i)));
+}
+
+DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__true_velocity_at(world, i, dem__now(world, i));
+}
+
+DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__spin_at(world, i, dem__now(world, i));
+}
+
+DEM_API double dem_radius(const dem_world *world, ptrdiff_t i) {
+    return world && i >= 0 && i < world->count ? world->particle[i].radius : (double)NAN;
+}
+DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
+    return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
+}
+
+DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count)
+        return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
+    const dem__rigid *r = dem__rigid_of(world, i);
+    if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
+}
+
+/* Returns the position of a rigid body now, within the periodic box. */
+static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
+    const double tau = dem__now(w, r->first);
+    return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
+}
+
+DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
+    dem_body body;
+    memset(&body, 0, sizeof body);
+    body.first = -1;
+    if (!world || i < 0 || i >= world->count) return body;
+    const dem__rigid *r = dem__rigid_of(world, i);
+    const dem__pieces own = dem__pieces_of(world, i);
+    const double tau = dem__now(world, i);
+    body.first = own.first, body.pieces = own.end - own.first;
+    body.mass = world->particle[i].mass;
+    body.diameter = r ? dem__equal_diameter(world, r) : 2.0 * world->particle[i].radius;
+    body.position = r ? dem__body_position(world, r) : dem_position(world, i);
+    body.velocity = dem__drift_at(world, i, tau);
+    body.velocity = dem__add(body.velocity, dem__velocity_error(world, i, tau));
+    body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
+    const double inertia = dem__inertia(world, i);
+    body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
+    body.axes = r ? dem__posture_at(world, r, tau).turn : body.orientation;
+    return body;
+}
+
+DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    dem_quaternion q;
+    if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) return DEM_BAD_ARGUMENT;
+    dem__stop_link_work(w, dem__pieces_of(w, i));
+    dem__restart(w, i);
+    dem__book_motion(w, -dem__rotational(w, r->first));
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    r->turn = dem__turns(q, r->frame);
+    w->engine->bodies.calls->set_motion(w, r, r->v, spin);
+    dem__book_motion(w, dem__rotational(w, r->first));
+    if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
+    dem__resume_link_work(w, dem__pieces_of(w, i));
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_vec dem_momentum(const dem_world *world) {
+    dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t i = 0; world && i < world->count; i++) {
+        const dem__rigid *r = dem__rigid_of(world, i);
+        if (!world->alive[i] || (r && r->first != i)) continue;
+        sum = dem__add(
+            sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
+    }
+    return sum;
+}
+
+/* Returns the remainder of the energy balance [J]. */
+static inline double dem__ledger_error(const dem_energy_ledger *l) {
+    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss +
+           l->removed - l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
+}
+
+DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
+    dem_energy_ledger l;
+    memset(&l, 0, sizeof l);
+    if (!world || !world->engine) return l;
+    const dem__ledger *ledger = &world->engine->ledger;
+    l = ledger->sums;
+    l.kinetic = l.rotational = l.potential = 0.0;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        if (!world->alive[i]) continue;
+        l.kinetic += dem__kinetic(world, i);
+        l.rotational += dem__rotational(world, i);
+        l.potential += dem__potential(world, i);
+        if (ledger->on) l.link_work += dem__link_work(world, i);
+    }
+    l.elastic = dem__stored_energy(world);
+    if (!ledger->started) return l;
+    l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
+    l.released = l.released > 0.0 ? l.released : 0.0;
+    l.error = ledger->counts ? dem__ledger_error(&l) : ledger->paused_error;
+    return l;
+}
+
+DEM_API ptrdiff_t dem_contact_count(const dem_world *world) {
+    return world && world->engine ? world->engine->contacts.count : 0;
+}
+
+/* Computes normal and point of the contact in a slot, or of a link (slot -1), from the present positions. */
+static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
+    const dem_vec x = dem_position(w, info->i);
+    const double radius = w->particle[info->i].radius;
+    if (info->j < 0) {
+        dem__touch touch;
+        dem__touch_place(w, slot, &w->wall[-1 - info->j], x, radius, info->element, &touch);
+        info->normal = touch.normal;
+        info->point = dem__plus(x, -(radius + touch.gap), touch.normal);
+        return;
+    }
+    const dem_vec d = dem__nearest_image(w, dem__sub(x, dem_position(w, info->j)));
+    info->point = dem__plus(x, -radius / (radius + w->particle[info->j].radius), d);
+    dem__unit(d, &info->normal);
+}
+
+DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
+    dem_contact_info info;
+    memset(&info, 0, sizeof info);
+    info.gap = (double)NAN;
+    if (!world || !world->engine || k < 0 || k >= world->engine->contacts.count) return info;
+    k = dem__slot_of(world, k);
+    info.i = world->engine->contacts.i[k];
+    info.j = world->engine->contacts.j[k];
+    info.gap = world->engine->contacts.gap[k];
+    info.force = dem_vec3(world->engine->contacts.wrench[0][k], world->engine->contacts.wrench[1][k],
+                          world->engine->contacts.wrench[2][k]);
+    info.element = world->engine->contacts.element[k];
+    for (int a = 0; a < world->engine->contacts.states; a++) info.state[a] = world->engine->contacts.state[a][k];
+    dem__find_point(world, k, &info);
+    return info;
+}
+
+DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state) {
+    if (!world || !world->engine || !state || k < 0 || k >= world->engine->contacts.count) return;
+    for (int a = 0; a < world->engine->contacts.states; a++)
+        world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
+    if (!dem__is_running(world))
+        world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
+}
+
+DEM_API ptrdiff_t dem_link_count(const dem_world *world) {
+    return world && world->engine ? world->engine->links.count : 0;
+}
+
+DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
+    dem_contact_info info;
+    memset(&info, 0, sizeof info);
+    info.gap = (double)NAN;
+    if (!world || !world->engine || k < 0 || k >= world->engine->links.count) return info;
+    info.i = world->engine->links.i[k];
+    info.j = world->engine->links.j[k];
+    info.element = world->engine->links.element[k];
+    info.gap = world->engine->links.gap[k];
+    info.force = dem_vec3(world->engine->links.wrench[0][k], world->engine->links.wrench[1][k],
+                          world->engine->links.wrench[2][k]);
+    for (int a = 0; a < world->engine->links.states; a++) info.state[a] = world->engine->links.state[a][k];
+    dem__find_point(world, -1, &info);
+    return info;
+}
+
+DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element) {
+    return world && i >= 0 && i < world->count ? dem__link_of(world, i, j, element) : -1;
+}
+
+DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
+    dem_apertures count = {0, 0, 0};
+    if (!world || wall < 0 || wall >= world->walls || world->wall[wall].kind != DEM_SCREEN) return count;
+    const dem_wall *s = &world->wall[wall];
+    const double pitch = s->aperture + s->wire, half = 0.5 * pitch;
+    const int nx = (int)(s->half_x / pitch) + 1, ny = (int)(s->half_y / pitch) + 1;
+    for (int a = -nx; a <= nx; a++) {
+        for (int b = -ny; b <= ny; b++) {
+            double x = fabs(a * pitch) + half, y = fabs(b * pitch) + half;
+            count.total += s->circular ? x * x + y * y <= s->half_x * s->half_x : x <= s->half_x && y <= s->half_y;
+        }
+    }
+    count.free = count.total;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        if (!world->alive[i] || world->touching[i] < 2 || dem__shape_of(world, i)) continue;
+        const dem_vec d = dem__sub(dem__at(world, i, dem__now(world, i)), s->position);
+        if (!(fabs(dem__dot(d, s->axis[2])) < world->particle[i].radius)) continue;
+        dem_vec normal[DEM__TOUCHES];
+        int n = 0, holding = 0;
+        for (int32_t c = world->engine->walls.first_contact[i]; c >= 0 && n < DEM__TOUCHES;
+             c = world->engine->contacts.wall_next[c]) {
+            dem__touch touch;
+            if (world->engine->contacts.j[c] != -1 - wall || !(world->engine->contacts.gap[c] < 0.0)) continue;
+            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius,
+                               world->engine->contacts.element[c], &touch);
+            normal[n++] = touch.normal;
+        }
+        if (n < 2) continue;
+        const int m = s->material < world->material[i] ? s->material : world->material[i];
+        const double mu = world->def.pair[m][s->material + world->material[i] - m].friction;
+        const dem_vec up = s->axis[2];
+        for (int a = 0; a < n;
+             a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
+            for (int b = a + 1; b < n; b++) {
+                const double za = dem__dot(normal[a], up), zb = dem__dot(normal[b], up);
+                const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)),
+                              flat_b = dem__sub(normal[b], dem__scale(zb, up));
+                if (dem__dot(flat_a, flat_b) < -0.5 && fabs(za) <= mu * dem__length(flat_a) &&
+                    fabs(zb) <= mu * dem__length(flat_b))
+                    holding = 1;
+            }
+        }
+        count.occupied++;
+        count.free -= holding;
+    }
+    return count;
+}

@@ -1,0 +1,102 @@
+/* Lists of active particles, and arrays without the particles that are gone. */
+#pragma once
+#include "particles.h"
+
+/* Lets particles fly that nothing touches or loads any more, after changes by the caller. */
+static inline void dem__release_unloaded(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t i = 0; i < w->count && bodies->loads_on; i++) {
+        if (!bodies->activity[i] || !w->alive[i] || w->touching[i] > 0 || dem__is_loaded(w, i)) continue;
+        dem__free_acceleration(w, i);
+        bodies->activity[i] = DEM__FLYING;
+    }
+}
+
+/* Lists active particles in the order of memory. */
+static inline void dem__list_active(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    bodies->active_count = bodies->to_check_count = 0;
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        bodies->active[bodies->active_count] = i;
+        bodies->active_count += bodies->activity[i] != 0;
+        if (bodies->activity[i] == 2) bodies->to_check[bodies->to_check_count++] = i;
+    }
+}
+
+/* Moves the wall timers of the `left` particles that stay to their new numbers, which are in scratch.index. */
+static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
+    dem__wall_state *walls = &w->engine->walls;
+    dem__timers *t = &walls->timers;
+    if (w->engine->run.needs_lists) return; /* they are built anew */
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        for (int k = 0; k < w->walls && w->engine->scratch.index[i] >= 0; k++) {
+            t->due[w->engine->scratch.index[i] * w->walls + k] = t->due[i * w->walls + k];
+            walls->sure[w->engine->scratch.index[i] * w->walls + k] = walls->sure[i * w->walls + k];
+        }
+    }
+    dem__stop_timers(t, left * w->walls, left * w->walls);
+}
+
+DEM_INLINE void dem__close_gaps(char *base, size_t size, const int32_t *remap, ptrdiff_t first, ptrdiff_t count) {
+    for (ptrdiff_t i = first; i < count; i++) {
+        if (remap[i] >= 0) memcpy(base + (size_t)remap[i] * size, base + (size_t)i * size, size);
+    }
+}
+
+/* Returns the new number of particle i, or of the first after it that stays. */
+static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
+    while (i < (int32_t)w->count && w->engine->scratch.index[i] < 0) i++;
+    return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);
+}
+
+/* Renumbers rigid bodies and their first particles after dropped particles have been removed. Bodies are in the order
+   of their particles. */
+static inline void dem__compact_bodies(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    ptrdiff_t n = 0;
+    for (ptrdiff_t i = 0; i < w->count && bodies->rigid; i++) {
+        if (bodies->rigid_of[i] == 0) continue;
+        dem__rigid *r = &bodies->rigid[n++];
+        *r = bodies->rigid[bodies->rigid_of[i] - 1];
+        r->first = (int32_t)i;
+        for (ptrdiff_t end = i + r->pieces; i < end; i++) bodies->rigid_of[i] = (int32_t)n;
+        i--;
+    }
+    if (bodies->rigid) bodies->rigid_count = n;
+}
+
+/* Removes dropped particles from the arrays; the others keep their order. */
+static inline void dem__compact(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__links *links = &w->engine->links;
+    if (!w->engine->bodies.dropped) return;
+    ptrdiff_t to = 0;
+    dem__array list[DEM__ARRAYS_MAX];
+    int n = dem__particle_arrays(w, list);
+    for (ptrdiff_t i = 0; i < w->count; i++) w->engine->scratch.index[i] = w->alive[i] ? (int32_t)to++ : -1;
+    int32_t *remap = w->engine->scratch.index;
+    ptrdiff_t first = 0;
+    while (first < w->count && remap[first] == first) first++;
+    for (int k = 0; k < n; k++) {
+        char *base;
+        memcpy(&base, list[k].address, sizeof base);
+        if ((void *)base == (void *)remap) continue;
+        if (list[k].size == sizeof(double)) dem__close_gaps(base, sizeof(double), remap, first, w->count);
+        else if (list[k].size == sizeof(int32_t)) dem__close_gaps(base, sizeof(int32_t), remap, first, w->count);
+        else dem__close_gaps(base, list[k].size, remap, first, w->count);
+    }
+    dem__move_wall_timers(w, to);
+    DEM__EACH_CONTACT(w, c) {
+        contacts->i[c] = remap[contacts->i[c]];
+        if (contacts->j[c] >= 0) contacts->j[c] = remap[contacts->j[c]];
+    }
+    for (int q = 0; q < contacts->chunk_count; q++)
+        contacts->chunk[q].first_particle = dem__remapped(w, contacts->chunk[q].first_particle);
+    for (ptrdiff_t k = 0; k < links->count; k++) {
+        links->i[k] = remap[links->i[k]];
+        if (links->j[k] >= 0) links->j[k] = remap[links->j[k]];
+    }
+    w->count = to;
+    w->engine->bodies.dropped = 0;
+    dem__compact_bodies(w);
+}

@@ -1,0 +1,87 @@
+/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h;
+   every part that turns forces into motion calls dem__is_fixed(). */
+#pragma once
+#include "particles.h"
+
+/* Makes room for the state of fixed particles. Returns 0 when out of memory; then nothing has changed. */
+static inline int dem__reserve_fixed(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__array list[DEM__ARRAYS_MAX];
+    if (bodies->has_fixed) return 1;
+    bodies->has_fixed = 1;
+    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
+                        w->count + 1))
+        return 1;
+    bodies->has_fixed = 0, bodies->fixed = NULL;
+    return 0;
+}
+
+DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!dem__is_present(w, i) || (fixed != 0 && fixed != 1)) return DEM_BAD_ARGUMENT;
+    dem__rigid *r = dem__rigid_of(w, i);
+    const dem__pieces own = dem__pieces_of(w, i);
+    if (dem__is_fixed(w, i) == fixed) return DEM_OK;
+    if (!dem__reserve_fixed(w)) return DEM_OUT_OF_MEMORY;
+    i = own.first;
+    dem__stop_link_work(w, own);
+    dem__restart(w, i);
+    dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
+    if (r && fixed) r->v = r->momentum = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t k = own.first; k < own.end; k++) {
+        memset(&w->engine->bodies.fixed[k], 0, sizeof *w->engine->bodies.fixed);
+        w->engine->bodies.fixed[k].on = fixed;
+        dem__set_inverse_mass(w, k);
+        dem__set_mass_share(w, k);
+        if (fixed) w->particle[k].v = w->particle[k].spin = dem_vec3(0.0, 0.0, 0.0);
+    }
+    dem__free_acceleration(w, i);
+    dem__book_added(w, dem__potential(w, i));
+    dem__book_motion(w, dem__motion_energy(w, i));
+    dem__resume_link_work(w, own);
+    dem__wake(w, i); /* it takes steps, as a particle with a load does */
+    w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i) {
+    return dem__is_present(world, i) && dem__is_fixed(world, i);
+}
+
+DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque,
+                                       dem_vec *impulse) {
+    const dem_world *w = world;
+    if (!force || !torque || !impulse) return DEM_BAD_ARGUMENT;
+    *force = *torque = *impulse = dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    if (!dem_is_fixed(w, i)) return DEM_BAD_ARGUMENT;
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const dem__pieces own = dem__pieces_of(w, i);
+    *force = *torque = *impulse = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t k = own.first; k < own.end; k++) {
+        const dem__fixed *f = &w->engine->bodies.fixed[k];
+        const dem_vec on = dem__first(f->load), turning = dem__second(f->load);
+        *force = dem__add(*force, on), *impulse = dem__add(*impulse, f->impulse);
+        *torque = dem__add(*torque, r ? dem__add(turning, dem__cross(w->engine->bodies.arm[k], on)) : turning);
+    }
+    return DEM_OK;
+}
+
+/* Records the force on a fixed particle at the end of a step, without the caller's loads. half: half of the step [s].
+ */
+DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, dem_vec torque, double half) {
+    dem__fixed *f = &w->engine->bodies.fixed[i];
+    const double *external = w->engine->bodies.external[i];
+    force = dem__sub(force, dem__first(external)), torque = dem__sub(torque, dem__second(external));
+    f->impulse = dem__plus(f->impulse, half, dem__add(dem__first(f->load), force));
+    for (int a = 0; a < 3; a++) f->load[a] = dem_axis(force, a), f->load[3 + a] = dem_axis(torque, a);
+}
+
+/* Records the impulse of a contact that begins or ends within a step on a fixed particle, and its work if the particle
+   moves. */
+static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
+    const dem_particle *p = &w->particle[i];
+    w->engine->bodies.fixed[i].impulse = dem__add(w->engine->bodies.fixed[i].impulse, impulse);
+    if (w->engine->run.features & DEM_ENERGY)
+        dem__book_work_of_fixed(w, -dem__dot(impulse, p->v) - dem__dot(turn, p->spin));
+}

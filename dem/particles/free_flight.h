@@ -1,0 +1,125 @@
+/* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned
+   about one. Reads bodies. Promises: the same bits whenever a state is evaluated.
+
+   A rigid body (dem__rigid) has the orientation, mass and moments. The particles that touch for it (dem_particle) are
+   consecutive in the world's arrays. Their mass is the body's, and their contacts count for all of them; x, v, a and
+   spin are those of their centres as parts of the body, valid at the origin step and while forces are computed. In
+   flight use dem__at and its like, never the parabola. */
+#pragma once
+#include "../base/arrays.h"
+#include "../base/rotation.h"
+
+/* Returns the acceleration of a particle in flight without loads [m/s2]. Bounds and the list rely on its being the same
+   for all. */
+DEM_INLINE dem_vec dem__free_fall(const dem_world *w) { return w->def.gravity; }
+
+/* Returns the time since the origin step of particle i [s]. */
+DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) {
+    return (double)(w->step - w->particle[i].origin) * w->engine->run.dt;
+}
+
+DEM_INLINE double dem__wrapped(double v, double low, double high) {
+    if (v >= low && v < high) return v;
+    const double length = high - low, x = v - length * floor((v - low) / length);
+    return x < low ? low : x > high ? high : x; /* rounding, very far away */
+}
+DEM_INLINE dem_vec dem__in_box(const dem_world *w, dem_vec x) {
+    const dem_def *d = &w->def;
+    if (d->periodic[0]) x.x = dem__wrapped(x.x, d->low.x, d->high.x);
+    if (d->periodic[1]) x.y = dem__wrapped(x.y, d->low.y, d->high.y);
+    if (d->periodic[2]) x.z = dem__wrapped(x.z, d->low.z, d->high.z);
+    return x;
+}
+
+/* Returns the rigid body of particle i, or NULL. */
+DEM_INLINE dem__rigid *dem__rigid_of(const dem_world *w, ptrdiff_t i) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    return bodies->rigid && bodies->rigid_of[i] > 0 ? &bodies->rigid[bodies->rigid_of[i] - 1] : NULL;
+}
+
+/* Particles first .. end-1 that move as one. */
+typedef struct dem__pieces {
+    ptrdiff_t first, end;
+} dem__pieces;
+/* Returns the particles of particle i's rigid body, or i alone. */
+DEM_INLINE dem__pieces dem__pieces_of(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    dem__pieces own;
+    own.first = r ? r->first : i, own.end = own.first + (r ? r->pieces : 1);
+    return own;
+}
+
+/* Returns the acceleration of particle i, or of its rigid body, per force on it [1/kg]; 0 if it is fixed. */
+DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) {
+    return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;
+}
+
+DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
+    return w->engine->bodies.calls->posture(w, r, tau);
+}
+
+/* Return the position and the velocity of a particle of a rigid body at tau after its origin step [s]. */
+static DEM__NOINLINE dem_vec dem__piece_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
+    const dem__posture p = dem__posture_at(w, r, tau);
+    return dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i]));
+}
+static DEM__NOINLINE dem_vec dem__piece_velocity_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
+    const dem__posture p = dem__posture_at(w, r, tau);
+    return dem__add(p.v, dem__cross(p.spin, dem__to_lab(p.turn, w->engine->bodies.offset[i])));
+}
+
+/* Returns the position of a sphere at tau after its origin step [s], on its parabola. */
+DEM_INLINE dem_vec dem__sphere_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem_particle *p = &w->particle[i];
+    return dem__plus(p->x, tau, dem__plus(p->v, 0.5 * tau, p->a));
+}
+DEM_INLINE dem_vec dem__sphere_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
+    return dem__plus(w->particle[i].v, tau, w->particle[i].a);
+}
+DEM_INLINE dem_vec dem__sphere_spin_at(const dem_world *w, ptrdiff_t i, double tau) {
+    return dem__plus(w->particle[i].spin, tau, w->spin_rate[i]);
+}
+
+/* Returns the position of any particle at tau after its origin step. */
+DEM_INLINE dem_vec dem__at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__piece_at(w, r, i, tau) : dem__sphere_at(w, i, tau);
+}
+DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__piece_velocity_at(w, r, i, tau) : dem__sphere_velocity_at(w, i, tau);
+}
+/* Return the position and the velocity of the centre of particle i, or of its rigid body, on its parabola. */
+DEM_INLINE dem_vec dem__centre_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)) : dem__sphere_at(w, i, tau);
+}
+DEM_INLINE dem_vec dem__drift_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__plus(r->v, tau, r->a) : dem__sphere_velocity_at(w, i, tau);
+}
+/* Returns the acceleration of the centre of particle i, or of its body. */
+DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? r->a : w->particle[i].a;
+}
+/* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at
+   both ends, but not the right velocities; the error at its end shows how the acceleration changes. */
+static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__field *field = &w->engine->field;
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const ptrdiff_t first = r ? r->first : i; /* has the flight */
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    if (!field->on || w->engine->bodies.activity[i] || field->until[first] == DEM__NO_FLIGHT) return none;
+    const double whole = (double)(field->until[first] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
+    if (!(share >= 0.0 && share <= 1.0)) return none;
+    return dem__scale(share * (3.0 * share - 2.0), dem__sub(field->end_velocity[first], dem__drift_at(w, i, whole)));
+}
+/* Returns the velocity as accurately as it is known. */
+static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
+    return dem__add(dem__velocity_at(w, i, tau), dem__velocity_error(w, i, tau));
+}
+DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__posture_at(w, r, tau).spin : dem__sphere_spin_at(w, i, tau);
+}

@@ -1,0 +1,112 @@
+/* Contacts of polyhedra in a block of the kernel: they are contacts of spheres about their points, with torques about
+   the centres of the bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are
+   left as they are. */
+#pragma once
+#include "../contacts/block.h"
+
+/* Returns particle i's mass over the mass that it has at a point of contact: 1 for a sphere; for a polyhedron, which
+   turns aside, the mean. */
+DEM_INLINE double dem__per_share(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    return s ? 1.0 / s->share : 1.0;
+}
+
+/* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre.
+ */
+DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, double half, dem_vec *v, dem_vec *a) {
+    const dem_particle *p = &w->particle[i];
+    const dem_vec round = dem__cross(p->spin, arm);
+    *v = dem__add(p->v, dem__cross(p->spin, dem__plus(arm, -half, round))); /* with the arm at that time */
+    *a = dem__add(p->a, dem__add(dem__cross(w->spin_rate[i], arm), dem__cross(p->spin, round)));
+}
+
+/* Returns the arm at the other body, from that at i, the distance of the bodies and the row's normal and gap. */
+DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, int k, dem_vec arm) {
+    const double reach = t->sum[k] + b->gap[k];
+    return dem_vec3(arm.x + b->dx[k] - reach * b->nx[k], arm.y + b->dy[k] - reach * b->ny[k],
+                    arm.z + b->dz[k] - reach * b->nz[k]);
+}
+
+/* Fills row k of a polyhedron's contact with another body or a wall. */
+static inline void dem__fill_convex_row(const dem_world *w, dem__rows *b, const dem__type_rows *t, int k, ptrdiff_t c,
+                                        double half, dem__wall_row *at) {
+    const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    const dem_vec n = dem__place_normal(w, c), arm = dem__place_arm(w, c), before = dem__place_before(w, c);
+    dem_vec v, a, other_v, other_a, spin;
+    b->nx[k] = n.x, b->ny[k] = n.y, b->nz[k] = n.z, b->gap[k] = w->engine->contacts.touch[DEM__PLACE_GAP][c];
+    b->inverse[k] = 1.0 / (t->sum[k] + b->gap[k]);
+    dem__point_motion(w, i, arm, half, &v, &a);
+    if (j >= 0) {
+        dem__point_motion(w, j, dem__other_arm(b, t, k, arm), half, &other_v, &other_a);
+        spin = w->particle[j].spin;
+    } else {
+        const dem_wall *wall = at->wall;
+        const dem_vec point = dem__add(w->particle[i].x, dem__plus(arm, -(t->sum[k] + b->gap[k]), n));
+        other_v = wall->slides ? dem__surface_velocity(wall, point, n) : wall->velocity;
+        other_a = wall->slides ? dem__surface_acceleration(wall, point) : wall->acceleration;
+        spin = dem__scale(wall->spin, wall->spin_axis);
+        at->velocity = other_v;
+        other_v = dem__plus(other_v, -half, other_a);
+    }
+    const dem_vec dv = dem__sub(v, other_v), da = dem__sub(a, other_a),
+                  turned = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
+    b->vx[k] = dv.x, b->vy[k] = dv.y, b->vz[k] = dv.z, b->ax[k] = da.x, b->ay[k] = da.y, b->az[k] = da.z;
+    b->wi[0][k] = w->particle[i].spin.x, b->wi[1][k] = w->particle[i].spin.y, b->wi[2][k] = w->particle[i].spin.z;
+    b->wj[0][k] = spin.x, b->wj[1][k] = spin.y, b->wj[2][k] = spin.z;
+    b->tx[k] = turned.x, b->ty[k] = turned.y, b->tz[k] = turned.z;
+}
+static DEM__NOINLINE void dem__fill_convex_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t,
+                                                ptrdiff_t base, int n, double half, dem__wall_row *wall) {
+    for (int k = 0, q = 0; k < n; k++) {
+        const int at_wall = w->engine->contacts.j[base + k] < 0;
+        if (dem__is_convex_contact(w, base + k))
+            dem__fill_convex_row(w, b, t, k, base + k, half, at_wall ? &wall[q] : NULL);
+        q += at_wall;
+    }
+}
+
+/* Multiplies a block's forces by their weights, and adds torques about the centres of its bodies. */
+static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem__rows *b, const dem__type_rows *t,
+                                                  ptrdiff_t base, int n, const dem__columns *at, const double *before,
+                                                  double half, int features) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    double *const *out = at->out;
+    for (int k = 0; k < n; k++) {
+        const ptrdiff_t c = base + k;
+        if (!dem__is_convex_contact(w, c)) continue;
+        const double weight = contacts->touch[DEM__PLACE_WEIGHT][c];
+        const dem_vec arm = dem__place_arm(w, c), other = dem__other_arm(b, t, k, arm);
+        for (int a = 0; a < 9; a++) out[a][k] *= weight;
+        const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f),
+                      on_j = dem__cross(other, f);
+        for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
+        if (!(features & DEM_ENERGY) || weight == 1.0) continue;
+        /* losses by powers are means of the power before, which has its weight, and of the power now; without a force,
+           the energy of the spring is lost */
+        if (fabs(before[k]) + fabs(at->force[k]) == 0.0) at->loss[0][k] -= (weight - 1.0) * at->elastic[k];
+        else at->loss[0][k] += (weight - 1.0) * half * at->power[0][k];
+        at->loss[2][k] += (weight - 1.0) * half * at->power[1][k];
+        at->elastic[k] *= weight, at->loss[1][k] *= weight;
+        for (int a = 0; a < 2; a++) at->power[a][k] *= weight;
+    }
+}
+
+/* Excludes polyhedra from the correction of edge steps, among the last `marked` contacts that a chunk has listed: the
+   mass at a corner is not the pair's. */
+static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
+    dem__contacts *contacts = &w->engine->contacts;
+    for (ptrdiff_t m = in->marked - marked; m < in->marked; m++) {
+        const ptrdiff_t c = contacts->slots[in->first + m];
+        if (dem__is_convex_contact(w, c)) contacts->edge[c] = 0;
+    }
+}
+
+/* Sets what a law needs of a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
+static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birth *b) {
+    const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    const double per_i = dem__is_fixed(w, i) ? 0.0 : dem__per_share(w, i) / w->particle[i].mass;
+    b->radius_i = dem__touching_radius(w, i);
+    b->mass = 1.0 / (per_i + (j >= 0 && !dem__is_fixed(w, j) ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
+    if (j >= 0) b->radius_j = dem__touching_radius(w, j);
+    else b->curvature = w->engine->contacts.touch[DEM__PLACE_CURVATURE][c];
+}

@@ -1,0 +1,330 @@
+/* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin
+   and end. Reads bodies, walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact
+   depends on its own pair and step alone, never on earlier tests or on threads. A contact of pair q has near = -2 - q.
+   */
+#pragma once
+#include "../search/bounds.h"
+#include "walls.h"
+#include "idle.h"
+
+/* Places a polyhedron at a step. */
+static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const dem__posture p = dem__posture_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
+    const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
+    dem__placed *place = &w->engine->convex.place[i];
+    place->x = dem__in_box(w, p.x);
+    place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn),
+    place->axis[2] = dem__third_axis(turn);
+}
+/* Places those among particles first .. end-1 that take steps. */
+static inline void dem__place_active(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    (void)part;
+    for (ptrdiff_t i = first; i < end; i++) {
+        if (w->alive[i] && w->engine->bodies.activity[i] != DEM__FLYING && dem__shape_of(w, i))
+            dem__place_polyhedron(w, i, *(const int64_t *)context);
+    }
+}
+/* Places those among particles first .. end-1 that fly and are marked in scratch.index. */
+static inline void dem__place_flying(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    (void)part;
+    for (ptrdiff_t i = first; i < end; i++) {
+        if (w->engine->scratch.index[i] && w->engine->bodies.activity[i] == DEM__FLYING && dem__shape_of(w, i))
+            dem__place_polyhedron(w, i, *(const int64_t *)context);
+    }
+}
+
+/* ---- pairs that are close ---- */
+
+/* Finds which of pairs first .. end-1 are close at a step. */
+static inline void dem__find_close(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const int64_t step = *(const int64_t *)context;
+    (void)part;
+    for (ptrdiff_t k = first; k < end; k++) { /* by number: there may be no pairs, and no array */
+        dem__convex_pair *p = &w->engine->convex.pair[k];
+        if (dem__is_idle(w, p, step)) continue;
+        p->is_close = p->count = 0, p->idle_until = 0;
+        if (!w->alive[p->i] || (p->j >= 0 && !w->alive[p->j])) continue;
+        if (p->j < 0) dem__look_at_wall(w, p, step);
+        else dem__look_at_spheres(w, p, step);
+    }
+}
+
+/* Finds the pairs that are close at a step, and places their polyhedra. */
+static inline void dem__place_close(dem_world *w, int64_t step) {
+    dem__convex_state *convex = &w->engine->convex;
+    const int parts = dem__parts(w, w->count);
+    int32_t *marked = w->engine->scratch.index;
+    dem__in_parts(w, parts, w->count, dem__place_active, &step);
+    dem__in_parts(w, dem__parts(w, convex->pairs), convex->pairs, dem__find_close, &step);
+    if (w->engine->bodies.active_count == w->count - w->engine->bodies.dropped) return; /* none flies */
+    for (ptrdiff_t i = 0; i < w->count; i++) marked[i] = 0;
+    for (ptrdiff_t k = 0; k < convex->pairs; k++) {
+        const dem__convex_pair *p = &convex->pair[k];
+        if (!p->is_close) continue;
+        marked[p->i] = 1;
+        if (p->j >= 0) marked[p->j] = 1;
+    }
+    dem__in_parts(w, parts, w->count, dem__place_flying, &step);
+}
+
+/* ---- points ---- */
+
+/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch: then
+   only its gap and normal are set. sphere_first: the sphere is a, the polyhedron b. */
+static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius,
+                                        int sphere_first, dem__convex_point *out) {
+    dem_vec n;
+    const double distance = dem__from_core(s, place, x, HUGE_VAL, &n);
+    out->gap = distance - radius - s->radius;
+    out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
+    if (!(out->gap < 0.0)) return 0;
+    out->key = out->taken = 0, out->weight = 1.0;
+    out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
+    return 1;
+}
+
+/* Finds the points of two particles; `at` is measured from the centre of i. Returns their number. */
+static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
+                                      int64_t *overlaps) {
+    const dem_convex *a = dem__shape_of(w, p->i), *b = dem__shape_of(w, p->j);
+    const dem__convex_state *convex = &w->engine->convex;
+    const dem_particle *particle = w->particle;
+    const double dt = w->engine->run.dt, reach = particle[p->i].radius + particle[p->j].radius;
+    const dem_vec xi = a ? convex->place[p->i].x : dem__at(w, p->i, (double)(step - particle[p->i].origin) * dt);
+    const dem_vec xj = b ? convex->place[p->j].x : dem__at(w, p->j, (double)(step - particle[p->j].origin) * dt);
+    const dem_vec d = dem__nearest_image(w, dem__sub(xi, xj));
+    if (!(dem__dot(d, d) < reach * reach)) return 0;
+    dem__placed pa = convex->place[p->i], pb = convex->place[p->j];
+    pa.x = pb.x = dem_vec3(0.0, 0.0, 0.0);
+    if (!a || !b) {
+        const double radius = particle[a ? p->j : p->i].radius;
+        const int n = a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out)
+                        : dem__points_of_sphere(b, &pb, d, radius, 1, out);
+        *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
+        if (n == 0) dem__rest_apart(w, p, step, d, out->gap, out->normal);
+        return n;
+    }
+    const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
+    pb.x = dem__scale(-1.0, d);
+    /* A direction only decides which features are tested. That of an earlier step can be used as long as the cores are
+       nearly as far apart along it. */
+    double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
+    if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
+    if (!(apart > good)) {
+        dem__gap_of_cores gap;
+        dem__find_gap(a, &pa, b, &pb, DEM__WINDOW * radii, &p->cache, &gap);
+        *overlaps += gap.overlap;
+        apart = gap.separation, p->axis = gap.normal;
+    }
+    const int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
+    if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
+    return n;
+}
+
+/* Finds the points of a particle at a wall, both at the end of the step. Returns their number. */
+static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out) {
+    const dem_wall *wall = &w->wall[-1 - p->j];
+    const dem_convex *s = dem__shape_of(w, p->i);
+    const dem__placed *place = &w->engine->convex.place[p->i];
+    const int n = dem__touch_with_polyhedron(wall, s, place, out);
+    if (n == 0 && dem__may_rest_at_wall(w, p->i))
+        dem__rest_from_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
+    return n;
+}
+
+/* A test of all pairs by several threads, each of which has a share of the points. */
+typedef struct dem__convex_look {
+    int64_t step, overlaps[DEM__PARTS_MAX];
+    ptrdiff_t share;
+    int full[DEM__PARTS_MAX];
+} dem__convex_look;
+/* Finds the points of pairs first .. end-1 at a step. look->full: this part has no room for them. */
+static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__convex_look *look = (dem__convex_look *)context;
+    dem__convex_state *convex = &w->engine->convex;
+    ptrdiff_t at = look->share * part;
+    const ptrdiff_t limit = at + look->share;
+    look->overlaps[part] = look->full[part] = 0;
+    for (ptrdiff_t q = first; q < end; q++) {
+        dem__convex_pair *p = &convex->pair[q];
+        if (!p->is_close) continue;
+        p->first = (int32_t)at;
+        if (limit - at < DEM__POINTS_MAX) {
+            look->full[part] = 1;
+            return;
+        }
+        if (p->j < 0) p->count = dem__points_at_wall(w, p, look->step, convex->point + at);
+        else p->count = dem__points_of_pair(w, p, look->step, convex->point + at, &look->overlaps[part]);
+        at += p->count;
+    }
+}
+
+/* Makes room for `wanted` points; their contents are lost. Returns 0 when out of memory. */
+static inline int dem__grow_points(dem_world *w, ptrdiff_t wanted) {
+    dem__convex_state *convex = &w->engine->convex;
+    const dem_allocator *a = &w->def.allocator;
+    if (wanted <= convex->point_capacity) return 1;
+    if (wanted > INT32_MAX / 2) return 0;
+    dem__convex_point *fresh = (dem__convex_point *)a->fn(a->user, NULL, 0, (size_t)wanted * sizeof *fresh);
+    if (!fresh) return 0;
+    dem__release(a, convex->point, (size_t)convex->point_capacity * sizeof *fresh);
+    convex->point = fresh, convex->point_capacity = wanted;
+    return 1;
+}
+
+/* Finds the points of all pairs at a step. Returns 0 when out of memory. */
+static inline int dem__find_convex_points(dem_world *w, int64_t step) {
+    dem__convex_state *convex = &w->engine->convex;
+    const int parts = dem__parts(w, convex->pairs);
+    dem__convex_look look;
+    int full = 1;
+    look.step = step;
+    dem__place_close(w, step);
+    if (!dem__grow_points(w, 2 * (w->engine->contacts.count + DEM__POINTS_MAX * (ptrdiff_t)parts))) return 0;
+    while (full) {
+        full = 0;
+        look.share = convex->point_capacity / parts;
+        dem__in_parts(w, parts, convex->pairs, dem__look_at_polyhedra, &look);
+        for (int q = 0; q < parts; q++) full |= look.full[q];
+        if (full && !dem__grow_points(w, 2 * convex->point_capacity)) return 0;
+    }
+    convex->overlaps = 0;
+    for (int q = 0; q < parts; q++) convex->overlaps += look.overlaps[q];
+    return 1;
+}
+
+DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
+    double *const *place = w->engine->contacts.touch;
+    dem__set_place_vec(w, DEM__PLACE_NORMAL, c, p->normal);
+    dem__set_place_vec(w, DEM__PLACE_ARM, c, p->at);
+    place[DEM__PLACE_GAP][c] = p->gap, place[DEM__PLACE_WEIGHT][c] = p->weight;
+}
+
+/* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall,
+   which the contact keeps. */
+static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
+    dem__touch touch;
+    touch.curvature = 0.0;
+    if (j < 0 && w->wall[-1 - j].kind != DEM_MESH) {
+        const dem_wall *wall = &w->wall[-1 - j];
+        dem__touch_element(wall, dem__add(w->engine->convex.place[i].x, p->at), dem__touching_radius(w, i),
+                           dem__element_of_key(wall, p->key), &touch);
+    }
+    dem__set_place(w, c, p);
+    contacts->touch[DEM__PLACE_CURVATURE][c] = touch.curvature;
+    dem__set_place_vec(w, DEM__PLACE_BEFORE, c, p->normal);
+}
+
+/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap
+   above 0, and so ends. */
+static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__contacts *contacts = &w->engine->contacts;
+    (void)part, (void)context;
+    for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
+        for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
+            if (!dem__is_convex_contact(w, c)) continue;
+            const dem__convex_pair *p = &w->engine->convex.pair[-2 - contacts->near[c]];
+            dem__convex_point *point = w->engine->convex.point + p->first, *stop = point + p->count;
+            dem__set_place_vec(w, DEM__PLACE_BEFORE, c, dem__place_normal(w, c));
+            while (point < stop && point->key != contacts->element[c]) point++;
+            if (point < stop) {
+                dem__set_place(w, c, point);
+                point->taken = 1;
+            } else contacts->touch[DEM__PLACE_GAP][c] = w->particle[p->i].radius;
+        }
+    }
+}
+
+/* Moves the contacts of polyhedra to a step to which the walls have been moved, and begins new ones. */
+static inline void dem__follow_polyhedra(dem_world *w, int64_t step) {
+    dem__convex_state *convex = &w->engine->convex;
+    dem__contacts *contacts = &w->engine->contacts;
+    if (!dem__find_convex_points(w, step)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return;
+    }
+    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count,
+                  dem__follow_points, NULL);
+    for (ptrdiff_t q = 0; q < convex->pairs; q++) {
+        const dem__convex_pair *p = &convex->pair[q];
+        for (const dem__convex_point *point = convex->point + p->first; point < convex->point + p->first + p->count;
+             point++) {
+            if (point->taken) continue;
+            if (!dem__new_contact(w, p->i, p->j, point->key, (int32_t)(-2 - q))) return;
+            dem__set_first_place(w, dem__next_slot(w) - 1, point);
+        }
+    }
+}
+
+/* Returns the pair of particle i with j, or with wall -1 - j; -1 if it is not listed. */
+static inline ptrdiff_t dem__convex_pair_of(const dem_world *w, int32_t i, int32_t j) {
+    const dem__convex_state *convex = &w->engine->convex;
+    const int32_t near_pair = j < 0 ? -1 : dem__near_pair(w, i, j);
+    ptrdiff_t low = j < 0 ? convex->of_particles : 0, high = j < 0 ? convex->pairs : convex->of_particles;
+    if (j >= 0 && near_pair < 0) return -1;
+    while (low < high) {
+        const ptrdiff_t middle = (low + high) / 2;
+        const dem__convex_pair *p = &convex->pair[middle];
+        const int before = j >= 0 ? p->near < near_pair : p->i != i ? p->i < i : -1 - p->j < -1 - j;
+        if (before) low = middle + 1;
+        else high = middle;
+    }
+    const dem__convex_pair *p = &convex->pair[low];
+    return low < (j < 0 ? convex->pairs : convex->of_particles) && p->i == i && p->j == j ? low : -1;
+}
+
+/* Lists the pairs, or with pair == NULL counts them. Returns their number. */
+static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pair *pair, ptrdiff_t *of_particles) {
+    ptrdiff_t n = 0;
+    dem__convex_pair p;
+    memset(&p, 0, sizeof p);
+    for (ptrdiff_t k = 0; k < w->engine->pairs.count; k++) {
+        const dem__near *q = &w->engine->pairs.near[k];
+        if (!dem__shape_of(w, q->i) && !dem__shape_of(w, q->j)) continue;
+        p.i = q->i, p.j = q->j, p.near = (int32_t)k;
+        if (pair) pair[n] = p, dem__stop_timer(&w->engine->pairs.timers, (int32_t)k);
+        n++;
+    }
+    *of_particles = n;
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        for (int k = 0; k < w->walls && w->alive[i] && dem__shape_of(w, i) && !dem__is_fixed(w, i); k++) {
+            if (w->wall[k].kind == DEM_EXIT) continue;
+            p.i = i, p.j = -1 - k, p.near = -1;
+            if (pair) pair[n] = p;
+            n++;
+        }
+    }
+    return n;
+}
+
+/* Lists the pairs anew, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of memory.
+ */
+static inline int dem__list_convex_pairs(dem_world *w) {
+    dem__convex_state *convex = &w->engine->convex;
+    dem__contacts *contacts = &w->engine->contacts;
+    const dem_allocator *a = &w->def.allocator;
+    const ptrdiff_t n = dem__put_convex_pairs(w, NULL, &convex->of_particles);
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].kind == DEM_MESH && !dem__make_mesh_edges(a, w->wall[k].tree)) return 0;
+    }
+    if (n > INT32_MAX / 2) return 0;
+    if (n > convex->pair_capacity) {
+        const ptrdiff_t larger = n + n / 4 + 64;
+        dem__convex_pair *fresh = (dem__convex_pair *)a->fn(a->user, NULL, 0, (size_t)larger * sizeof *fresh);
+        if (!fresh) return 0;
+        dem__release(a, convex->pair, (size_t)convex->pair_capacity * sizeof *fresh);
+        convex->pair = fresh, convex->pair_capacity = larger;
+    }
+    convex->pairs = dem__put_convex_pairs(w, convex->pair, &convex->of_particles);
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t i = contacts->i[c], j = contacts->j[c];
+        if (!dem__shape_of(w, i) && (j < 0 || !dem__shape_of(w, j))) continue;
+        const ptrdiff_t q = dem__convex_pair_of(w, i, j);
+        contacts->near[c] = (int32_t)(-2 - q);
+        if (q < 0) contacts->ended[c] = 1; /* cannot happen: they touch */
+    }
+    return 1;
+}

@@ -1,0 +1,38 @@
+/* Shapes in a saved world: their fields, and whether loaded ones are sound. */
+#pragma once
+#include "../particles/free_flight.h"
+#include "../save/records.h"
+
+static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
+    const size_t s = sizeof *c;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("shape.corners", c->corners, s),
+        DEM__INTEGER("shape.edges", c->edges, s),
+        DEM__INTEGER("shape.faces", c->faces, s),
+        DEM__INTEGER("shape.is_box", c->is_box, s),
+        DEM__DOUBLES("shape.radius", c->radius, s),
+        DEM__DOUBLES("shape.reach", c->reach, s),
+        DEM__DOUBLES("shape.volume", c->volume, s),
+        DEM__DOUBLES("shape.moment", c->moment, s),
+        DEM__DOUBLES("shape.share", c->share, s),
+        DEM__DOUBLES("shape.half", c->half, s),
+        DEM__DOUBLES("shape.centroid", c->centroid, s),
+        DEM__DOUBLES("shape.axis", c->axis, s),
+        DEM__DOUBLES("shape.corner", c->corner, s),
+        DEM__DOUBLES("shape.plane", c->plane, s),
+        {"shape.face_start", c->face_start, s, DEM_FACES_MAX + 1, 1},
+        {"shape.face_corner", c->face_corner, s, 2 * DEM_EDGES_MAX, 1},
+        {"shape.edge", c->edge, s, 2 * DEM_EDGES_MAX, 1},
+        {"shape.edge_face", c->edge_face, s, 2 * DEM_EDGES_MAX, 1},
+    };
+    memcpy(field, fields, sizeof fields);
+    return (int)(sizeof fields / sizeof *fields);
+}
+
+/* Returns whether particle i is what its shape, if it has one, needs. */
+static inline int dem__is_sound_polyhedron(const dem_world *w, ptrdiff_t i) {
+    const dem__convex_state *convex = &w->engine->convex;
+    if (convex->shapes == 0 || convex->shape_of[i] == 0) return 1;
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return convex->shape_of[i] > 0 && convex->shape_of[i] <= convex->shapes && r && r->pieces == 1;
+}

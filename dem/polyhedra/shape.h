@@ -1,0 +1,437 @@
+/* Convex polyhedra: faces from corners, mass properties, erosion. Promises: what is accepted is closed and convex,
+   and its tables agree with each other. */
+#pragma once
+#include "../base/definition.h"
+
+/* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough.
+ */
+#define DEM__FLAT 1e-6
+
+/* The hull of a set of points: the planes that have all other points behind them, and the points in each. */
+typedef struct dem__hull {
+    int faces;
+    uint32_t holds[DEM_FACES_MAX];
+    double plane[DEM_FACES_MAX][4], area[DEM_FACES_MAX];
+} dem__hull;
+
+DEM_INLINE dem_vec dem__point(const double *x) { return dem_vec3(x[0], x[1], x[2]); }
+
+/* Returns half the size of a set of points: half of the longest side of the box around it. */
+static inline double dem__half_size(const double *x, int n) {
+    double size = 0.0;
+    for (int a = 0; a < 3; a++) {
+        double low = x[a], high = x[a];
+        for (int k = 1; k < n; k++)
+            low = x[3 * k + a] < low ? x[3 * k + a] : low, high = x[3 * k + a] > high ? x[3 * k + a] : high;
+        size = 0.5 * (high - low) > size ? 0.5 * (high - low) : size;
+    }
+    return size;
+}
+
+/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. Returns
+   0 if there are too many. */
+static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, double offset, double area) {
+    int f = 0;
+    while (f < hull->faces && hull->holds[f] != holds) f++;
+    if (f < hull->faces && hull->area[f] >= area) return 1;
+    if (f == DEM_FACES_MAX) return 0;
+    if (f == hull->faces) hull->faces++;
+    hull->holds[f] = holds, hull->area[f] = area;
+    hull->plane[f][0] = n.x, hull->plane[f][1] = n.y, hull->plane[f][2] = n.z, hull->plane[f][3] = offset;
+    return 1;
+}
+
+/* Adds the face in which three points lie, if no point is in front of it. Returns 0 if there are too many faces. */
+static inline int dem__try_face(dem__hull *hull, const double *x, int n, int a, int b, int c, double flat) {
+    const dem_vec p = dem__point(x + 3 * a), u = dem__sub(dem__point(x + 3 * b), p),
+                  v = dem__sub(dem__point(x + 3 * c), p), cross = dem__cross(u, v);
+    const double area = dem__length(cross), longest = dem__dot(u, u) > dem__dot(v, v) ? dem__dot(u, u) : dem__dot(v, v);
+    double lowest = 0.0, highest = 0.0;
+    uint32_t holds = 0;
+    if (!(area > 1e-5 * longest)) return 1;
+    const dem_vec normal = dem__scale(1.0 / area, cross);
+    for (int k = 0; k < n; k++) {
+        const double height = dem__dot(normal, dem__sub(dem__point(x + 3 * k), p));
+        lowest = height < lowest ? height : lowest, highest = height > highest ? height : highest;
+        if (fabs(height) <= flat) holds |= (uint32_t)1 << k;
+    }
+    if (highest <= flat && lowest < -flat) return dem__add_face(hull, holds, normal, dem__dot(normal, p), area);
+    if (lowest >= -flat && highest > flat)
+        return dem__add_face(hull, holds, dem__scale(-1.0, normal), -dem__dot(normal, p), area);
+    return 1;
+}
+
+/* Finds the faces of the hull of points. Returns 0 if there are too many. */
+static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double flat) {
+    hull->faces = 0;
+    for (int a = 0; a < n; a++) {
+        for (int b = a + 1; b < n; b++) {
+            for (int c = b + 1; c < n; c++) {
+                if (!dem__try_face(hull, x, n, a, b, c, flat)) return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they are no
+   polygon. */
+static inline int dem__go_round(const dem__hull *hull, int f, const double *x, int n, uint8_t *corner, int count) {
+    const dem_vec normal = dem__point(hull->plane[f]);
+    const int begin = count;
+    int first = 0, at, total = 0;
+    while (!(hull->holds[f] >> first & 1)) first++;
+    for (int k = 0; k < n; k++) total += (int)(hull->holds[f] >> k & 1);
+    at = first;
+    do {
+        int next = -1;
+        if (count == 2 * DEM_EDGES_MAX || count - begin == total) return 0;
+        corner[count++] = (uint8_t)at;
+        for (int k = 0; k < n; k++) {
+            if (k == at || !(hull->holds[f] >> k & 1)) continue;
+            const dem_vec u = dem__sub(dem__point(x + 3 * k), dem__point(x + 3 * at));
+            if (next < 0 ||
+                dem__dot(normal, dem__cross(dem__sub(dem__point(x + 3 * next), dem__point(x + 3 * at)), u)) < 0.0)
+                next = k;
+        }
+        at = next;
+    } while (at != first);
+    return count - begin == total && total > 2 ? count : 0;
+}
+
+/* Finds the edges from the corners of faces. Returns 0 if an edge has not two faces or is too short, or the surface is
+   not that of a ball. */
+static inline int dem__find_edges(dem_convex *s, double shortest) {
+    s->edges = 0;
+    for (int f = 0; f < s->faces; f++) {
+        for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
+            const int from = s->face_corner[k], to = s->face_corner[k + 1 < end ? k + 1 : s->face_start[f]];
+            int e = 0, backward = 0;
+            for (; e < s->edges; e++) {
+                if (s->edge[e][0] == from && s->edge[e][1] == to) return 0;
+                if (s->edge[e][0] == to && s->edge[e][1] == from) break;
+            }
+            backward = e < s->edges;
+            if (!backward && s->edges++ == DEM_EDGES_MAX) return 0;
+            if (!(dem__length(dem__sub(dem__point(s->corner[from]), dem__point(s->corner[to]))) > shortest)) return 0;
+            if (!backward) s->edge[e][0] = (uint8_t)from, s->edge[e][1] = (uint8_t)to;
+            s->edge_face[e][backward] = (uint8_t)f;
+        }
+    }
+    int sides = 0;
+    for (int f = 0; f < s->faces; f++) sides += s->face_start[f + 1] - s->face_start[f];
+    return sides == 2 * s->edges && s->corners - s->edges + s->faces == 2;
+}
+
+/* Finds faces and edges of a shape whose corners are set. Returns NULL, or what is wrong. */
+static inline const char *dem__find_surface(dem_convex *s, double flat) {
+    dem__hull hull;
+    int count = 0, used[DEM_CORNERS_MAX] = {0};
+    if (!dem__find_hull(&hull, s->corner[0], s->corners, flat)) return "its faces are more than DEM_FACES_MAX";
+    if (hull.faces < 4) return "the corners lie in one plane";
+    s->faces = hull.faces;
+    for (int f = 0; f < hull.faces; f++) {
+        s->face_start[f] = (uint8_t)count;
+        count = dem__go_round(&hull, f, s->corner[0], s->corners, s->face_corner, count);
+        if (count == 0) return "a point is no corner: it lies in a face, on an edge or on another point";
+        for (int a = 0; a < 4; a++) s->plane[f][a] = hull.plane[f][a];
+        for (int k = s->face_start[f]; k < count; k++) used[s->face_corner[k]]++;
+    }
+    s->face_start[hull.faces] = (uint8_t)count;
+    for (int k = 0; k < s->corners; k++) {
+        if (used[k] == 0) return "a point is no corner: it lies inside";
+        if (used[k] < 3) return "a point is no corner: it lies in a face, on an edge or on another point";
+    }
+    return dem__find_edges(s, flat) ? NULL : "a point is no corner: it lies in a face, on an edge or on another point";
+}
+
+/* Volume, first and second moments of a polyhedron, by signed tetrahedra from the origin to triangles of its faces. */
+typedef struct dem__moments {
+    double volume;
+    dem_vec first;
+    double second[3][3];
+} dem__moments;
+static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
+    memset(bulk, 0, sizeof *bulk);
+    for (int f = 0; f < s->faces; f++) {
+        const double *a = s->corner[s->face_corner[s->face_start[f]]];
+        for (int k = s->face_start[f] + 2; k < s->face_start[f + 1]; k++) {
+            const double *b = s->corner[s->face_corner[k - 1]], *c = s->corner[s->face_corner[k]];
+            const double six = dem__dot(dem__point(a), dem__cross(dem__point(b), dem__point(c)));
+            const double sum[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
+            bulk->volume += six / 6.0;
+            bulk->first = dem__plus(bulk->first, six / 24.0, dem__point(sum));
+            for (int p = 0; p < 3; p++) {
+                for (int q = 0; q < 3; q++)
+                    bulk->second[p][q] += six / 120.0 * (sum[p] * sum[q] + a[p] * a[q] + b[p] * b[q] + c[p] * c[q]);
+            }
+        }
+    }
+}
+
+/* Turns a symmetric matrix to its principal axes (Jacobi); axis[k][a]: component a of axis k. A diagonal matrix is left
+   as it is. */
+static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
+    const double size = m[0][0] + m[1][1] + m[2][2];
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++) axis[p][q] = p == q ? 1.0 : 0.0;
+    }
+    for (int sweep = 0; sweep < 30; sweep++) {
+        for (int p = 0; p < 2; p++) {
+            for (int q = p + 1; q < 3; q++) {
+                if (fabs(m[p][q]) <= 1e-13 * size) continue;
+                const double theta = 0.5 * (m[q][q] - m[p][p]) / m[p][q], root = sqrt(theta * theta + 1.0);
+                const double t = theta < 0.0 ? -1.0 / (root - theta) : 1.0 / (root + theta),
+                             c = 1.0 / sqrt(t * t + 1.0), s = t * c;
+                for (int a = 0; a < 3; a++) {
+                    const double old = m[a][p];
+                    m[a][p] = c * old - s * m[a][q], m[a][q] = s * old + c * m[a][q];
+                }
+                for (int a = 0; a < 3; a++) {
+                    double old = m[p][a];
+                    m[p][a] = c * old - s * m[q][a], m[q][a] = s * old + c * m[q][a];
+                    old = axis[p][a];
+                    axis[p][a] = c * old - s * axis[q][a], axis[q][a] = s * old + c * axis[q][a];
+                }
+            }
+        }
+    }
+}
+
+/* Sets volume, centroid and moments; moves the corners to the centroid and turns them to the principal axes. Returns
+   NULL, or what is wrong. */
+static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
+    dem__moments bulk;
+    double second[3][3], axis[3][3];
+    dem__integrate(s, &bulk);
+    if (!(bulk.volume > 0.0 && bulk.volume < HUGE_VAL)) return "the corners lie in one plane";
+    const dem_vec c = dem__scale(1.0 / bulk.volume, bulk.first);
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++) second[p][q] = bulk.second[p][q] - bulk.volume * dem_axis(c, p) * dem_axis(c, q);
+    }
+    dem__principal(second, axis);
+    s->volume = bulk.volume;
+    s->centroid = dem__add(middle, c);
+    for (int a = 0; a < 3; a++) {
+        s->axis[a] = dem__point(axis[a]);
+        s->moment[a] = second[(a + 1) % 3][(a + 1) % 3] + second[(a + 2) % 3][(a + 2) % 3];
+        if (!(s->moment[a] > 0.0 && s->moment[a] < HUGE_VAL))
+            return "it is too small or too large for its inertia to be a number";
+    }
+    for (int k = 0; k < s->corners; k++) {
+        const dem_vec d = dem__sub(dem__point(s->corner[k]), c);
+        for (int a = 0; a < 3; a++) s->corner[k][a] = dem__dot(d, s->axis[a]);
+    }
+    return NULL;
+}
+
+/* Finds the point where three planes meet that have moved inwards. Returns their determinant; 0 if they hardly meet. */
+static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, dem_vec *at) {
+    const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
+    const double det = dem__dot(a, bc);
+    if (fabs(det) < 1e-6) return 0.0;
+    const dem_vec sum =
+        dem__add(dem__scale(p[3] - inwards, bc),
+                 dem__add(dem__scale(q[3] - inwards, dem__cross(c, a)), dem__scale(r[3] - inwards, dem__cross(a, b))));
+    *at = dem__scale(1.0 / det, sum);
+    return fabs(det);
+}
+
+/* Adds a corner of the core unless it is there; of two equal ones the better determined one stays. Returns 0 if there
+   are too many. */
+static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, double det, double same) {
+    int k = 0;
+    while (k < core->corners && !(dem__length(dem__sub(x, dem__point(core->corner[k]))) <= same)) k++;
+    if (k == DEM_CORNERS_MAX) return 0;
+    if (k < core->corners && sure[k] >= det) return 1;
+    if (k == core->corners) core->corners++;
+    core->corner[k][0] = x.x, core->corner[k][1] = x.y, core->corner[k][2] = x.z;
+    sure[k] = det;
+    return 1;
+}
+
+/* Finds the corners of a shape whose faces have moved inwards by a radius: where three of the planes meet, behind all
+   others. Returns 0 if there are too many. */
+static inline int dem__erode(const dem_convex *s, dem_convex *core, double radius, double flat) {
+    double sure[DEM_CORNERS_MAX];
+    core->corners = 0;
+    for (int a = 0; a < s->faces; a++) {
+        for (int b = a + 1; b < s->faces; b++) {
+            for (int c = b + 1; c < s->faces; c++) {
+                dem_vec x;
+                int f = 0;
+                const double det = dem__meet(s->plane[a], s->plane[b], s->plane[c], radius, &x);
+                if (det == 0.0) continue;
+                while (f < s->faces && dem__dot(dem__point(s->plane[f]), x) <= s->plane[f][3] - radius + 0.1 * flat)
+                    f++;
+                if (f == s->faces && !dem__add_corner(core, sure, x, det, flat)) return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Returns the smallest distance of a face from the corner opposite to it. */
+static inline double dem__least_width(const dem_convex *s) {
+    double least = HUGE_VAL;
+    for (int f = 0; f < s->faces; f++) {
+        double deepest = 0.0;
+        for (int k = 0; k < s->corners; k++) {
+            const double depth = s->plane[f][3] - dem__dot(dem__point(s->plane[f]), dem__point(s->corner[k]));
+            deepest = depth > deepest ? depth : deepest;
+        }
+        least = deepest < least ? deepest : least;
+    }
+    return least;
+}
+
+/* Finds whether the core is a box along the axes, with its middle at the centroid. Sets its corners to the half lengths
+   to the last bit, because its distances are computed from these. */
+static inline void dem__find_box(dem_convex *s) {
+    const double *h = s->corner[0];
+    s->half = dem_vec3(fabs(h[0]), fabs(h[1]), fabs(h[2]));
+    s->is_box = s->corners == 8 && s->faces == 6;
+    for (int k = 0; k < s->corners; k++) {
+        for (int a = 0; a < 3; a++) s->is_box &= fabs(fabs(s->corner[k][a]) - dem_axis(s->half, a)) <= 1e-9 * s->reach;
+    }
+    for (int k = 0; k < s->corners && s->is_box; k++) {
+        for (int a = 0; a < 3; a++)
+            s->corner[k][a] = s->corner[k][a] < 0.0 ? -dem_axis(s->half, a) : dem_axis(s->half, a);
+    }
+}
+
+/* Returns the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), as
+   a mean over all directions. Weight: the energy that this corner takes up in an impact, which is proportional to the
+   share. Directions: the middles of 8 x 8 squares on each side of a cube. */
+static inline double dem__mean_share(const dem_convex *s) {
+    double sum = 0.0, weights = 0.0;
+    for (int k = 0; k < 6 * 64; k++) {
+        const double a = 0.25 * (double)(k % 8) - 0.875, b = 0.25 * (double)(k / 8 % 8) - 0.875,
+                     c = k % 128 < 64 ? 1.0 : -1.0;
+        const int side = k / 128;
+        const double length = sqrt(1.0 + a * a + b * b), weight = 1.0 / (length * length * length);
+        double farthest = -HUGE_VAL, turned = 0.0;
+        dem_vec n;
+        *dem_axis_of(&n, side) = c / length, *dem_axis_of(&n, (side + 1) % 3) = a / length,
+                         *dem_axis_of(&n, (side + 2) % 3) = b / length;
+        for (int q = 0; q < s->corners; q++) {
+            const dem_vec r = dem__point(s->corner[q]), t = dem__cross(r, n);
+            if (dem__dot(r, n) <= farthest) continue;
+            farthest = dem__dot(r, n);
+            turned = s->volume * (t.x * t.x / s->moment[0] + t.y * t.y / s->moment[1] + t.z * t.z / s->moment[2]);
+        }
+        const double share = 1.0 / (1.0 + turned);
+        sum += weight * share * share, weights += weight * share;
+    }
+    return sum / weights;
+}
+
+/* Makes the shape from corners about their middle. Returns NULL, or what is wrong. */
+static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding) {
+    dem_convex core;
+    const double flat = DEM__FLAT * dem__half_size(s->corner[0], s->corners);
+    const char *reason;
+    if (!(flat > 0.0)) return "the corners lie in one point";
+    if ((reason = dem__find_surface(s, flat)) != NULL) return reason;
+    if ((reason = dem__set_bulk(s, middle)) != NULL) return reason;
+    if ((reason = dem__find_surface(s, flat)) != NULL) return reason; /* planes in the new frame */
+    core = *s;
+    core.radius = rounding * dem__least_width(s);
+    if (!dem__erode(s, &core, core.radius, flat))
+        return "its core has more than DEM_CORNERS_MAX corners: where over three faces meet";
+    if ((reason = dem__find_surface(&core, 0.1 * flat)) != NULL)
+        return "its core is no polyhedron: a smaller rounding leaves one";
+    core.reach = 0.0;
+    for (int k = 0; k < core.corners; k++) {
+        const double far = dem__length(dem__point(core.corner[k])) + core.radius;
+        core.reach = far > core.reach ? far : core.reach;
+    }
+    dem__find_box(&core);
+    core.share = dem__mean_share(&core);
+    *s = core;
+    return NULL;
+}
+
+DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding,
+                                   const char **reason) {
+    const char *wrong = NULL;
+    dem_vec middle = dem_vec3(0.0, 0.0, 0.0);
+    if (!shape || !corners) wrong = "there is no place for the shape, or there are no corners";
+    else if (n < 4 || n > DEM_CORNERS_MAX) wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
+    else if (!(rounding >= 0.001 && rounding <= 0.4)) wrong = "the rounding is not 0.001 .. 0.4";
+    for (int k = 0; k < 3 * n && !wrong; k++) {
+        if (!dem__moderate(corners[k])) wrong = "a corner is not finite";
+    }
+    if (!wrong) {
+        memset(shape, 0, sizeof *shape);
+        shape->corners = n;
+        for (int k = 0; k < n; k++) middle = dem__plus(middle, 1.0 / (double)n, dem__point(corners + 3 * k));
+        for (int k = 0; k < 3 * n; k++) shape->corner[k / 3][k % 3] = corners[k] - dem_axis(middle, k % 3);
+        wrong = dem__shape_from(shape, middle, rounding);
+    }
+    if (reason) *reason = wrong;
+    return wrong ? DEM_BAD_ARGUMENT : DEM_OK;
+}
+
+DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason) {
+    double corner[8][3];
+    if (!dem__positive(lengths.x) || !dem__positive(lengths.y) || !dem__positive(lengths.z)) {
+        if (reason) *reason = "a length is not a number above 0";
+        return DEM_BAD_ARGUMENT;
+    }
+    for (int k = 0; k < 24; k++) corner[k / 3][k % 3] = (k / 3 >> k % 3 & 1 ? 0.5 : -0.5) * dem_axis(lengths, k % 3);
+    return dem_make_convex(shape, 8, corner[0], rounding, reason);
+}
+
+/* Returns whether every edge of a mesh has one other triangle, which runs along it the other way. */
+static inline int dem__is_closed(const dem_mesh *mesh) {
+    for (ptrdiff_t p = 0; p < 3 * mesh->triangles; p++) {
+        const int32_t from = mesh->triangle[p], to = mesh->triangle[p % 3 < 2 ? p + 1 : p - 2];
+        int same = 0, opposite = 0;
+        for (ptrdiff_t q = 0; q < 3 * mesh->triangles; q++) {
+            const int32_t a = mesh->triangle[q], b = mesh->triangle[q % 3 < 2 ? q + 1 : q - 2];
+            same += a == from && b == to;
+            opposite += a == to && b == from;
+        }
+        if (same != 1 || opposite != 1) return 0;
+    }
+    return 1;
+}
+
+/* Returns whether every corner of a mesh is behind every triangle, or in its plane. */
+static inline int dem__is_convex(const dem_mesh *mesh) {
+    const double flat = DEM__FLAT * dem__half_size(mesh->vertex, (int)mesh->vertices);
+    for (ptrdiff_t t = 0; t < mesh->triangles; t++) {
+        const dem_vec a = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t]),
+                      b = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 1]),
+                      c = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 2]);
+        const dem_vec n = dem__cross(dem__sub(b, a), dem__sub(c, a));
+        const double area = dem__length(n);
+        for (ptrdiff_t k = 0; k < mesh->vertices; k++) {
+            if (dem__dot(n, dem__sub(dem__point(mesh->vertex + 3 * k), a)) > flat * area) return 0;
+        }
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason) {
+    const char *wrong = NULL;
+    if (!mesh || !mesh->vertex || !mesh->triangle) wrong = "there is no mesh";
+    else if (mesh->vertices < 4 || mesh->vertices > DEM_CORNERS_MAX)
+        wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
+    else if (mesh->triangles < 4 || mesh->triangles > DEM_FACES_MAX)
+        wrong = "the number of triangles is not 4 .. DEM_FACES_MAX";
+    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->triangles; k++) {
+        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices)
+            wrong = "a triangle has a corner that is not there";
+    }
+    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->vertices; k++) {
+        if (!dem__moderate(mesh->vertex[k])) wrong = "a corner is not finite";
+    }
+    if (!wrong && !dem__is_closed(mesh))
+        wrong = "the surface is not closed: an edge has not two triangles that run along it both ways";
+    if (!wrong && !dem__is_convex(mesh)) wrong = "the surface is not convex, or its triangles face inwards";
+    if (!wrong) return dem_make_convex(shape, (int)mesh->vertices, mesh->vertex, rounding, reason);
+    if (reason) *reason = wrong;
+    return DEM_BAD_ARGUMENT;
+}

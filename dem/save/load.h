@@ -1,0 +1,373 @@
+/* Loading: makes a world from the records that save/save.h writes, and trusts none of them: every index, count and
+   number that the engine relies on is checked here. */
+#pragma once
+#include "../polyhedra/add.h"
+#include "../polyhedra/save.h"
+#include "fields.h"
+
+/* A file that is read: its bytes, and where its records begin and end. */
+typedef struct dem__file {
+    const unsigned char *bytes;
+    size_t first, end;
+} dem__file;
+
+/* Returns whether the bytes are a whole and unchanged saved world of this format. */
+static inline int dem__open_file(dem__file *file, const void *buffer, size_t size) {
+    uint64_t magic, version, check;
+    dem__stream s = {NULL, (const unsigned char *)buffer, 0};
+    if (size < 24) return 0;
+    dem__stream_u64(&s, &magic), dem__stream_u64(&s, &version);
+    file->bytes = s.from, file->first = s.at, file->end = s.at = size - 8;
+    dem__stream_u64(&s, &check);
+    return magic == DEM__MAGIC && version == DEM__FORMAT && check == dem__checksum(file->bytes, file->end) &&
+           dem__are_records(file->bytes, file->first, file->end);
+}
+
+/* Returns the number of entries of a group in a file: of its first field, which is required. */
+static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first) {
+    char name[DEM__NAME_BYTES];
+    dem__record r;
+    memset(name, 0, sizeof name);
+    memcpy(name, first, strlen(first));
+    return dem__find_record(file->bytes, file->first, file->end, name, &r) && r.count < INT32_MAX / 4
+               ? (ptrdiff_t)r.count
+               : 0;
+}
+
+/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of
+   another kind. */
+static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
+    const dem__saved_field *f = &g->field[field];
+    dem__record r;
+    if (!dem__find_record(file->bytes, file->first, file->end, f->name, &r)) return field < g->needed ? -1 : 0;
+    s->to = NULL, s->from = file->bytes, s->at = r.at;
+    return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
+}
+
+/* Reads a group of n consecutive entries. Returns 0 if the file is not valid. */
+static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
+    for (int q = 0; q < g->fields && n > 0; q++) {
+        dem__stream s;
+        const int found = dem__find_field(file, g, q, n, &s);
+        if (found < 0) return 0;
+        for (ptrdiff_t k = 0; k < n && found; k++) dem__stream_entry(&s, &g->field[q], k);
+    }
+    return 1;
+}
+
+/* Reads contacts into their slots. Returns 0 if the file is not valid. */
+static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__group *g) {
+    if (w->engine->contacts.count == 0) return 1;
+    dem__contact_fields(w, g);
+    for (int q = 0; q < g->fields; q++) {
+        dem__stream s;
+        const int found = dem__find_field(file, g, q, w->engine->contacts.count, &s);
+        if (found < 0) return 0;
+        if (!found) continue;
+        DEM__EACH_CONTACT(w, c) { dem__stream_entry(&s, &g->field[q], c); }
+    }
+    return 1;
+}
+
+static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
+
+/* Reads the definition and single numbers. Returns 0 if the file is not valid. */
+static inline int dem__read_world(const dem__file *file, dem_world *w, dem__group *g) {
+    dem__engine *e = w->engine;
+    dem__world_fields(w, g);
+    if (!dem__read_group(file, g, 1)) return 0;
+    dem__material_fields(w->def.material, g);
+    if (!dem__read_group(file, g, DEM_MATERIALS_MAX)) return 0;
+    /* older files do not say which pairs were set */
+    for (int k = 0; k < DEM_MATERIALS_MAX * DEM_MATERIALS_MAX; k++)
+        w->def.pair[k / DEM_MATERIALS_MAX][k % DEM_MATERIALS_MAX].given = 1;
+    dem__pair_fields(&w->def.pair[0][0], g);
+    if (!dem__read_group(file, g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX)) return 0;
+    const int64_t counts[] = {w->step,  e->run.start_step, w->particle_steps, w->contact_steps,
+                              w->looks, w->rebuilds,       w->passed_total};
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
+        if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
+    }
+    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) ||
+        !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
+        return 0;
+    if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 ||
+        e->links.states > DEM_STATE_MAX)
+        return 0;
+    if (!dem__not_negative(e->links.near) || !dem__not_negative(e->links.interval)) return 0;
+    e->run.dt = w->def.dt;
+    e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
+    if (!dem__is_thread_count(w->def.threads))
+        w->def.threads = 1; /* the caller of the saved world had set it to something else */
+    return dem__bad_field(&w->def) == NULL;
+}
+
+/* Reads the triangles of a mesh, and builds its tree anew. */
+static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocator *memory, int wall, dem_wall *a,
+                                        dem__group *g) {
+    dem__group triangles;
+    dem_status status = DEM_OK;
+    dem__mesh_fields(NULL, NULL, wall, g, &triangles);
+    const ptrdiff_t n = dem__entries_of(file, g->field[0].name), m = dem__entries_of(file, triangles.field[0].name);
+    const size_t bytes = (size_t)n * sizeof(dem_vec) + 3 * (size_t)m * sizeof(int32_t);
+    if (n < 1 || m < 1) return DEM_BAD_DATA;
+    dem_vec *vertex = (dem_vec *)memory->fn(memory->user, NULL, 0, bytes);
+    if (!vertex) return DEM_OUT_OF_MEMORY;
+    int32_t *corner = (int32_t *)(void *)(vertex + n);
+    dem__mesh_fields(vertex, corner, wall, g, &triangles);
+    if (!dem__read_group(file, g, n) || !dem__read_group(file, &triangles, m)) status = DEM_BAD_DATA;
+    for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
+        if (!(fabs(vertex[k].x) < 1e50 && fabs(vertex[k].y) < 1e50 && fabs(vertex[k].z) < 1e50)) status = DEM_BAD_DATA;
+    }
+    for (ptrdiff_t k = 0; k < 3 * m && status == DEM_OK; k++) {
+        if (corner[k] < 0 || corner[k] >= n) status = DEM_BAD_DATA;
+    }
+    if (status == DEM_OK) a->tree = dem__make_tree(memory, n, vertex, m, corner, &status);
+    memory->fn(memory->user, vertex, bytes, 0);
+    return status == DEM_BAD_ARGUMENT ? DEM_BAD_DATA : status;
+}
+
+/* Returns whether a loaded wall could come from the functions that make and move walls. */
+static inline int dem__is_sound_wall(const dem_world *w, const dem_wall *a) {
+    const dem_wall_motion *asked = &a->asked;
+    if (a->material < 0 || a->material >= w->def.materials || a->kind < DEM_PLANE || a->kind > DEM_MESH) return 0;
+    if (!dem__is_flag(a->solid) || (a->solid && a->kind != DEM_MESH)) return 0;
+    if (a->kind == DEM_SCREEN && !dem__is_deck(a)) return 0;
+    if (a->kind == DEM_CONE && !(a->length > 0.0 && a->radius + a->high_radius > 0.0)) return 0;
+    if (asked->drive < DEM_KINEMATIC || asked->drive > DEM_TORQUE_CONTROLLED) return 0;
+    if (asked->drive == DEM_PRESCRIBED && !(asked->interval > 0.0)) return 0;
+    return asked->drive < DEM_FORCE_CONTROLLED || asked->inertia > 0.0;
+}
+
+static inline dem_status dem__read_walls(const dem__file *file, dem_world *w, dem__group *g) {
+    dem__wall_state *walls = &w->engine->walls;
+    const ptrdiff_t n = dem__entries_of(file, "wall.kind");
+    if (n > DEM_WALLS_MAX) return DEM_BAD_DATA;
+    if (!dem__grow_walls(w, n)) return DEM_OUT_OF_MEMORY;
+    for (ptrdiff_t k = 0; k < n; k++) w->wall[k].groups = ~(uint32_t)0;
+    dem__wall_fields(w->wall, g);
+    if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
+    for (w->walls = 0; w->walls < n; w->walls++) {
+        dem_wall *a = &w->wall[w->walls];
+        if (!dem__is_sound_wall(w, a)) return DEM_BAD_DATA;
+        const dem_status status =
+            a->kind == DEM_MESH ? dem__read_mesh(file, &w->def.allocator, w->walls, a, g) : DEM_OK;
+        if (status != DEM_OK) return status;
+        if (a->kind == DEM_MESH) dem__count_mesh(w);
+        walls->touch_keepers += a->kind == DEM_MESH || a->kind == DEM_CONE;
+        walls->controls |= a->asked.drive >= DEM_FORCE_CONTROLLED;
+        dem__set_phase_sine(a);
+    }
+    return DEM_OK;
+}
+
+/* Reads how contacts are distributed over chunks. Returns 0 if the file is not valid. */
+static inline int dem__read_chunks(const dem__file *file, dem_world *w, dem__group *g, int64_t present) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__saved_chunk chunk[DEM__CHUNKS];
+    const ptrdiff_t n = dem__entries_of(file, "chunk.count"), all = dem__entries_of(file, "contact.i");
+    ptrdiff_t first = 0, left = all;
+    if (n < 1 || n > DEM__CHUNKS) return 0;
+    dem__chunk_fields(chunk, g);
+    if (!dem__read_group(file, g, n)) return 0;
+    for (ptrdiff_t q = 0; q < n; q++) {
+        const int64_t count = chunk[q].count, capacity = chunk[q].capacity;
+        const int is_last = q == n - 1;
+        if (count < 0 || count > left || capacity < 0 || capacity > 64 * (all + DEM__BLOCK + present)) return 0;
+        if (!is_last && count > capacity) return 0;
+        contacts->chunk[q].first = first, contacts->chunk[q].count = (ptrdiff_t)count,
+        contacts->chunk[q].capacity = (ptrdiff_t)capacity;
+        contacts->chunk[q].first_particle = is_last ? 0 : chunk[q].first_particle;
+        first += (ptrdiff_t)capacity, left -= (ptrdiff_t)count;
+    }
+    contacts->chunk_count = (int)n;
+    contacts->count = all;
+    return left == 0;
+}
+
+/* Reads the shapes of polyhedra. */
+static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, dem__group *g) {
+    dem__convex_state *convex = &w->engine->convex;
+    const ptrdiff_t n = dem__entries_of(file, "shape.corners");
+    if (n == 0) return DEM_OK;
+    convex->shape =
+        (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
+    if (!convex->shape) return DEM_OUT_OF_MEMORY;
+    memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
+    convex->shapes = (int)n, convex->calls = &dem__polyhedra;
+    w->engine->walls.touch_keepers++;
+    g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
+    if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        if (!dem__is_sound_shape(&convex->shape[k])) return DEM_BAD_DATA;
+    }
+    return DEM_OK;
+}
+
+/* Makes room for what a file contains, and sets the counts. Returns 0 when out of memory. */
+static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff_t links, ptrdiff_t passed) {
+    dem__engine *e = w->engine;
+    dem__array list[DEM__ARRAYS_MAX];
+    const ptrdiff_t live = e->contacts.count;
+    e->contacts.count = 0; /* growing has nothing to keep yet */
+    if (!dem__grow_group(w, list, dem__particle_arrays(w, list), &e->bodies.block, &e->bodies.bytes,
+                         &e->bodies.capacity, present + 1))
+        return 0;
+    if (!dem__grow_contacts(w, dem__next_slot(w) + 1)) return 0;
+    if (links > 0 && !dem__grow_group(w, list, dem__link_arrays(w, list), &e->links.block, &e->links.bytes,
+                                      &e->links.capacity, links))
+        return 0;
+    if (passed > 0) {
+        w->passed =
+            (dem_passed *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)passed * sizeof *w->passed);
+        if (!w->passed) return 0;
+        memset(w->passed, 0, (size_t)passed * sizeof *w->passed);
+        e->bodies.passed_capacity = passed;
+    }
+    w->count = present, w->passed_count = passed;
+    e->contacts.count = live, e->links.count = links;
+    return 1;
+}
+
+/* Reads rigid bodies, for which there is room, and assigns their particles to them. Returns 0 if the file is not valid.
+ */
+static inline int dem__read_bodies(const dem__file *file, dem_world *w, dem__group *g, ptrdiff_t n) {
+    dem__bodies *bodies = &w->engine->bodies;
+    if (n == 0) return 1;
+    dem__body_fields(bodies->rigid, g);
+    memset(bodies->rigid, 0, (size_t)n * sizeof *bodies->rigid);
+    if (!dem__read_group(file, g, n)) return 0;
+    for (bodies->rigid_count = 0; bodies->rigid_count < n;) {
+        const dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
+        const dem_quaternion t = r->turn;
+        if (r->first < 0 || r->pieces < 1 || r->first > w->count - r->pieces) return 0;
+        if (!dem__positive(r->moments.x) || !dem__positive(r->moments.y) || !dem__positive(r->moments.z) ||
+            !dem__positive(r->mass))
+            return 0;
+        if (!(fabs(t.w * t.w + t.x * t.x + t.y * t.y + t.z * t.z - 1.0) < 1e-6)) return 0;
+        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+            if (dem__is_fixed(w, i) != dem__is_fixed(w, r->first)) return 0;
+            if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin ||
+                w->particle[i].mass != r->mass)
+                return 0;
+            bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
+        }
+    }
+    return 1;
+}
+
+/* Reads particles, contacts, links and records of exits. */
+static inline dem_status dem__read_state(const dem__file *file, dem_world *w, dem__group *g) {
+    const ptrdiff_t present = dem__entries_of(file, "particle.x"), links = dem__entries_of(file, "link.i"),
+                    bodies = dem__entries_of(file, "body.first");
+    if (!dem__read_chunks(file, w, g, present)) return DEM_BAD_DATA;
+    if (!dem__make_loaded_room(w, present, links, dem__entries_of(file, "passed.time"))) return DEM_OUT_OF_MEMORY;
+    if (bodies > 0 && !dem__reserve_bodies(w, bodies, 0)) return DEM_OUT_OF_MEMORY;
+    dem__particle_fields(w, g);
+    for (ptrdiff_t i = 0; i < present; i++) {
+        w->alive[i] = 1;
+        w->engine->bodies.number[i] = (int32_t)i;
+        w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
+    }
+    if (!dem__read_group(file, g, present) || !dem__read_bodies(file, w, g, bodies) || !dem__read_contacts(file, w, g))
+        return DEM_BAD_DATA;
+    if (links > 0) {
+        dem__link_fields(w, g);
+        if (!dem__read_group(file, g, links)) return DEM_BAD_DATA;
+    }
+    if (w->passed_count > 0) dem__passed_fields(w->passed, g);
+    return w->passed_count == 0 || dem__read_group(file, g, w->passed_count) ? DEM_OK : DEM_BAD_DATA;
+}
+
+static inline int dem__are_sound_particles(const dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem_particle *p = &w->particle[i];
+        if (!dem__positive(p->radius) || !dem__positive(p->mass) || p->origin > w->step || p->origin < 0) return 0;
+        if (w->material[i] < 0 || w->material[i] >= w->def.materials || (i > 0 && w->id[i] <= w->id[i - 1])) return 0;
+        if (!dem__is_sound_polyhedron(w, i)) return 0;
+    }
+    return 1;
+}
+
+/* Returns whether i is a particle, and j another one or a wall. */
+static inline int dem__are_bodies(const dem_world *w, int32_t i, int32_t j) {
+    return i >= 0 && i < w->count && j < w->count && j >= -w->walls && i != j;
+}
+
+/* Returns whether the bodies and elements of contacts and links exist, and no contact is there twice. */
+static inline int dem__are_sound_contacts(const dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__links *links = &w->engine->links;
+    ptrdiff_t n = 0;
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t i = contacts->i[c], j = contacts->j[c];
+        if (!dem__are_bodies(w, i, j) || (j >= 0 && j < i)) return 0;
+        if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && !dem__shape_of(w, i) &&
+            (contacts->element[c] < 0 || contacts->element[c] >= DEM__NUMBERS))
+            return 0;
+        if (w->particle[i].origin != w->step || (j >= 0 && w->particle[j].origin != w->step)) return 0;
+        contacts->slots[n++] = (int32_t)c;
+    }
+    dem__sort(w, contacts->slots, n); /* no contact is there twice */
+    for (ptrdiff_t c = 1; c < n; c++) {
+        if (!dem__before(w, contacts->slots[c - 1], contacts->slots[c])) return 0;
+    }
+    for (ptrdiff_t k = 0; k < links->count; k++) {
+        if (!dem__are_bodies(w, links->i[k], links->j[k])) return 0;
+    }
+    return 1;
+}
+
+/* Derives what is not saved from the rest: lists of contacts, activity. */
+static inline void dem__derive_loaded(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    int32_t *first = w->engine->walls.first_contact;
+    w->engine->run.needs_lists = w->engine->run.keeps_wrenches = 1;
+    w->engine->bodies.loads_on |= w->engine->bodies.has_fixed;
+    dem__set_link_steps(w);
+    dem__find_links(w);
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t i = contacts->i[c], j = contacts->j[c];
+        contacts->near[c] = -1; /* until the list is built */
+        dem__activate(w, i);
+        if (j >= 0) dem__activate(w, j);
+        else contacts->wall_next[c] = first[i], first[i] = (int32_t)c;
+        if (j < 0 && w->engine->convex.shapes > 0 && !dem__shape_of(w, i))
+            contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing is trusted */
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        dem__set_inverse_mass(w, i);
+        if (!dem__is_loaded(w, i) || w->engine->bodies.activity[i]) continue;
+        dem__wake(w, i);
+        dem__set_mass_share(w, i);
+    }
+}
+
+/* Fills an empty world from a file. */
+static inline dem_status dem__read_file(const dem__file *file, dem_world *w) {
+    dem__group g;
+    if (!dem__read_world(file, w, &g)) return DEM_BAD_DATA;
+    dem_status status = dem__read_walls(file, w, &g);
+    if (status == DEM_OK) status = dem__read_shapes(file, w, &g);
+    if (status == DEM_OK) status = dem__read_state(file, w, &g);
+    if (status != DEM_OK) return status;
+    if (!dem__are_sound_particles(w) || !dem__are_sound_contacts(w)) return DEM_BAD_DATA;
+    dem__derive_loaded(w);
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator) {
+    dem__file file;
+    if (!world || !buffer) return DEM_BAD_ARGUMENT;
+    memset(world, 0, sizeof *world);
+    if (!dem__open_file(&file, buffer, size)) return DEM_BAD_DATA;
+    world->def = dem_default_def();
+    if (allocator) world->def.allocator = *allocator;
+    if (!dem__make_engine(world)) {
+        memset(world, 0, sizeof *world);
+        return DEM_OUT_OF_MEMORY;
+    }
+    const dem_status status = dem__read_file(&file, world);
+    if (status != DEM_OK) dem_free(world);
+    return status;
+}

@@ -1,0 +1,308 @@
+/* Bounds on particles' motion, and the timers that depend on them. */
+#pragma once
+#include "../walls/motion.h"
+#include "../base/parallel.h"
+#include "timers.h"
+
+/* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present
+   forces. */
+DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (r) return w->engine->bodies.calls->link_drift(w, r, i);
+    return (double)w->engine->links.every * w->engine->run.dt / w->particle[i].mass *
+           dem__length(dem__first(w->engine->bodies.load[i]));
+}
+
+/* Returns a limit of the change of velocity by an acceleration in one step [m/s]; the sum of components needs no root.
+ */
+DEM_INLINE double dem__most_change(double dt, dem_vec pull) {
+    return dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z));
+}
+
+/* Sets how much of a particle's tolerance is left after the next step [m/s]. strayed: the deviation of its velocity now
+   [m/s]. */
+DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double strayed) {
+    w->particle[i].tolerance_left__ =
+        w->engine->bodies.bound[i].tolerance - strayed -
+        dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
+}
+
+/* Sets a new bound for particle i, which is at x and has velocity v at a step. In an impact that has just begun, the
+   velocity changes about as much after its middle as before: the bound has the velocity of the middle, and its
+   tolerance includes both ends, so that one bound lasts for the whole impact. Otherwise the tolerance allows 16 steps
+   of the present force and a little more. In flight it is very small: only a contact changes the velocity, and small
+   tolerances give late timers. */
+DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec x, dem_vec v) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__pairs *pairs = &w->engine->pairs;
+    const dem__links *links = &w->engine->links;
+    const double t = dem__since_listed(w, step);
+    const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
+    const dem__rigid *body =
+        w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight it turns about the centre of mass */
+    const double swing = body ? bodies->calls->swing(body, dem__length(bodies->offset[i])) : 0.0;
+    const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a)
+                           : dem__add(v, impact);
+    const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),
+                 held = 16.0 * w->engine->run.dt * dem__length(dem__sub(w->particle[i].a, g));
+    dem__bound *c = &bodies->bound[i];
+    c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
+    c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y),
+    c->z = x.z - t * (u.z - 0.5 * t * g.z);
+    bodies->shifted[i] = 0.0;
+    if (turn > 0.0 && !body)
+        c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
+    else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
+    c->tolerance += swing;
+    if (links->on && (links->first_link[i] >= 0 || dem__rigid_of(w, i))) c->tolerance += 2.0 * dem__link_drift(w, i);
+    c->reach = w->particle[i].radius + 0.5 * links->near + pairs->position_tolerance - t * c->tolerance;
+    dem__set_tolerance_left(w, i, turn);
+}
+
+/* Returns the rounding error of the position farthest from the origin [m]. */
+static inline double dem__position_rounding(const dem_world *w) {
+    double farthest = 0.0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const double far = dem__length(w->particle[i].x);
+        farthest = w->alive[i] == DEM_PRESENT && far > farthest ? far : farthest;
+    }
+    return 8.0 * DBL_EPSILON * farthest;
+}
+
+/* Result of new bounds, one a thread: the step in which the list must be checked, and a particle that is too fast (-1:
+   none). */
+typedef struct dem__outcome {
+    int64_t check;
+    ptrdiff_t fast;
+} dem__outcome;
+DEM_INLINE dem__outcome dem__no_outcome(const dem_world *w) {
+    const dem__outcome news = {w->engine->pairs.next_check, -1};
+    return news;
+}
+static inline void dem__apply_outcome(dem_world *w, const dem__outcome *news) {
+    if (news->check < w->engine->pairs.next_check) w->engine->pairs.next_check = news->check;
+    if (news->fast < 0 || w->status != DEM_OK) return;
+    w->status = DEM_TOO_FAST;
+    w->failed_id = w->id[news->fast];
+}
+
+/* The frame in which the list measures how far particles have moved: its displacement since the list was built [m] and
+   its velocity [m/s]. */
+typedef struct dem__list_frame {
+    dem_vec way, velocity;
+} dem__list_frame;
+DEM_INLINE dem__list_frame dem__frame_at(const dem_world *w, int64_t step) {
+    const dem__pairs *pairs = &w->engine->pairs;
+    const double t = dem__since_listed(w, step);
+    dem__list_frame f;
+    f.way = dem__scale(t, dem__plus(pairs->frame_velocity, 0.5 * t, pairs->frame_acceleration));
+    f.velocity = dem__plus(pairs->frame_velocity, t, pairs->frame_acceleration);
+    return f;
+}
+
+/* How far a particle may move in that frame before it could touch one that is not listed, and how fast it can move
+   there. */
+typedef struct dem__leeway {
+    double left, speed; /* [m], [m/s] */
+} dem__leeway;
+DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, const dem__list_frame *f, dem_vec x, dem_vec v) {
+    dem__leeway q;
+    q.left = 0.49 * w->engine->pairs.margin -
+             dem__length(dem__nearest_image(w, dem__sub(x, dem__add(w->engine->pairs.listed_at[i], f->way))));
+    q.speed = dem__length(dem__sub(v, f->velocity)) + 2.0 * w->engine->bodies.bound[i].tolerance;
+    return q;
+}
+
+/* Returns the number of whole steps for which the leeway lasts; the list is checked before the first step that it does
+   not cover. */
+DEM_INLINE int dem__steps_left(const dem_world *w, const dem__leeway *q) {
+    return dem__steps_until(w, dem__time_to_cover(q->left, q->speed, w->engine->pairs.frame_fall)) - 1;
+}
+
+/* Returns whether the leeway lasts for a time [s]; false for NaN. */
+DEM_INLINE int dem__lasts(const dem_world *w, const dem__leeway *q, double time) {
+    return q->left > time * (q->speed + 0.5 * w->engine->pairs.frame_fall * time);
+}
+
+/* Applies the consequences of particle i's new bound: the next check of the list, the speed limit, its wall timers.
+   shifted: how far corrections moved it from the last bound [m]. Returns 1 if a wall must be tested sooner than its
+   timer says; the caller then calls dem__advance_wall_timers. */
+DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const dem__list_frame *f, dem_vec x, dem_vec v,
+                                double shifted, dem__outcome *news) {
+    const dem__run *run = &w->engine->run;
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__wall_state *walls = &w->engine->walls;
+    const dem__leeway leeway = dem__leeway_of(w, i, f, x, v);
+    double speed = dem__length(v);
+    int sooner = 0;
+    if (!(speed * run->dt <= 0.5 * w->particle[i].radius) && news->fast < 0) news->fast = i;
+    speed += 2.0 * bodies->bound[i].tolerance;
+    if (!dem__lasts(w, &leeway, (double)(news->check - step) * run->dt)) {
+        const int64_t due =
+            leeway.left > 0.0 ? step + dem__steps_left(w, &leeway) : step; /* 0: a host moved it: at once */
+        if (due < news->check) news->check = due;
+    }
+    if (!(w->def.skip & DEM_SKIP_SPACE)) return 0;
+    double slower = 1.0; /* the timers of walls relied on a lower speed: their steps get fewer */
+    if (speed > bodies->wall_speed[i]) {
+        slower = bodies->wall_speed[i] / (1.25 * speed);
+        bodies->wall_speed[i] = 1.25 * speed;
+    }
+    const double lost =
+        shifted > 0.0 ? 1.0 + shifted / (bodies->wall_speed[i] * run->dt) : 0.0; /* the shift, in steps at that speed */
+    for (int k = 0; k < w->walls; k++) {
+        const int32_t e = (int32_t)i * w->walls + k;
+        if (walls->timers.due[e] == DEM__STOPPED) continue;
+        const double left = (double)(dem__steps_sure(w, e, step) - 1) * slower - lost;
+        const int now = left > 0.0 ? 1 + (int)left : 1;
+        walls->sure[e] = (uint32_t)(uint64_t)(step + now); /* the test computes the step anew */
+        sooner |= now < dem__steps_due(&walls->timers, e, step);
+    }
+    return sooner;
+}
+/* Sets the wall timers of particle i that are later than walls.sure to that step. */
+static inline void dem__advance_wall_timers(dem_world *w, ptrdiff_t i, int64_t step) {
+    dem__wall_state *walls = &w->engine->walls;
+    for (int k = 0; k < w->walls; k++) {
+        const int32_t e = (int32_t)i * w->walls + k;
+        const int sure = dem__steps_sure(w, e, step), due = walls->timers.due[e];
+        if (due != DEM__STOPPED && sure < dem__steps_due(&walls->timers, e, step))
+            dem__set_timer(&walls->timers, e, step + sure);
+    }
+}
+
+/* Sets a new bound for particle i and applies its consequences, except for its pairs: see dem__reset_pair_timers. Not
+   for several threads at once. */
+static inline void dem__renew_bound(dem_world *w, ptrdiff_t i, int64_t step) {
+    const double shifted = w->engine->bodies.shifted[i],
+                 tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
+    const dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
+    const dem__list_frame frame = dem__frame_at(w, step);
+    dem__outcome news = dem__no_outcome(w);
+    dem__set_bound(w, i, step, x, v);
+    if (dem__apply_bound(w, i, step, &frame, x, v, shifted, &news)) dem__advance_wall_timers(w, i, step);
+    dem__apply_outcome(w, &news);
+}
+
+/* Makes a test of every particle with wall k due at a step. */
+static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
+    for (ptrdiff_t i = 0; i < w->count && (w->def.skip & DEM_SKIP_SPACE); i++) {
+        const int32_t e = (int32_t)i * w->walls + k;
+        if (w->engine->walls.timers.due[e] != DEM__STOPPED) dem__set_timer(&w->engine->walls.timers, e, step);
+    }
+}
+
+/* Moves walls to a step. Timers rely on a limit of each wall's speed: a driven wall that exceeds its limit gets a
+   larger one, and is tested with all particles in this step. Returns 0 if a wall's position is not finite. */
+static inline int dem__move_walls(dem_world *w, int64_t step) {
+    const dem__run *run = &w->engine->run;
+    const double time = run->start_time + (double)(step - run->start_step) * run->dt;
+    const dem_wall *last = NULL; /* to which the sway belongs */
+    dem__sway sway;
+    for (int k = 0; k < w->walls; k++) {
+        dem_wall *a = &w->wall[k];
+        const double t = time - a->asked.motion_start;
+        if (a->asked.drive == DEM_KINEMATIC) {
+            if (!(a->speed_bound > 0.0 || a->spin_bound > 0.0)) continue;
+            if (!last || !dem__sways_like(a, last)) sway = dem__sway_at(a, t);
+            last = a;
+            dem__kinematic_wall(a, t, &sway);
+            continue;
+        }
+        const dem_vec from = a->position, axis[3] = {a->axis[0], a->axis[1], a->axis[2]};
+        double turn = 0.0;
+        dem__move_wall(a, time);
+        if (!dem__wall_is_finite(a)) return 0;
+        const double speed = dem__length(dem__sub(a->position, from)) / run->dt;
+        for (int q = 0; q < 3; q++) { /* at least one axis turns by sqrt(2/3) of the angle */
+            const double tip = 1.25 * dem__length(dem__sub(a->axis[q], axis[q])) / run->dt;
+            turn = tip > turn ? tip : turn;
+        }
+        if (speed <= a->speed_bound && turn <= a->spin_bound) continue;
+        a->speed_bound = speed > a->speed_bound ? 1.5 * speed : a->speed_bound;
+        a->spin_bound = turn > a->spin_bound ? 1.5 * turn : a->spin_bound;
+        dem__test_wall_by_all(w, k, step);
+    }
+    return 1;
+}
+
+/* Prefetches the timers of particle i's near pairs and the bounds of the other particles. */
+DEM_INLINE void dem__prefetch_neighbours(const dem_world *w, ptrdiff_t i) {
+    const dem__pairs *pairs = &w->engine->pairs;
+    for (int32_t k = pairs->adjacent_start[i]; k < pairs->adjacent_start[i + 1]; k++) {
+        DEM__PREFETCH(&pairs->timers.due[pairs->adjacent[2 * k]]);
+        DEM__PREFETCH(&w->engine->bodies.bound[pairs->adjacent[2 * k + 1]]);
+    }
+}
+
+/* Returns the near pair of two particles, or -1. */
+static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
+    const dem__pairs *pairs = &w->engine->pairs;
+    if (w->engine->run.needs_lists) return -1;
+    for (int32_t a = pairs->adjacent_start[i]; a < pairs->adjacent_start[i + 1]; a++) {
+        if (pairs->adjacent[2 * a + 1] == j) return pairs->adjacent[2 * a];
+    }
+    return -1;
+}
+
+/* Returns 0 if no near pair of particle i has a number from low to high - 1; its list is in ascending order. */
+DEM_INLINE int dem__has_pairs(const dem_world *w, ptrdiff_t i, ptrdiff_t low, ptrdiff_t high) {
+    const dem__pairs *pairs = &w->engine->pairs;
+    const int32_t begin = pairs->adjacent_start[i], stop = pairs->adjacent_start[i + 1];
+    return begin < stop && pairs->adjacent[2 * begin] < high && pairs->adjacent[2 * stop - 2] >= low;
+}
+
+/* Sets new timers for those pairs of n particles with new bounds that are in pages first .. end-1. */
+DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end,
+                                     int64_t step) {
+    dem__pairs *pairs = &w->engine->pairs;
+    const ptrdiff_t low = first * DEM__PAGE, high = end * DEM__PAGE;
+    const double t = dem__since_listed(w, step);
+    dem__timer_batch waits;
+    dem__clear_batch(&waits);
+    for (ptrdiff_t m = dem__prefetch_from(n, 16); m < n; m++) {
+        /* prefetch in three stages: where a list of neighbours begins, the list, what it names */
+        if (m + 16 < n) DEM__PREFETCH(&pairs->adjacent_start[reset[m + 16]]);
+        if (m >= -8 && m + 8 < n) {
+            const int32_t *list = &pairs->adjacent[2 * pairs->adjacent_start[reset[m + 8]]];
+            DEM__PREFETCH(list);
+            DEM__PREFETCH(list + 16);
+        }
+        if (m >= -2 && m + 2 < n && dem__has_pairs(w, reset[m + 2], low, high))
+            dem__prefetch_neighbours(w, reset[m + 2]);
+        if (m < 0 || !dem__has_pairs(w, reset[m], low, high)) continue;
+        const int32_t i = reset[m], begin = pairs->adjacent_start[i], stop = pairs->adjacent_start[i + 1];
+        const dem__bound own = dem__bound_at(&w->engine->bodies.bound[i], t);
+        for (int32_t k = begin; k < stop; k++) {
+            const int32_t p = pairs->adjacent[2 * k];
+            if (p < low || p >= high || pairs->timers.due[p] == DEM__STOPPED) continue;
+            const dem__bound other = dem__bound_at(&w->engine->bodies.bound[pairs->adjacent[2 * k + 1]], t);
+            dem__batch_bounds(w, &waits, p, step, &own, &other);
+        }
+    }
+    dem__flush_batch(w, &waits, step);
+}
+DEM__AVX2_CLONE(dem__reset_timers_part,
+                (dem_world * w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step),
+                (w, reset, n, first, end, step), dem__reset_timers_of(w, reset, n, first, end, step))
+
+/* Particles with new bounds. */
+typedef struct dem__reset_list {
+    const int32_t *particle;
+    ptrdiff_t n;
+    int64_t step;
+} dem__reset_list;
+static inline void dem__reset_timers_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__reset_list *list = (const dem__reset_list *)context;
+    (void)part;
+    dem__reset_timers_part(w, list->particle, list->n, first, end, list->step);
+}
+
+/* Sets new timers for the near pairs of n particles with new bounds. */
+static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step) {
+    dem__reset_list list;
+    list.particle = reset, list.n = n, list.step = step;
+    if (n == 0 || w->engine->pairs.count == 0) return; /* without pairs there is no list of neighbours */
+    if (w->def.skip & DEM_SKIP_PAIRS)
+        dem__in_parts(w, dem__parts(w, 4 * n), w->engine->pairs.timers.pages, dem__reset_timers_range, &list);
+}

@@ -1,0 +1,345 @@
+/* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies
+   and timers. Promises: a particle whose velocity left its bound has a new one before the next step. */
+#pragma once
+#include "../particles/fixed.h"
+#include "../contacts/contacts.h"
+
+/* Returns where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far
+   apart in memory. */
+DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
+    return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
+}
+
+/* Moves active particles first .. end-1 to the end of the step, and their velocities to its middle. rigid: leaves out
+   those of rigid bodies. */
+DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid) {
+    const int64_t step = w->step + (h > 0.0);
+    const ptrdiff_t apart = dem__prefetch_until(w, first, end);
+    const double dt = w->engine->run.dt;
+    for (ptrdiff_t k = first; k < end; k++) {
+        const ptrdiff_t i = w->engine->bodies.active[k];
+        if (k < apart) dem__prefetch_particle(w, w->engine->bodies.active[k + DEM__AHEAD]);
+        if (rigid && dem__rigid_of(w, i)) continue;
+        dem_particle *p = &w->particle[i];
+        const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
+        p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle),
+        p->spin = dem__sphere_spin_at(w, i, middle);
+        p->origin = w->step; /* for hooks, whose step is the present one */
+        if (w->engine->run.has_periodic) dem__wrap(w, i);
+    }
+}
+DEM__AVX2_CLONE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
+                dem__advance_all(w, h, first, end, 0))
+static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
+    (void)part;
+    dem__advance_part(w, *(const double *)h, first, end);
+}
+static inline void dem__advance(dem_world *w, double h) {
+    const ptrdiff_t n = w->engine->bodies.active_count;
+    const int books =
+        w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n,
+                  w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range,
+                  &h); /* n / 4: little work for each particle */
+}
+
+/* Returns the deviation of particle i [m/s], whose velocity is known at time t of the bounds [s]. */
+DEM_INLINE dem_vec dem__deviation(const dem_world *w, ptrdiff_t i, double t) {
+    const dem__bound *c = &w->engine->bodies.bound[i];
+    return dem__sub(dem__plus(w->particle[i].v, -t, dem__free_fall(w)), dem_vec3(c->ux, c->uy, c->uz));
+}
+
+/* Returns the deviation at the end of the next step. Between the two it changes linearly. */
+DEM_INLINE dem_vec dem__next_deviation(const dem_world *w, ptrdiff_t i, dem_vec d) {
+    return dem__plus(d, w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
+}
+
+/* Returns whether a particle with deviation d is within its tolerances to the end of the next step. */
+DEM_INLINE int dem__within_bound(const dem_world *w, ptrdiff_t i, dem_vec d) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const dem_vec e = dem__next_deviation(w, i, d);
+    const double tolerance = bodies->bound[i].tolerance * bodies->bound[i].tolerance;
+    return dem__dot(d, d) < tolerance && dem__dot(e, e) < tolerance &&
+           bodies->shifted[i] < w->engine->pairs.position_tolerance; /* false for NaN */
+}
+
+/* Takes the greatest change of velocity in this step from tolerance_left__. Returns whether the rest suffices for the
+   next step, too. */
+DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
+    const double way = dem__most_change(dt, pull);
+    p->tolerance_left__ -= way;
+    return p->tolerance_left__ > 0.5 * way; /* false for NaN */
+}
+
+/* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step
+   to its end. Sets the sums of forces to zero for the next step. Lists particles that may leave their tolerances in
+   scratch.index from `first` on. check: 0, or NaN if a force is not finite; strays: length of the list; loads: a
+   constant, 0 where nothing has a load. */
+DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays,
+                              int loads) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const int64_t step = w->step + (h > 0.0);
+    const double half = 0.5 * h;
+    const double dt = w->engine->run.dt;
+    const dem_vec gravity = dem__free_fall(w);
+    int32_t *doubtful = w->engine->scratch.index + first;
+    const ptrdiff_t apart = dem__prefetch_until(w, first, end);
+    double all = 0.0;
+    ptrdiff_t n = 0;
+    for (ptrdiff_t k = first; k < end; k++) {
+        const ptrdiff_t i = bodies->active[k];
+        if (k < apart) dem__prefetch_body(w->particle, bodies->sum, bodies->active[k + DEM__AHEAD]);
+        dem__sum *sum = &bodies->sum[i];
+        dem_particle *p = &w->particle[i];
+        dem_vec force = dem__first(sum->load), torque = dem__second(sum->load), pull;
+        if (loads) {
+            force = dem__add(force, dem__first(bodies->load[i]));
+            torque = dem__add(torque, dem__second(bodies->load[i]));
+        }
+        if (loads && dem__is_fixed(w, i)) {
+            dem__note_fixed_force(w, i, force, torque, half);
+            pull = dem__scale(-1.0, gravity), torque = dem_vec3(0.0, 0.0, 0.0);
+        } else pull = dem__scale(sum->per_mass, force);
+        p->a = dem__add(gravity, pull);
+        const dem_vec turn = dem__scale(sum->per_inertia, torque);
+        w->spin_rate[i] = turn;
+        p->v = dem__flushed_vec(dem__plus(p->v, half, p->a));
+        p->spin = dem__flushed_vec(dem__plus(p->spin, half, turn));
+        p->origin = step;
+        for (int a = 0; a < 6; a++) sum->load[a] = 0.0;
+        all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
+        doubtful[n] = (int32_t)i; /* without a branch, which would be mispredicted */
+        n += !dem__surely_within(p, dt, pull);
+    }
+    *check = 0.0 * all;
+    *strays = n;
+}
+/* Does so without loads where there are none: whether there are any is a constant of the loop. */
+DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
+                                        ptrdiff_t *strays) {
+    if (w->engine->bodies.loads_on || w->engine->links.on) dem__kick_all(w, h, first, end, check, strays, 1);
+    else dem__kick_all(w, h, first, end, check, strays, 0);
+}
+DEM__AVX2_CLONE(dem__kick_part,
+                (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
+                (w, h, first, end, check, strays), dem__kick_loaded_or_not(w, h, first, end, check, strays))
+
+/* Moves those of n particles that leave their tolerances to the front of the list, and returns their number. Renews
+   tolerance_left__ of the others. */
+static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
+    const double t = dem__since_listed(w, w->step + (h > 0.0));
+    ptrdiff_t strays = 0;
+    for (ptrdiff_t k = dem__prefetch_from(n, DEM__AHEAD); k < n; k++) {
+        if (k + DEM__AHEAD < n) dem__prefetch_flight(w, doubtful[k + DEM__AHEAD]);
+        if (k < 0) continue;
+        const int32_t i = doubtful[k];
+        const dem_vec stray = dem__deviation(w, i, t);
+        if (dem__within_bound(w, i, stray)) dem__set_tolerance_left(w, i, dem__length(stray));
+        else doubtful[strays++] = i;
+    }
+    return strays;
+}
+typedef struct dem__kicked {
+    double h, check[DEM__PARTS_MAX]; /* check: 0, or NaN if a force is not finite */
+    ptrdiff_t strays[DEM__PARTS_MAX];
+} dem__kicked;
+static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__kicked *kicked = (dem__kicked *)context;
+    dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
+    kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
+}
+/* Computes the accelerations of all loaded bodies without contacts as dem__check_bounds does for some of them.
+   dem__kick_all finds them from sums over particles, which round differently; which bodies are checked depends on what
+   a step skips, and results must not depend on it. */
+static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
+    for (ptrdiff_t k = 0; k < w->engine->bodies.active_count; k++) {
+        const ptrdiff_t i = w->engine->bodies.active[k];
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (!r || r->first != i || w->touching[i] > 0) continue;
+        w->engine->bodies.calls->place(w, r); /* the torque needs the arms that this sets */
+        w->engine->bodies.calls->fall(w, r);
+    }
+}
+
+/* Moves the velocities of active particles to the end of the step, and marks those that leave their bounds. Returns 0
+   if a force is not finite. */
+static inline int dem__kick(dem_world *w, double h) {
+    const ptrdiff_t n = w->engine->bodies.active_count;
+    const int parts = dem__parts(w, n / 4); /* n / 4: little work for each particle */
+    dem__kicked kicked;
+    double all = 0.0;
+    if (n == 0) return 1;
+    kicked.h = h;
+    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.calls->kick, &h);
+    dem__in_parts(w, parts, n, dem__kick_range, &kicked);
+    for (int q = 0; q < parts; q++) {
+        const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
+        for (ptrdiff_t k = 0; k < kicked.strays[q]; k++) dem__mark_to_check(w, stray[k]);
+        all += kicked.check[q];
+    }
+    if (w->engine->bodies.rigid && w->engine->bodies.loads_on) dem__place_loaded_bodies(w);
+    return all == 0.0;
+}
+
+/* Sets what an impact that has just begun changes in the velocities of i and j by its middle: there, both have the
+   normal velocity of their centre of mass. New bounds rely on it. */
+DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
+    if (!(closing > 0.0)) return; /* the contact has ended */
+    double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
+    if (w->engine->bodies.has_fixed && j >= 0) part = dem__is_fixed(w, i) ? 0.0 : dem__is_fixed(w, j) ? 1.0 : part;
+    w->engine->bodies.impact[i] = dem__scale(part * closing, n);
+    if (j >= 0) w->engine->bodies.impact[j] = dem__scale((part - 1.0) * closing, n);
+}
+
+/* Returns whether a rigid body takes part in the contact in slot c. */
+DEM_INLINE int dem__has_body(const dem_world *w, int32_t c) {
+    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    return dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j));
+}
+
+/* Applies the impulse and the shift of the contact in slot c, which began or ended within the step. */
+static inline void dem__apply_correction(dem_world *w, int32_t c, int has_friction) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const dem__correction *h = &contacts->correction[c];
+    const int32_t i = contacts->i[c], j = contacts->j[c];
+    if (dem__has_body(w, c)) {
+        w->engine->bodies.calls->push(w, c, has_friction);
+        return;
+    }
+    const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
+    for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
+        const int32_t a = side ? j : i;
+        if (dem__is_fixed(w, a)) {
+            const dem_vec turn = has_friction ? dem__first(h->impulse + (side ? 6 : 3)) : dem_vec3(0.0, 0.0, 0.0);
+            dem__strike_fixed(w, a, dem__scale(side ? -1.0 : 1.0, impulse), turn);
+            continue;
+        }
+        dem__mark_to_check(w, a);
+        dem_particle *p = &w->particle[a];
+        const double m = (side ? -1.0 : 1.0) / p->mass;
+        p->v = dem__plus(p->v, m, impulse);
+        p->x = dem__plus(p->x, m * h->shift, n);
+        w->engine->bodies.shifted[a] += fabs(m * h->shift);
+        if (!has_friction) continue;
+        const dem_vec torque = dem__first(h->impulse + (side ? 6 : 3));
+        p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, a), torque);
+    }
+    if (j < 0) {
+        const dem_vec place = w->particle[i].x, t = has_friction ? dem__second(h->impulse) : dem_vec3(0.0, 0.0, 0.0);
+        const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], place, n));
+        dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(-1.0, t));
+        dem__expect_impact(w, i, j, n, -dem__dot(v, n));
+        return;
+    }
+    /* keeps angular momentum: a pair that is moved apart turns more slowly */
+    dem_particle *a = &w->particle[i], *b = &w->particle[j];
+    const dem_vec d = dem__nearest_image(w, dem__sub(a->x, b->x)), v = dem__sub(a->v, b->v);
+    const dem_vec slower = dem__scale(-h->shift / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
+    a->v = dem__plus(a->v, dem__per_mass(w, i), slower);
+    b->v = dem__plus(b->v, -dem__per_mass(w, j), slower);
+    dem__expect_impact(w, i, j, n, -dem__dot(v, n));
+}
+/* Applies the corrections of all edge steps; the shifts of rigid bodies come last. */
+static inline void dem__apply_corrections(dem_world *w, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
+        for (ptrdiff_t k = 0; k < in->marked; k++) {
+            const int32_t c = contacts->slots[in->first + k];
+            if (contacts->edge[c]) dem__apply_correction(w, c, has_friction);
+        }
+    }
+    for (int q = 0; w->engine->bodies.rigid && q < contacts->chunk_count; q++) {
+        const dem__chunk *in = &contacts->chunk[q];
+        for (ptrdiff_t k = 0; k < in->marked; k++) {
+            const int32_t c = contacts->slots[in->first + k];
+            if (contacts->edge[c] && dem__has_body(w, c)) w->engine->bodies.calls->shift(w, c);
+        }
+    }
+}
+
+/* Result of a thread's share of to_check: how many particles have new bounds, how many of these need earlier wall
+   timers, and whether a flight begins. */
+typedef struct dem__checked {
+    ptrdiff_t reset, hurried;
+    int flown;
+    dem__outcome news;
+} dem__checked;
+
+/* Prefetches what the check of a bound reads. */
+DEM_INLINE void dem__prefetch_check(const dem_world *w, ptrdiff_t i) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    dem__prefetch_flight(w, i);
+    DEM__PREFETCH(&w->engine->pairs.listed_at[i]);
+    DEM__PREFETCH(&w->alive[i]);
+    DEM__PREFETCH(&w->touching[i]);
+    DEM__PREFETCH(&bodies->shifted[i]);
+    DEM__PREFETCH(&bodies->wall_speed[i]);
+    DEM__PREFETCH(&w->engine->walls.timers.due[i * w->walls]);
+    DEM__PREFETCH(&w->engine->walls.sure[i * w->walls]);
+}
+
+/* Checks particles first .. end-1 of to_check. A particle whose velocity left its tolerance, or whose flight begins,
+   gets a new bound and is listed in scratch.index; the tolerance_left__ of the others is renewed. */
+static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__checked *q) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__list_frame frame = dem__frame_at(w, w->step);
+    const double t = dem__since_listed(w, w->step);
+    q->reset = q->hurried = q->flown = 0;
+    q->news = dem__no_outcome(w);
+    for (ptrdiff_t k = first + dem__prefetch_from(end - first, DEM__AHEAD); k < end; k++) {
+        if (k + DEM__AHEAD < end) dem__prefetch_check(w, bodies->to_check[k + DEM__AHEAD]);
+        if (k < first) continue;
+        const int32_t i = bodies->to_check[k];
+        if (w->alive[i] && !w->engine->run.needs_lists) {
+            const dem_particle *p = &w->particle[i];
+            const dem_vec stray = dem__deviation(w, i, t);
+            if (w->touching[i] == 0)
+                dem__free_acceleration(w, i); /* no contact is left, whatever the law of an ended one returned */
+            if (w->touching[i] == 0 || !dem__within_bound(w, i, stray)) {
+                const double shifted = bodies->shifted[i];
+                dem__set_bound(w, i, w->step, p->x, p->v);
+                w->engine->scratch.index[first + q->reset++] = i;
+                if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->news))
+                    bodies->to_check[first + q->hurried++] = i;
+            } else dem__set_tolerance_left(w, i, dem__length(stray));
+        }
+        bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
+        bodies->activity[i] = w->alive[i] && (w->touching[i] > 0 || (bodies->loads_on && dem__is_loaded(w, i)));
+        q->flown |= !bodies->activity[i];
+    }
+}
+
+static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *checked) {
+    dem__check_bounds_part(w, first, end, (dem__checked *)checked + part);
+}
+
+/* Checks the bounds of particles marked for it, and sets new bounds and timers. Moves particles that begin a flight out
+   of the active list. */
+static inline void dem__check_bounds(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const ptrdiff_t n = bodies->to_check_count, active = bodies->active_count;
+    const int parts = dem__parts(w, 4 * n);
+    dem__checked watched[DEM__PARTS_MAX];
+    ptrdiff_t reset = 0, kept = 0;
+    int flown = 0;
+    dem__in_parts(w, parts, n, dem__check_bounds_range, watched);
+    for (int q = 0; q < parts; q++) {
+        const ptrdiff_t first = dem__part(n, q, parts);
+        for (ptrdiff_t k = 0; k < watched[q].hurried; k++)
+            dem__advance_wall_timers(w, bodies->to_check[first + k], w->step);
+        for (ptrdiff_t k = 0; k < watched[q].reset; k++)
+            w->engine->scratch.index[reset++] = w->engine->scratch.index[first + k];
+        dem__apply_outcome(w, &watched[q].news);
+        flown |= watched[q].flown;
+    }
+    dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
+    bodies->to_check_count = 0;
+    if (!flown) return;
+    for (ptrdiff_t k = 0; k < active; k++) {
+        const int32_t i = bodies->active[k];
+        bodies->active[kept] = i;
+        kept += bodies->activity[i] != 0;
+    }
+    bodies->active_count = kept;
+    if (2 * kept > w->count && w->step % 16 == 0) dem__list_active(w);
+}

@@ -1,0 +1,402 @@
+/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world
+   can be read, saved and freed. */
+#pragma once
+#include "../particles/remove.h"
+#include "../contacts/forces.h"
+#include "../search/due_tests.h"
+#include "../gas/flights.h"
+
+/* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip,
+   and set none if it is 0. */
+static inline void dem__test_everything(dem_world *w) {
+    int skip = w->def.skip;
+    w->def.skip = 0;
+    dem__test_all_pairs(w, w->step);
+    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, w->step);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        for (int k = 0; k < w->walls; k++) {
+            if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k))
+                dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
+        }
+    }
+    w->def.skip = skip;
+}
+
+/* Ends the contacts that the caller's changes have ended, and rebuilds the list of near pairs. Returns 0 after a
+   failure. */
+static inline int dem__prepare_lists(dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    if (!w->engine->run.needs_lists) return 1;
+    DEM__EACH_CONTACT(w, c) {
+        if (dem__is_taken_away(w, contacts->i[c], contacts->j[c])) contacts->ended[c] = 1;
+    }
+    dem__remove_ended(w, w->step, 1);
+    if (!dem__rebuild(w)) return 0;
+    if (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0)) return 1;
+    return dem__fail_to_list(w, w->status);
+}
+
+/* Computes the damping ratios of all pairs of materials, and whether all were set. */
+static inline void dem__prepare_pairs(dem_world *w) {
+    w->engine->run.has_unset_pairs = 0;
+    for (int a = 0; a < w->def.materials; a++) {
+        for (int b = a; b < w->def.materials; b++) {
+            const dem_pair_def *pair = &w->def.pair[a][b];
+            double(*ratio)[DEM_MATERIALS_MAX] = w->engine->run.damping_ratio;
+            w->engine->run.has_unset_pairs |= a != b && !pair->given;
+            ratio[a][b] = ratio[b][a] = dem_damping_ratio(pair->restitution, pair->mode);
+        }
+    }
+}
+
+/* Tests everything and begins the contacts that are found; their slots are listed then. Returns their number, or -1
+   after a failure. */
+static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__test_everything(w);
+    if (w->engine->run.has_unset_pairs && w->status == DEM_OK) dem__check_pairs_set(w);
+    if (w->status != DEM_OK) {
+        dem__undo_detection(w);
+        return -1;
+    }
+    const ptrdiff_t begun = contacts->begun;
+    dem__commit_begun(w, 0.0);
+    if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_CONTACTS, begun);
+    dem__list_active(w);
+    for (ptrdiff_t k = 0; k < begun; k++) {
+        const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
+        if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN)
+            dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
+    }
+    return begun;
+}
+
+/* Sets law and features of the run, and computes the constants of contacts anew if these have changed. */
+static inline void dem__set_law(dem_world *w, const dem_law *law, int features) {
+    dem__run *run = &w->engine->run;
+    if (run->needs_forces || run->features != features || run->law != law) {
+        w->engine->contacts.type_count = 0;
+        run->stiffest = 0.0;
+        DEM__EACH_CONTACT(w, c) { dem__set_constants(w, c, law, features); }
+    }
+    run->features = features;
+    run->law = law;
+}
+
+/* Computes the forces on everything while no time passes, and so the accelerations. Returns 0 after a failure. */
+static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdiff_t begun) {
+    dem__report_begun(w, kernel->law, begun);
+    dem__advance(w, 0.0); /* before anything that may run out of memory: a world that fails there can be saved */
+    if (!dem__reorder_contacts(w)) return 0;
+    const double stored = dem__stored_energy(w);
+    dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
+    dem__book_callers_contacts(w, stored);
+    if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_FORCES, 0);
+    if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
+    dem__kick_walls(w, 0.0);
+    dem__remove_ended(w, w->step, 0);
+    dem__check_bounds(w);
+    return w->status == DEM_OK && (!w->engine->field.on || dem__ask_field(w, DEM__FIELD_FLIGHTS, 0));
+}
+
+/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error
+   either. */
+static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
+    dem__ledger *ledger = &w->engine->ledger;
+    const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
+    if (ledger->counts == counts) return;
+    if (!counts) ledger->paused_error = dem_energy(w).error;
+    else dem__find_stored(w, loop);
+    ledger->counts = counts;
+    if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
+}
+
+/* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a
+   failure. */
+static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
+    dem__run *run = &w->engine->run;
+    dem__ledger *ledger = &w->engine->ledger;
+    if (!dem__prepare_lists(w)) return 0;
+    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    dem__prepare_pairs(w);
+    const ptrdiff_t begun = run->needs_forces ? dem__begin_contacts_present(w) : 0;
+    if (begun < 0) return 0;
+    dem__set_law(w, kernel->law, features);
+    dem__switch_ledger(w, kernel->loop);
+    if (run->needs_forces && !dem__find_forces(w, kernel, begun)) return 0;
+    run->needs_forces = 0;
+    if ((features & DEM_ENERGY) && !ledger->started) {
+        ledger->started = 1;
+        memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked */
+        dem__resume_link_work(w, dem__all_particles(w));
+        if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_BOOKS, 0);
+        dem_energy_ledger now = dem_energy(w);
+        ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
+        ledger->sums.start_potential = now.potential;
+    }
+    return 1;
+}
+
+/* Finds the contacts that begin in a step, with the walls at its end. Returns 0 after a failure. */
+static inline int dem__find_contacts_that_begin(dem_world *w) {
+    if (!dem__move_walls(w, w->step + 1)) w->status = DEM_NOT_FINITE;
+    else dem__detect(w, w->step + 1);
+    if (w->engine->run.has_unset_pairs && w->status == DEM_OK) dem__check_pairs_set(w);
+    return w->status == DEM_OK;
+}
+
+/* Computes the constants of the contacts that begin, and calls the law's hook. */
+static inline void dem__prepare_begun(dem_world *w, const dem_law *law, ptrdiff_t begun, int features) {
+    for (ptrdiff_t k = 0; k < begun; k++) dem__set_constants(w, w->engine->contacts.slots[k], law, features);
+    dem__report_begun(w, law, begun);
+}
+
+static inline void dem__count_step(dem_world *w) {
+    const dem__run *run = &w->engine->run;
+    w->particle_steps += w->count - w->engine->bodies.dropped;
+    w->contact_steps += w->engine->contacts.count;
+    w->step++;
+    w->time = run->start_time + (double)(w->step - run->start_step) * run->dt;
+}
+
+/* Returns whether the energies of the particles that leave in this step are numbers: their velocities are not checked
+   later. */
+static DEM__NOINLINE int dem__leave_with_numbers(dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i] != DEM_LEAVING) continue;
+        if (dem__finite(dem__motion_energy(w, i) + dem__potential(w, i))) continue;
+        w->failed_id = w->id[i];
+        return 0;
+    }
+    return 1;
+}
+
+/* Removes particles that passed an exit from the lists, and marks their contacts as ended. Returns whether there are
+   any. */
+static inline int dem__remove_leaving(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    if (!w->engine->run.leaving) return 0;
+    DEM__EACH_CONTACT(w, c) {
+        const ptrdiff_t j = contacts->j[c];
+        if (w->alive[contacts->i[c]] == DEM_LEAVING || (j >= 0 && w->alive[j] == DEM_LEAVING)) contacts->ended[c] = 1;
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i] == DEM_LEAVING) dem__detach_one(w, i); /* those of a rigid body are all marked */
+    }
+    dem__number_present(w);
+    w->engine->run.leaving = 0;
+    return 1;
+}
+
+/* Advances the world by one step. keep: keeps the forces of contacts for readers; in_field: a constant at compile time.
+   Returns 0 after a failure. */
+DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, int in_field) {
+    const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
+    const double h = w->engine->run.dt;
+    if (w->step % DEM__REORDER_STEPS == 0 && !dem__reorder_contacts(w)) return 0;
+    if (w->step >= w->engine->pairs.next_check && !dem__check_list(w)) return 0;
+    if (in_field && !dem__continue_flights(w)) return 0;
+    if (!dem__find_contacts_that_begin(w)) return dem__undo_detection(w);
+    const ptrdiff_t begun = w->engine->contacts.begun;
+    dem__commit_begun(w, 1.0);
+    if (begun > 0 && w->engine->ledger.on)
+        dem__list_active(w); /* books are sums in the order of memory, whenever lists were built */
+    if (in_field) dem__end_flights(w, begun);
+    dem__advance(w, h);
+    dem__prepare_begun(w, kernel->law, begun, features);
+    dem__evaluate(w, kernel->loop, h, has_friction, keep);
+    if (in_field) dem__add_field_forces(w, h);
+    if (features & DEM_ENERGY) dem__book_losses(w);
+    const int finite = dem__kick(w, h);
+    dem__kick_walls(w, h);
+    dem__apply_corrections(w, has_friction);
+    dem__count_step(w);
+    if (!finite || (w->engine->run.leaving && !dem__leave_with_numbers(w))) return dem__fail(w, DEM_NOT_FINITE);
+    if (in_field && w->engine->run.leaving) dem__book_flights(w, 1);
+    const int leaving = dem__remove_leaving(w);
+    dem__remove_ended(w, w->step, leaving);
+    if (leaving) dem__free_untouched(w);
+    dem__check_bounds(w);
+    if (in_field && w->status == DEM_OK && !dem__begin_flights(w)) return 0;
+    if (w->engine->links.every > 0 && w->step % w->engine->links.every == 0) w->engine->links.step(w);
+    return w->status == DEM_OK;
+}
+
+static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
+    return dem__step_of(w, kernel, keep, 0);
+}
+
+/* Runs the steps of a task in a force field. At the end it continues flights that are over, so that a caller who
+   changes particles finds none. */
+static inline int dem__run_in_field(dem_world *w, const dem__field_task *q) {
+    int going = 1;
+    for (ptrdiff_t n = q->n; n > 0 && going; n--) going = dem__step_of(w, q->kernel, n == 1, 1);
+    if (going) going = dem__continue_flights(w);
+    dem__book_flights(w, 0);
+    return going;
+}
+static inline int dem__field_hook(dem_world *w, const dem__field_task *q) {
+    switch (q->task) {
+    case DEM__PREPARE_FIELD: return dem__prepare_flights(w);
+    case DEM__FIELD_CONTACTS: dem__end_flights(w, q->n); return 1;
+    case DEM__FIELD_FORCES: dem__add_field_forces(w, 0.0); return 1;
+    case DEM__FIELD_FLIGHTS: return dem__begin_flights(w);
+    case DEM__FIELD_BOOKS: dem__begin_books(w); return 1;
+    default: return dem__run_in_field(w, q);
+    }
+}
+
+#define DEM_FORCE_FIELD(name, law)                                                                                     \
+    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                    \
+        if (task->task > DEM__ADD_FIELD_FORCE) return dem__field_hook(world, task);                                    \
+        dem__field_kernel(world, task, law);                                                                           \
+        return 1;                                                                                                      \
+    }
+
+/* Returns whether a kernel computes friction that the run leaves out. Then its history stays zero. */
+static inline int dem__has_void_history(const dem_kernel *kernel, int features) {
+    return (kernel->features & ~features & DEM_FRICTION) != 0;
+}
+
+/* Returns whether a law can take over the contacts present. They continue under a law whose states are as many and mean
+   the same; a history that is zero means nothing, and can be dropped or begun. */
+static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    if (contacts->count == 0) return 1;
+    if (kernel->law->states == contacts->states)
+        return !contacts->has_history || dem__is_of_law(contacts->law, kernel->law);
+    return !contacts->has_history && (kernel->law->states == 0 || dem__has_void_history(kernel, features));
+}
+
+/* Returns what prevents a run, or DEM_OK. */
+static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *kernel, int features) {
+    if (!dem__is_thread_count(w->def.threads)) return DEM_BAD_DEFINITION;
+    if (w->status == DEM_NOT_FINITE || w->status == DEM_TOO_FAST) return w->status;
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
+    }
+    if (w->engine->field.on && !w->engine->field.def.kernel) return DEM_NO_FIELD;
+    const double narrowest = dem__narrowest(w);
+    for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
+        if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
+    }
+    if (w->engine->convex.shapes > 0 && !(kernel->features & DEM_FRICTION))
+        return DEM_POLYHEDRON; /* others compute no torques */
+    if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
+    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH
+                                                               : DEM_OK; /* after loading dem_set_links comes first */
+}
+
+/* Makes the arrays of contacts fit law, ledger and threads. Returns 0 when out of memory; nothing has changed then. */
+static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int ledger) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const int states = contacts->states, constants = contacts->constants, had_ledger = w->engine->ledger.on;
+    const int postpones = dem__may_postpone(w) && !contacts->postponed;
+    dem__array list[DEM__ARRAYS_MAX];
+    if (law->states == states && law->constants <= constants && ledger == had_ledger && !postpones) return 1;
+    contacts->states = law->states, w->engine->ledger.on = ledger;
+    contacts->constants = law->constants > constants ? law->constants : constants;
+    if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
+                         dem__next_slot(w) + 1)) {
+        contacts->states = states, contacts->constants = constants, w->engine->ledger.on = had_ledger;
+        return 0;
+    }
+    for (int a = contacts->states; a < DEM_STATE_MAX; a++) contacts->state[a] = NULL; /* not in the block */
+    return 1;
+}
+
+/* Returns the time step over the largest that is stable: of a spring 2 sqrt(m/k), whose contact lasts pi sqrt(m/k); of
+   a dashpot 2 m/gamma. */
+static inline double dem__step_ratio(const dem_world *w, int features) {
+    const dem_advice a = dem_advise(w, features, 1.0);
+    const double spring = features & DEM_HERTZ ? a.rayleigh : a.contact * (2.0 / RIDDLE_PI);
+    const double dashpot = features & DEM_HERTZ ? HUGE_VAL : 2.0 * a.dashpot,
+                 least = spring < dashpot ? spring : dashpot;
+    return least < HUGE_VAL ? w->engine->run.dt / least : 0.0;
+}
+
+/* Runs a kernel with some of its features: the law's prepare function leaves out friction and rolling that are not
+   among them. */
+static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare ||
+        !dem__not_negative(duration))
+        return DEM_BAD_ARGUMENT;
+    if (dem__is_running(w)) return DEM_BUSY;
+    const double dt = w->engine->run.dt, owed = w->owed + duration, remaining = owed / dt;
+    if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
+    const dem_status status = dem__check_run(w, kernel, features);
+    if (status != DEM_OK) return status;
+    w->status = DEM_OK; /* the caller may have mended any other failure */
+    if (!dem__make_work(w, w->def.threads) ||
+        !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
+        return DEM_OUT_OF_MEMORY;
+    w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
+    w->engine->contacts.law = dem__law_mark(kernel->law);
+    const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
+    w->owed = 0.0; /* if the run fails */
+    if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);
+    w->engine->run.running = 1;
+    int going = dem__prepare_run(w, kernel, features);
+    if (going && w->engine->field.on) going = dem__ask_field_to_run(w, (ptrdiff_t)steps, kernel);
+    else
+        for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
+    w->engine->run.running = 0;
+    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* of the contacts that have begun */
+    if (met > w->step_ratio) w->step_ratio = met;
+    if (!going) return w->status;
+    w->owed = owed - (double)steps * dt;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kernel *kernel) {
+    return dem__run_kernel(world, duration, kernel, kernel ? kernel->features : 0);
+}
+
+/* name, version, states, history, vectors, constants, prepare, force, born, ended */
+static const dem_law dem_law_linear = {"linear",         1,    0,   0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+                                       dem_force_linear, NULL, NULL};
+static const dem_law dem_law_linear_friction = {
+    "linear, friction", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear_friction, NULL, NULL};
+static const dem_law dem_law_linear_rolling = {
+    "linear, friction, rolling", 1,    3,   3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+    dem_force_linear_rolling,    NULL, NULL};
+static const dem_law dem_law_hertz = {"Hertz",         1,    0,   0, 0, DEM_HERTZ_CONSTANTS, dem_prepare_hertz,
+                                      dem_force_hertz, NULL, NULL};
+static const dem_law dem_law_hertz_friction = {
+    "Hertz-Mindlin", 1, 4, 4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz_friction, NULL, NULL};
+static const dem_law dem_law_hertz_rolling = {
+    "Hertz-Mindlin, rolling", 1, 4, 4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz_rolling, NULL, NULL};
+
+DEM_KERNEL(dem__kernel_linear, dem_law_linear, DEM_LINEAR)
+DEM_KERNEL(dem__kernel_linear_friction, dem_law_linear_friction, DEM_LINEAR | DEM_FRICTION)
+DEM_KERNEL(dem__kernel_linear_rolling, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
+DEM_KERNEL(dem__kernel_linear_energy, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
+DEM_KERNEL(dem__kernel_hertz, dem_law_hertz, DEM_HERTZ)
+DEM_KERNEL(dem__kernel_hertz_friction, dem_law_hertz_friction, DEM_HERTZ | DEM_FRICTION)
+DEM_KERNEL(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING)
+DEM_KERNEL(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
+
+DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
+    /* kernels with a ledger always compute friction and rolling; constants of zero take out what the caller did not
+       name */
+    switch (features) {
+    case DEM_LINEAR: return dem__run_kernel(world, duration, &dem__kernel_linear, features);
+    case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_linear_friction, features);
+    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING:
+        return dem__run_kernel(world, duration, &dem__kernel_linear_rolling, features);
+    case DEM_HERTZ: return dem__run_kernel(world, duration, &dem__kernel_hertz, features);
+    case DEM_HERTZ | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_hertz_friction, features);
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING:
+        return dem__run_kernel(world, duration, &dem__kernel_hertz_rolling, features);
+    case DEM_LINEAR | DEM_ENERGY:
+    case DEM_LINEAR | DEM_FRICTION | DEM_ENERGY:
+    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
+        return dem__run_kernel(world, duration, &dem__kernel_linear_energy, features);
+    case DEM_HERTZ | DEM_ENERGY:
+    case DEM_HERTZ | DEM_FRICTION | DEM_ENERGY:
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
+        return dem__run_kernel(world, duration, &dem__kernel_hertz_energy, features);
+    default: return DEM_BAD_ARGUMENT;
+    }
+}

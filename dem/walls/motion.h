@@ -1,0 +1,208 @@
+/* Motion of walls that the caller prescribes, and walls driven by forces. */
+#pragma once
+#include "../energy/ledger.h"
+#include "add.h"
+
+/* Places a wall of the world, or a copy of one, where it is now. Its function may not change the world. */
+static inline void dem__place_wall(dem_world *w, dem_wall *a) {
+    w->engine->run.running = 1;
+    dem__move_wall(a, w->time);
+    w->engine->run.running = 0;
+}
+
+/* Begins a new kinematic motion where the wall is. Returns NULL if there is no such wall. */
+static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
+    if (!w || wall < 0 || wall >= w->walls) return NULL;
+    dem_wall *a = &w->wall[wall];
+    dem__place_wall(w, a);
+    a->asked.origin = a->position;
+    for (int k = 0; k < 3; k++) a->asked.rest_axis[k] = a->axis[k];
+    a->asked.spin_centre = dem__add(a->asked.spin_centre, dem__scale(w->time - a->asked.motion_start, a->asked.drift));
+    a->asked.motion_start = w->time;
+    if (a->asked.drive != DEM_KINEMATIC)
+        a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
+    a->asked.drive = DEM_KINEMATIC;
+    w->engine->run.needs_lists = 1;
+    return a;
+}
+
+/* Sets the limits of a kinematic wall's speed, acceleration and spin, which timers rely on. */
+static inline void dem__bound_speed(dem_wall *a) {
+    double rate = 2.0 * RIDDLE_PI * a->asked.frequency;
+    const dem_vec n = a->axis[2];
+    const double x = fabs(a->asked.amplitude.x), y = fabs(a->asked.amplitude.y), z = fabs(a->asked.amplitude.z);
+    a->speed_bound = rate * (x + y + z) + dem__length(a->asked.drift);
+    a->acceleration_bound = rate * rate * (x + y + z);
+    a->side_bound =
+        rate * rate *
+        (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
+    a->spin_bound = fabs(a->spin);
+    a->slides = a->spin != 0.0 || a->asked.belt.x != 0.0 || a->asked.belt.y != 0.0 || a->asked.belt.z != 0.0;
+}
+
+DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(amplitude) || !dem__finite_vec(phase) ||
+        !(frequency >= 0.0 && dem__moderate(frequency)))
+        return DEM_BAD_ARGUMENT;
+    if (!(fabs(phase.x) < 1e3 && fabs(phase.y) < 1e3 && fabs(phase.z) < 1e3)) return DEM_BAD_ARGUMENT;
+    dem_wall *a = dem__rebase_wall(world, wall);
+    a->asked.amplitude = amplitude;
+    a->asked.phase = phase;
+    a->asked.frequency = frequency;
+    dem__set_phase_sine(a);
+    dem__bound_speed(a);
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
+    dem_wall *a = dem__rebase_wall(world, wall);
+    a->asked.drift = velocity;
+    dem__bound_speed(a);
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_vec unit;
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(centre) || !dem__finite_vec(axis) ||
+        !dem__moderate(spin) || !dem__unit(axis, &unit))
+        return DEM_BAD_ARGUMENT;
+    dem_wall *a = dem__rebase_wall(world, wall);
+    a->asked.spin_centre = centre;
+    a->spin_axis = unit;
+    a->spin = spin;
+    dem__bound_speed(a);
+    return DEM_OK;
+}
+
+/* Makes a drive the only motion of a wall from now on. */
+static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
+    dem_wall *a = dem__rebase_wall(w, wall);
+    a->asked.amplitude = a->asked.drift = dem_vec3(0.0, 0.0, 0.0);
+    a->spin = a->spin_rate = a->coordinate = a->rate = a->rate_change = 0.0;
+    a->speed_bound = a->spin_bound = 0.0; /* the first step sets them */
+    a->slides = 1;
+    a->asked.drive = (int)drive;
+    w->engine->run.needs_forces = 1; /* its acceleration must be computed */
+    return a;
+}
+
+static inline int dem__wall_is_finite(const dem_wall *a) {
+    return dem__finite_vec(a->position) && dem__finite_vec(a->velocity) && dem__finite_vec(a->acceleration) &&
+           dem__finite(a->spin) && dem__finite_vec(a->axis[0]) && dem__finite_vec(a->axis[1]) &&
+           dem__finite_vec(a->axis[2]);
+}
+
+DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls || !motion || !dem__is_place(centre)) return DEM_BAD_ARGUMENT;
+    dem_wall *a = &world->wall[wall], before = *a, probe = *a;
+    if (a->asked.drive != DEM_PRESCRIBED)
+        probe.asked.origin = a->position, memcpy(probe.asked.rest_axis, a->axis, sizeof a->axis);
+    probe.asked.drive = DEM_PRESCRIBED;
+    probe.asked.spin_centre = centre;
+    probe.asked.motion = motion, probe.asked.motion_user = user;
+    probe.asked.interval = world->engine->run.dt;
+    dem__place_wall(world, &probe);
+    if (!dem__wall_is_finite(&probe)) return DEM_BAD_ARGUMENT;
+    if (before.asked.drive != DEM_PRESCRIBED)
+        a = dem__drive(world, wall, DEM_PRESCRIBED), a->asked.interval = world->engine->run.dt;
+    a->asked.spin_centre = centre;
+    a->asked.motion = motion, a->asked.motion_user = user;
+    world->engine->run.needs_lists = 1; /* another function may place it elsewhere */
+    return DEM_OK;
+}
+
+/* Makes a force or a torque the only drive of a wall, which keeps its speed along the axis. */
+static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, dem_vec centre, dem_vec axis,
+                                      double inertia, double load, double damping) {
+    if (dem__is_running(w)) return DEM_BUSY;
+    dem_vec unit;
+    if (!w || wall < 0 || wall >= w->walls || !dem__is_place(centre) || !dem__finite_vec(axis) ||
+        !dem__unit(axis, &unit) || !dem__positive(inertia) || !dem__moderate(load / inertia) ||
+        !(damping >= 0.0 && dem__moderate(damping / inertia)))
+        return DEM_BAD_ARGUMENT;
+    dem__place_wall(w, &w->wall[wall]);
+    const dem_vec spin = dem__scale(w->wall[wall].spin, w->wall[wall].spin_axis);
+    const double rate = dem__dot(drive == DEM_FORCE_CONTROLLED ? w->wall[wall].velocity : spin, unit);
+    dem_wall *a = dem__drive(w, wall, drive);
+    a->asked.spin_centre = centre;
+    a->spin_axis = unit;
+    a->asked.inertia = inertia;
+    a->asked.load = load;
+    a->asked.damping = damping;
+    a->rate = rate;
+    w->engine->walls.controls = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_control_force(dem_world *world, int wall, dem_vec axis, double mass, double force,
+                                     double damping) {
+    return dem__control(world, wall, DEM_FORCE_CONTROLLED, dem_vec3(0, 0, 0), axis, mass, force, damping);
+}
+DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre, dem_vec axis, double inertia,
+                                      double torque, double damping) {
+    return dem__control(world, wall, DEM_TORQUE_CONTROLLED, centre, axis, inertia, torque, damping);
+}
+
+DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
+    world->wall[wall].asked.belt = velocity;
+    world->wall[wall].slides = 1;
+    return DEM_OK;
+}
+
+/* Computes the accelerations of controlled walls from the forces on them, and corrects their predicted rates. The
+   damper is implicit. */
+static inline void dem__kick_walls(dem_world *w, double h) {
+    const dem__run *run = &w->engine->run;
+    for (int k = 0; k < w->walls && w->engine->walls.controls; k++) {
+        dem_wall *a = &w->wall[k];
+        if (a->asked.drive < DEM_FORCE_CONTROLLED) continue;
+        const dem_vec torque = dem__add(a->torque, dem__cross(dem__sub(a->position, a->asked.spin_centre), a->force));
+        const double push = a->asked.load +
+                            dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? a->force : torque, a->spin_axis),
+                     half = 0.5 * h;
+        const double rate = (a->rate + half * (a->rate_change + push / a->asked.inertia)) /
+                            (1.0 + half * a->asked.damping / a->asked.inertia);
+        a->coordinate += h * (a->rate + half * a->rate_change);
+        a->rate = dem__flushed(rate);
+        a->rate_change = (push - a->asked.damping * rate) / a->asked.inertia;
+        a->asked.motion_start = h > 0.0 ? run->start_time + (double)(w->step + 1 - run->start_step) * run->dt : w->time;
+        dem__rated_wall(a, a->rate);
+    }
+}
+
+/* Applies an impulse at a sphere's place and an angular impulse to a wall, in addition to the forces of the step. */
+static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse, dem_vec angular) {
+    a->impulse = dem__add(a->impulse, impulse);
+    if (a->asked.drive < DEM_FORCE_CONTROLLED) return;
+    const dem_vec turning = dem__add(angular, dem__cross(dem__sub(place, a->asked.spin_centre), impulse));
+    a->rate += dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? impulse : turning, a->spin_axis) / a->asked.inertia;
+    dem__rated_wall(a, a->rate);
+}
+
+DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i) {
+    return world && world->engine && wall >= 0 && wall < world->walls && i >= 0 && i < world->count &&
+           dem__is_at_wall(world, i, wall);
+}
+
+DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    world->wall[wall].groups = groups;
+    world->engine->run.needs_lists = world->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    world->wall[wall].enabled = enabled != 0;
+    world->engine->run.needs_lists = world->engine->run.needs_forces = 1;
+    return DEM_OK;
+}

@@ -1,0 +1,1 @@
+#include "../../riddle_io.h"

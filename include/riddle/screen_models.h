@@ -1,0 +1,1 @@
+#include "../../screen_models.h"

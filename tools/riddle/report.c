@@ -1,0 +1,371 @@
+/* report.c: see report.h */
+#include "report.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "world_picture.h"
+#include "scene_feed.h"
+#include "scene_shapes.h"
+#include "scene_wet.h"
+
+enum { NAME = 96, FIXED = 5, OVERLAP = 4, OF_REGION = 8, CURVES = 8, FRAMES_A_SECOND = 25 };
+
+struct report {
+    scene *s;
+    const char *folder;
+    char (*column)[NAME];
+    double *row; /* [rows][columns] */
+    int columns, rows, room;
+    dem_region *region;
+    dem_vec impulse[DEM_WALLS_MAX]; /* at the last row [N s] */
+    double looked;                  /* time of it [s] */
+    double *frame;                  /* times of the frames [s] */
+    int frames, frame_room;
+    double next_frame; /* is due at this number of intervals */
+    dem_io_series series;
+    picture_def look;
+    world_movie film;
+    int filmed, drawn, pictured; /* pictured: and it is there */
+    char written[60];
+    int bodies; /* 1: a particle may have several spheres */
+};
+
+/* ---- columns ---- */
+
+static int is_exit(const report *r, int wall) { return r->s->world.wall[r->s->wall_of[wall]].kind == DEM_EXIT; }
+
+static const char *const of_region[OF_REGION] = {"count",  "mass_kg", "solid_fraction", "coordination",
+                                                 "vx_m_s", "vy_m_s",  "vz_m_s",         "pressure_Pa"};
+
+static void name_columns(report *r) {
+    static const char *const fixed[FIXED] = {"time_s", "particles", "mass_kg", "kinetic_J", "largest_overlap"};
+    const scene_def *def = r->s->def;
+    const wall_def *w = def->walls.item;
+    const measured_region *m = def->measure.regions.item;
+    int n = 0;
+    for (int k = 0; k < FIXED; k++) snprintf(r->column[n++], NAME, "%s", fixed[k]);
+    for (int g = 0; g < r->s->groups; g++) snprintf(r->column[n++], NAME, "left_%s", r->s->group[g].name);
+    for (int k = 0; k < def->walls.n; k++) {
+        if (is_exit(r, k)) snprintf(r->column[n++], NAME, "%.60s_kg", w[k].part.name);
+        for (int c = 0; c < 3 && !is_exit(r, k); c++) snprintf(r->column[n++], NAME, "%.60s_F%c_N", w[k].part.name, "xyz"[c]);
+    }
+    for (int k = 0; k < def->measure.regions.n; k++)
+        for (int c = 0; c < OF_REGION; c++) snprintf(r->column[n++], NAME, "%.60s_%s", m[k].part.name, of_region[c]);
+    if (r->s->wet) snprintf(r->column[n++], NAME, "bridges"), snprintf(r->column[n++], NAME, "liquid_kg");
+    if (scene_has_polyhedra(r->s)) snprintf(r->column[n++], NAME, "core_overlaps");
+    r->columns = n;
+}
+
+/* What a column is of: two of one name are told at the later one's place. */
+static const tree *place_of(const report *r, int column) {
+    const scene_def *def = r->s->def;
+    const wall_def *w = def->walls.item;
+    const measured_region *m = def->measure.regions.item;
+    const feed_def *of_group = NULL;
+    column -= FIXED;
+    for (int k = 0; k < r->s->sources && !of_group; k++)
+        if (r->s->source[k].group == column) of_group = r->s->source[k].def;
+    if (of_group) return of_group->part.where;
+    column -= r->s->groups;
+    for (int k = 0; k < def->walls.n; k++) {
+        column -= is_exit(r, k) ? 1 : 3;
+        if (column < 0) return w[k].part.where;
+    }
+    return column < OF_REGION * def->measure.regions.n ? m[column / OF_REGION].part.where : def->part.where;
+}
+
+static int check_columns(report *r) {
+    for (int c = 0; c < r->columns; c++)
+        for (int d = 0; d < c; d++)
+            if (strcmp(r->column[c], r->column[d]) == 0)
+                return tree_fail(r->s->file, place_of(r, c),
+                                 "two columns would have the name %.90s: another name, or label, tells them apart", r->column[c]);
+    return 0;
+}
+
+static int column_of(const report *r, const char *name) {
+    for (int c = 0; c < r->columns; c++)
+        if (strcmp(r->column[c], name) == 0) return c;
+    return -1;
+}
+
+static int check_stops(report *r) {
+    const stop_def *stop = r->s->def->stop.item;
+    for (int k = 0; k < r->s->def->stop.n; k++) {
+        if (column_of(r, stop[k].column) >= 0) continue;
+        const char **names = tree_memory(r->s->file, (size_t)r->columns * sizeof *names);
+        for (int c = 0; names && c < r->columns; c++) names[c] = r->column[c];
+        return names ? fields_refuse_word(r->s->file, fields_where(&stop[k].part, "column"), "column", stop[k].column, names, r->columns)
+                     : -1;
+    }
+    return 0;
+}
+
+report *report_open(scene *s, const char *folder) {
+    const scene_def *def = s->def;
+    const measured_region *m = def->measure.regions.item;
+    const size_t most = FIXED + (size_t)s->groups + 3 * DEM_WALLS_MAX + OF_REGION * (size_t)def->measure.regions.n + 3;
+    report *r = tree_memory(s->file, sizeof *r);
+    if (!r) return NULL;
+    r->s = s, r->folder = folder;
+    for (int k = 0; k < s->sources; k++) r->bodies |= s->source[k].shape != NULL;
+    r->column = tree_memory(s->file, most * sizeof *r->column);
+    r->region = tree_memory(s->file, ((size_t)def->measure.regions.n + 1) * sizeof *r->region);
+    if (!r->column || !r->region) return NULL;
+    name_columns(r);
+    if (check_columns(r)) return NULL;
+    for (int k = 0; k < def->measure.regions.n; k++)
+        if (scene_region(s->file, &m[k].region, &r->region[k])) return NULL;
+    if (check_stops(r)) return NULL;
+    r->look.speed = def->output.colour == 1 ? def->output.top_speed : 0.0;
+    memcpy(r->look.direction, def->output.view, sizeof r->look.direction);
+    for (int g = 0; g < s->groups && g < 8; g++) r->look.names[r->look.n_names++] = s->group[g].name;
+    return r;
+}
+
+/* ---- rows ---- */
+
+/* Room for one more of n things of a size; 0, or -1. */
+static int make_room(void *array, int n, int *room, size_t size) {
+    void *old, *more;
+    memcpy(&old, array, sizeof old);
+    if (n < *room) return 0;
+    const int wanted = 2 * *room + 64;
+    more = realloc(old, (size_t)wanted * size);
+    if (!more) return common_fail("out of memory");
+    memcpy(array, &more, sizeof more);
+    *room = wanted;
+    return 0;
+}
+
+static int add_regions(const report *r, double *row) {
+    dem_measure m;
+    for (int k = 0; k < r->s->def->measure.regions.n; k++, row += OF_REGION) {
+        if (dem_measure_region(&r->s->world, &r->region[k], &m) != DEM_OK) memset(&m, 0, sizeof m);
+        double pressure = 0.0;
+        for (int c = 0; c < 3; c++) pressure += (m.contact_stress[c][c] + m.kinetic_stress[c][c]) / 3.0;
+        const double line[OF_REGION] = {(double)m.count, m.mass,       m.solid_fraction, m.coordination,
+                                        m.velocity.x,    m.velocity.y, m.velocity.z,     pressure};
+        memcpy(row, line, sizeof line);
+    }
+    return OF_REGION * r->s->def->measure.regions.n;
+}
+
+/* Both sums have their own rounding: 1e-12 is nothing. */
+static double left_of(const size_group *g) {
+    const double left = 1.0 - g->passed / g->fed; /* NaN before anything is fed */
+    return left < 1e-12 ? 0.0 : left;
+}
+
+static double diameter_of(const dem_world *world, ptrdiff_t i) {
+    return dem_shape_of(world, i) >= 0 ? dem_get_body(world, i).diameter : 2.0 * dem_radius(world, i);
+}
+
+/* Of all contacts that are there now, over the smaller particle's diameter; of a clump that of its spheres, of a polyhedron that of the
+   sphere of its volume. */
+static double largest_overlap(const dem_world *world) {
+    double largest = 0.0;
+    for (ptrdiff_t k = 0; k < dem_contact_count(world); k++) {
+        const dem_contact_info c = dem_get_contact(world, k);
+        if (!(c.gap < 0.0)) continue;
+        double smaller = diameter_of(world, c.i);
+        if (c.j >= 0) smaller = fmin(smaller, diameter_of(world, c.j));
+        largest = fmax(largest, -c.gap / smaller);
+    }
+    return largest;
+}
+
+static void measure(report *r) {
+    const scene *s = r->s;
+    const dem_world *world = &s->world;
+    if (make_room(&r->row, r->rows, &r->room, (size_t)r->columns * sizeof *r->row)) return;
+    double *row = r->row + (size_t)r->rows++ * (size_t)r->columns, *at = row;
+    double count = 0.0, mass = 0.0;
+    const double now = scene_time(s), passed = now - r->looked;
+    for (ptrdiff_t i = 0; i < world->count; i++)
+        if (world->alive[i] && (!r->bodies || dem_get_body(world, i).first == i)) count += 1.0, mass += dem_mass(world, i);
+    const dem_energy_ledger energy = dem_energy(world);
+    *at++ = now, *at++ = count, *at++ = mass, *at++ = energy.kinetic + energy.rotational, *at++ = largest_overlap(world);
+    for (int g = 0; g < s->groups; g++) *at++ = left_of(&s->group[g]);
+    for (int k = 0; k < s->def->walls.n; k++) {
+        const int wall = s->wall_of[k];
+        if (is_exit(r, k)) {
+            *at++ = s->exit_mass[wall];
+            continue;
+        }
+        for (int c = 0; c < 3; c++)
+            *at++ = passed > 0.0 ? (dem_axis(world->wall[wall].impulse, c) - dem_axis(r->impulse[wall], c)) / passed : (double)NAN;
+        r->impulse[wall] = world->wall[wall].impulse;
+    }
+    at += add_regions(r, at);
+    if (s->wet) {
+        int bridges;
+        const double volume = scene_wet_total(s, &bridges);
+        *at++ = bridges, *at++ = volume * s->def->liquid.density;
+    }
+    if (scene_has_polyhedra(s)) *at++ = (double)dem_core_overlaps(world);
+    r->looked = now;
+}
+
+static const stop_def *stopped(const report *r) {
+    const stop_def *stop = r->s->def->stop.item;
+    const double *row = r->row + (size_t)(r->rows - 1) * (size_t)r->columns;
+    for (int k = 0; k < r->s->def->stop.n; k++) {
+        const double value = row[column_of(r, stop[k].column)];
+        if (row[0] >= stop[k].after - 1e-9 * r->s->tick && (value < stop[k].below || value > stop[k].above)) return &stop[k];
+    }
+    return NULL;
+}
+
+/* ---- frames ---- */
+
+/* After --continue: the frames that were there before stand in the index again. */
+static int open_series(report *r) {
+    if (!r->series.particles) {
+        r->series = dem_io_open(r->folder, "scene");
+        if (r->frames && scene_has_polyhedra(r->s)) r->series.polyhedra = riddle_io_series_open(r->folder, "scene_polyhedra");
+        for (int k = 0; k < r->frames && r->series.particles; k++) {
+            riddle_io_series_name(r->series.particles, r->frame[k]);
+            riddle_io_series_name(r->series.walls, r->frame[k]);
+            if (r->series.polyhedra) riddle_io_series_name(r->series.polyhedra, r->frame[k]);
+        }
+    }
+    return r->series.particles ? 0 : common_fail("%s: the series could not be begun", r->folder);
+}
+
+static void draw_picture(report *r) { r->pictured = draw_world(&r->s->world, &r->look, r->folder, "scene.png") == 0, r->drawn = 1; }
+
+static void add_frames(report *r) {
+    const output_def *o = &r->s->def->output;
+    const double now = scene_time(r->s), soon = now + 1e-9 * r->s->tick;
+    if (o->frames > 0.0 && soon >= r->next_frame * o->frames) {
+        if (open_series(r) || make_room(&r->frame, r->frames, &r->frame_room, sizeof *r->frame)) return;
+        r->frame[r->frames++] = r->s->world.time, r->next_frame += 1.0;
+        dem_io_add(&r->series, &r->s->world);
+    }
+    if (!r->drawn && soon >= o->picture) draw_picture(r);
+    if (!o->movie) return;
+    if (!r->film.film && !r->filmed) {
+        char name[40];
+        snprintf(name, sizeof name, now > 0.0 ? "scene_from_%gs.mp4" : "scene.mp4", now);
+        r->film = world_movie_open(r->folder, name, &r->look);
+        r->filmed = (int)(now / o->movie_rate * FRAMES_A_SECOND);
+    }
+    if (soon >= r->filmed * o->movie_rate / FRAMES_A_SECOND) world_movie_add(&r->film, &r->s->world), r->filmed++;
+}
+
+const stop_def *report_look(report *r) {
+    const double ticks_a_row = floor(r->s->def->measure.every / r->s->tick + 0.5);
+    const bool row = fmod(r->s->ticks, ticks_a_row) == 0.0 && (r->rows == 0 || r->looked < scene_time(r->s));
+    if (row) measure(r);
+    add_frames(r);
+    return row && r->rows ? stopped(r) : NULL;
+}
+
+const stop_def *report_end(report *r) {
+    if (r->rows && !(r->looked < scene_time(r->s))) return NULL;
+    measure(r);
+    add_frames(r);
+    return r->rows ? stopped(r) : NULL;
+}
+
+/* ---- the end ---- */
+
+/* 0, or not, after a printed line. */
+static int draw_curves(const report *r) {
+    const scene *s = r->s;
+    riddle_plot *p = riddle_plot_new(s->def->title, 1, 2);
+    double *x = malloc(((size_t)r->rows + 1) * 2 * sizeof *x), *y = x + r->rows;
+    const int shown = s->groups < CURVES ? s->groups : CURVES;
+    for (int k = 0; x && k < r->rows; k++) x[k] = r->row[(size_t)k * (size_t)r->columns];
+    riddle_plot_panel(p, 0, 0, "time [s]", "share left of what was fed [-]");
+    for (int c = 0; x && c < shown; c++) {
+        const int g = shown > 1 ? c * (s->groups - 1) / (shown - 1) : 0; /* of many classes some, from end to end */
+        for (int k = 0; k < r->rows; k++) y[k] = r->row[(size_t)k * (size_t)r->columns + FIXED + (size_t)g];
+        riddle_plot_line(p, s->group[g].name, x, y, r->rows);
+    }
+    riddle_plot_range_y(p, 0.0, 1.02);
+    riddle_plot_panel(p, 0, 1, "time [s]", "mass [kg]");
+    for (int c = 2; x && c < r->columns; c++) {
+        const size_t length = strlen(r->column[c]);
+        if (length < 3 || strcmp(r->column[c] + length - 3, "_kg") != 0 || (c != 2 && c < FIXED + s->groups)) continue;
+        for (int k = 0; k < r->rows; k++) y[k] = r->row[(size_t)k * (size_t)r->columns + (size_t)c];
+        riddle_plot_line(p, c == 2 ? "particles" : r->column[c], x, y, r->rows);
+    }
+    const int failed = riddle_plot_write(p, r->folder, "curves.svg") != RIDDLE_IO_OK;
+    free(x);
+    return failed;
+}
+
+static void add_name(report *r, const char *name) {
+    const size_t used = strlen(r->written);
+    snprintf(r->written + used, sizeof r->written - used, "%s%s", used ? ", " : "", name);
+}
+
+double report_overlap(const report *r) {
+    double largest = 0.0;
+    for (int k = 0; k < r->rows; k++) largest = fmax(largest, r->row[(size_t)k * (size_t)r->columns + OVERLAP]);
+    return largest;
+}
+
+const char *report_write(report *r) {
+    riddle_io_file *table_file = riddle_io_open(r->folder, "measured.csv");
+    for (int c = 0; c < r->columns; c++) riddle_io_print(table_file, "%s%s", c ? "," : "", r->column[c]);
+    riddle_io_print(table_file, "\n");
+    for (int k = 0; k < r->rows; k++) riddle_io_row(table_file, r->row + (size_t)k * (size_t)r->columns, r->columns);
+    if (riddle_io_close(table_file) == RIDDLE_IO_OK) add_name(r, "measured.csv");
+    if (r->rows > 1 && draw_curves(r) == 0) add_name(r, "curves.svg");
+    if (!r->drawn) draw_picture(r);
+    if (r->pictured) add_name(r, "scene.png");
+    if (r->series.particles) dem_io_close(&r->series);
+    if (r->film.film) world_movie_close(&r->film);
+    return r->written;
+}
+
+void report_json(const report *r, json *j) {
+    const double *row = r->rows ? r->row + (size_t)(r->rows - 1) * (size_t)r->columns : NULL;
+    json_object_begin(j, "last_row");
+    for (int c = 0; row && c < r->columns; c++) json_number(j, r->column[c], row[c]);
+    json_object_end(j);
+    json_integer(j, "rows", r->rows);
+    json_integer(j, "frames", r->frames);
+}
+
+int report_exchange(report *r, scene_state *io) {
+    const output_def *o = &r->s->def->output;
+    double counts[] = {r->rows, r->frames, r->looked, r->drawn, r->next_frame, o->frames};
+    state_same(io, r->columns);
+    state_numbers(io, counts, 6);
+    if (io->failed || !(counts[0] >= 0.0 && counts[0] < 1e9 && counts[1] >= 0.0 && counts[1] < 1e9)) return io->failed = 1, -1;
+    if (io->reading) {
+        r->rows = r->frames = 0;
+        r->looked = counts[2], r->drawn = r->pictured = counts[3] != 0.0 && scene_time(r->s) >= o->picture;
+        r->next_frame =
+            counts[5] == o->frames ? counts[4] : floor(scene_time(r->s) / o->frames + 1e-9) + 1.0; /* at other times than before */
+    }
+    while (r->rows < (int)counts[0] && !io->failed) { /* as many as the save really holds */
+        if (make_room(&r->row, r->rows, &r->room, (size_t)r->columns * sizeof *r->row)) return io->failed = 1, -1;
+        state_numbers(io, r->row + (size_t)r->rows++ * (size_t)r->columns, (size_t)r->columns);
+    }
+    for (int k = 0; !io->reading && k < r->rows; k++) state_numbers(io, r->row + (size_t)k * (size_t)r->columns, (size_t)r->columns);
+    while (r->frames < (int)counts[1] && !io->failed) {
+        if (make_room(&r->frame, r->frames, &r->frame_room, sizeof *r->frame)) return io->failed = 1, -1;
+        state_numbers(io, &r->frame[r->frames++], 1);
+    }
+    if (!io->reading) state_numbers(io, r->frame, (size_t)r->frames);
+    for (int k = 0; k < DEM_WALLS_MAX; k++) {
+        double v[3] = {r->impulse[k].x, r->impulse[k].y, r->impulse[k].z};
+        state_numbers(io, v, 3);
+        r->impulse[k] = dem_vec3(v[0], v[1], v[2]);
+    }
+    return io->failed ? -1 : 0;
+}
+
+void report_free(report *r) {
+    if (!r) return;
+    free(r->row);
+    free(r->frame);
+    r->row = r->frame = NULL;
+}

@@ -1,0 +1,297 @@
+/* riddle - a scene from a file, without C: riddle run scene.yaml
+
+   The file (YAML, or JSON, which is a part of it) says what there is: materials, walls and how they move, shapes, feeds, liquid, what is
+   measured, when to stop. docs/scene_files.md lists every key. `riddle run --template screen` writes one to begin with. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "report.h"
+#include "scene.h"
+#include "scene_same.h"
+
+static const char *const templates[] = {"hopper", "screen", "drum", "box", "shapes"};
+enum { SCENE_MB = 16 }; /* at most */
+static const char state_name[] = "scene.state";
+static const double OVERLAP_MAX = 0.1; /* of a diameter: beyond it contacts are no contacts any more */
+static const char usage[] =
+    "usage: riddle run FILE [options]; riddle run --template hopper|screen|drum|box|shapes; riddle keys; riddle run --help";
+
+typedef struct job {
+    const char *file;
+    program self;
+    bool again, check;
+    bool halfway; /* stopped while feeds looked for places, or failed: not a state to go on from */
+    double saved; /* time of the save that this run has written last [s]; NaN: none */
+    tree_file tree;
+    scene_def def;
+    scene s;
+    char *keys; /* of the scene, which a save has, too */
+    report *r;
+} job;
+
+static int refuse(const char *line) {
+    fprintf(stderr, "riddle: %s\n", line);
+    return 2;
+}
+
+/* ---- templates ---- */
+
+static int write_template(const char *name) {
+    char path[1000], message[300], target[64];
+    size_t size;
+    int known = 0;
+    for (size_t k = 0; k < sizeof templates / sizeof *templates; k++) known |= strcmp(templates[k], name) == 0;
+    if (!known) {
+        fprintf(stderr, "riddle: --template %.60s: allowed: hopper, screen, drum, box or shapes\n", name);
+        return 2;
+    }
+    snprintf(target, sizeof target, "%s.yaml", name);
+    FILE *there = fopen(target, "rb");
+    if (there) {
+        fclose(there);
+        fprintf(stderr, "riddle: %s is there already: move it away first\n", target);
+        return 2;
+    }
+    char original[100];
+    snprintf(original, sizeof original, "tools/riddle/%s", target);
+    char *text = input_read(output_find(path, sizeof path, original), &size, message, sizeof message);
+    if (!text) return common_fail("%s", message), 1;
+    riddle_io_file *file = riddle_io_open(NULL, target);
+    riddle_io_write(file, text, size);
+    free(text);
+    if (riddle_io_close(file) != RIDDLE_IO_OK) return 1;
+    common_print("%s is written. Now: riddle run %s\n", target, target);
+    return common_exit_status();
+}
+
+/* ---- reading ---- */
+
+static int read_scene(job *j, bool seed_given) {
+    char message[400];
+    size_t size;
+    char *text = input_read_most(j->file, SCENE_MB, &size, message, sizeof message);
+    if (!text) return refuse(message);
+    const int failed = tree_read(&j->tree, j->file, text, size) || scene_read(&j->tree, &j->def);
+    free(text);
+    if (failed) return refuse(j->tree.message);
+    if (j->self.quick) j->def.duration *= 0.1;
+    if (scene_make(&j->s, &j->def, &j->tree, seed_given ? j->self.seed : (uint64_t)j->def.seed, j->self.threads))
+        return refuse(j->tree.message);
+    j->r = report_open(&j->s, j->self.out);
+    j->keys = scene_keys(&j->s);
+    return j->r && j->keys ? 0 : refuse(j->tree.message);
+}
+
+/* The keys of the scene of a save against those of this one. */
+static int exchange_keys(job *j, scene_state *io) {
+    uint64_t size = strlen(j->keys) + 1;
+    char *saved = j->keys;
+    state_whole(io, &size);
+    if (io->reading && !io->failed) saved = size > 0 && size <= io->size - io->at ? tree_memory(&j->tree, (size_t)size) : NULL;
+    if (!saved) io->failed = 1;
+    state_bytes(io, saved, (size_t)size);
+    if (!io->reading || io->failed) return io->failed;
+    saved[size - 1] = '\0';
+    return scene_same(&j->s, j->keys, saved);
+}
+
+static int exchange(job *j, scene_state *io) {
+    const int failed = exchange_keys(j, io) || scene_exchange(&j->s, io) || report_exchange(j->r, io);
+    return state_finish(io) || failed ? -1 : 0;
+}
+
+static int read_state(job *j) {
+    char path[1000], message[400];
+    size_t size;
+    scene_state io;
+    unsigned char *bytes =
+        (unsigned char *)input_read(riddle_io_path(path, sizeof path, j->self.out, state_name), &size, message, sizeof message);
+    if (!bytes) return refuse(message);
+    const int begun = state_begin_reading(&io, bytes, size), failed = begun || exchange(j, &io);
+    state_free(&io);
+    if (!failed) return 0;
+    if (j->tree.message[0]) return refuse(j->tree.message);
+    snprintf(message, sizeof message, "--continue: %.300s: %s", path,
+             begun == 1 ? "a save of another version of riddle run, which alone goes on from it" : "no whole save");
+    return refuse(message);
+}
+
+static int write_state(job *j) {
+    scene_state io;
+    state_begin_writing(&io);
+    int failed = exchange(j, &io);
+    if (failed) common_fail("%s: out of memory", state_name);
+    else {
+        riddle_io_file *file = riddle_io_open(j->self.out, state_name);
+        riddle_io_write(file, io.bytes, io.size);
+        failed = riddle_io_close(file) != RIDDLE_IO_OK;
+        if (!failed) j->saved = scene_time(&j->s);
+    }
+    state_free(&io);
+    return failed;
+}
+
+/* ---- running ---- */
+
+/* Says why the scene cannot go on, materials by their names. */
+static void fail_run(const job *j, dem_status status) {
+    const dem_world *w = &j->s.world;
+    const material_def *m = j->s.def->materials.item;
+    if (status == DEM_PAIR_NOT_SET)
+        common_fail("t = %.6g s: %s and %s touch: how, is not said under contacts", w->time, m[w->failed_pair[0]].part.name,
+                    m[w->failed_pair[1]].part.name);
+    else common_fail("t = %.6g s: %s (particle %llu)", w->time, dem_status_text(status), (unsigned long long)w->failed_id);
+}
+
+static void end_early(job *j, dem_status status) {
+    j->halfway = true;
+    if (status != DEM_STOPPED) fail_run(j, status);
+}
+
+/* The save, the rest of the duration, the last row. */
+static const stop_def *end_run(job *j, const stop_def *stop) {
+    double left;
+    if (common_exit_status() != 1) write_state(j);
+    if (!stop && !common_interrupted() && scene_near_end(&j->s, &left) && left > 0.0) {
+        const dem_status status = scene_finish(&j->s, left);
+        if (status != DEM_OK) return end_early(j, status), NULL;
+    }
+    const stop_def *at_end = report_end(j->r);
+    return stop || common_interrupted() ? stop : at_end;
+}
+
+static const stop_def *run(job *j) {
+    const double save = j->def.output.save;
+    const stop_def *stop = NULL;
+    progress bar;
+    double saved = scene_time(&j->s), left;
+    progress_begin(&bar, "running", j->def.duration);
+    for (;;) {
+        if (!stop) stop = report_look(j->r);
+        const double now = scene_time(&j->s);
+        progress_update(&bar, now);
+        if (stop || common_interrupted() || scene_near_end(&j->s, &left)) break;
+        if (save > 0.0 && now - saved >= save * (1.0 - 1e-9)) write_state(j), saved = now;
+        const dem_status status = scene_advance(&j->s);
+        if (status != DEM_OK) end_early(j, status);
+        if (status != DEM_OK) break;
+    }
+    if (!j->halfway) stop = end_run(j, stop);
+    progress_end(&bar);
+    return stop;
+}
+
+static void tell(const job *j, const stop_def *stop, const char *written) {
+    double missed, missed_mass;
+    char hash[24], saved[80] = "";
+    const double last_tick = j->s.ticks * j->s.tick;
+    json *out = json_open(j->self.json);
+    scene_missed(&j->s, &missed, &missed_mass);
+    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)dem_hash(&j->s.world));
+    json_program(out, &j->self);
+    json_string(out, "scene", j->file);
+    json_string(out, "stopped_by", stop ? stop->column : NULL);
+    json_number(out, "time_s", scene_time(&j->s));
+    json_number(out, "time_step_s", j->s.world.def.dt);
+    json_number(out, "missed_particles", missed);
+    json_number(out, "missed_kg", missed_mass);
+    json_string(out, "hash", hash);
+    report_json(j->r, out);
+    json_close(out);
+    if (stop) common_print("stopped at %g s: %s\n", scene_time(&j->s), stop->column);
+    if (missed_mass > 0.0) common_print("%g kg found no place: a larger region, a longer way or more speed gives it one\n", missed_mass);
+    if (report_overlap(j->r) > OVERLAP_MAX)
+        common_print("overlap reached %.0f %% of a diameter: %s\n", 100.0 * report_overlap(j->r),
+                     isnan(j->def.time_step) ? "the stiffness is too small" : "the stiffness is too small, or the time step too large");
+    if (j->saved < last_tick) snprintf(saved, sizeof saved, ", %s of %g s", state_name, j->saved);
+    else if (!isnan(j->saved)) snprintf(saved, sizeof saved, ", %s", state_name);
+    common_print("%g s in steps of %.3g s; %s has %s%s\n", scene_time(&j->s), j->s.world.def.dt, j->self.out, written, saved);
+}
+
+static int hold_folder(const job *j) {
+    char message[800];
+    if (output_hold_folder(j->self.out) == 0) return 0;
+    snprintf(message, sizeof message, "--out %s: another riddle run is writing there", j->self.out);
+    return refuse(message);
+}
+
+static int run_scene(job *j, bool seed_given) {
+    int failed = read_scene(j, seed_given);
+    if (!failed && !j->check) failed = hold_folder(j);
+    if (!failed && j->again) failed = read_state(j);
+    if (!failed && j->check)
+        common_print("%s: walls: %d, feeds: %d, time step: %.3g s\n", j->file, j->s.world.walls, j->s.sources, j->s.world.def.dt),
+            common_print("%s", j->tree.notes);
+    else if (!failed) {
+        const stop_def *stop = run(j);
+        tell(j, stop, report_write(j->r));
+    }
+    report_free(j->r);
+    scene_free(&j->s);
+    tree_free(&j->tree);
+    return failed ? failed : common_exit_status();
+}
+
+/* ---- the command line ---- */
+
+static bool is_given(int argc, char **argv, const char *name) {
+    const size_t length = strlen(name);
+    for (int k = 1; k < argc; k++)
+        if (strncmp(argv[k], name, length) == 0 && (argv[k][length] == '\0' || argv[k][length] == '=')) return true;
+    return false;
+}
+
+/* The options without "run FILE", and with --out out/<name of the file> where none is given. */
+static int rest_of(int argc, char **argv, const char *file, char *out, size_t size, char **rest) {
+    int n = 0;
+    rest[n++] = argv[0];
+    if (file && !is_given(argc, argv, "--out")) {
+        const char *slash = strrchr(file, '/'), *stem = slash ? slash + 1 : file, *dot = strrchr(stem, '.');
+        snprintf(out, size, "out/%.*s", dot && dot > stem ? (int)(dot - stem) : (int)strlen(stem), stem);
+        rest[n++] = (char *)"--out";
+        rest[n++] = out;
+    }
+    for (int k = file ? 3 : 2; k < argc; k++) rest[n++] = argv[k];
+    rest[n] = NULL;
+    return n;
+}
+
+int main(int argc, char **argv) {
+    static job j;
+    j.saved = (double)NAN;
+    char out[600];
+    const char *pattern = NULL;
+    option options[] = {
+        option_flag("continue", &j.again, "go on from the save in --out, with the same bits as if it had never stopped"),
+        option_flag("check", &j.check, "read the file and build the scene, but do not run"),
+        option_string("template", "NAME", &pattern, "write NAME.yaml, to begin with: hopper, screen, drum, box or shapes"),
+    };
+    if (argc == 2 && strcmp(argv[1], "keys") == 0) {
+        common_open_standard_streams();
+        fields_describe(&scene_section);
+        return common_exit_status();
+    }
+    const int help = argc >= 2 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "--version") == 0);
+    if (!help && (argc < 2 || strcmp(argv[1], "run") != 0)) return refuse(usage);
+    j.file = argc > 2 && argv[2][0] != '-' ? argv[2] : NULL;
+    if (!j.file && argc == 4 && strcmp(argv[2], "--template") == 0) return write_template(argv[3]); /* without a folder for output */
+    char **rest = malloc(((size_t)argc + 4) * sizeof *rest);
+    if (!rest) return 1;
+    const int n = help ? argc : rest_of(argc, argv, j.file, out, sizeof out, rest);
+    if (!help && !j.file && !is_given(argc, argv, "--help") && !is_given(argc, argv, "--version")) {
+        free(rest);
+        return refuse(is_given(argc, argv, "--template") ? "--template NAME stands alone" : usage);
+    }
+    j.self = program_start("riddle",
+                           "runs a scene from a YAML or JSON file.\n\n"
+                           "usage: riddle run FILE [options]\n"
+                           "       riddle run --template hopper|screen|drum|box|shapes\n"
+                           "       riddle keys",
+                           options, sizeof options / sizeof *options, n, help ? argv : rest);
+    const int status = pattern ? refuse("--template NAME stands alone") : run_scene(&j, is_given(argc, argv, "--seed"));
+    free(rest);
+    return status;
+}
