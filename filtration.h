@@ -37,6 +37,7 @@
 #ifndef RIDDLE_FILTRATION_H
 #define RIDDLE_FILTRATION_H
 
+/* ---------------------------------------------------------------------------------------------------- >>compiler.h */
 /* compiler.h: what compilers call differently, and the switch between static inline and one shared copy.
    Relies on nothing.
    May be changed here alone: everything that leaves the macros' meaning. */
@@ -121,6 +122,7 @@
 extern "C" {
 #endif
 
+/* -------------------------------------------------------------------------------------------------------- >>base.h */
 /* base.h: what every part of filtration.h uses: status codes, memory, parallel loops.
    Relies on nothing.
    May be changed here alone: texts of statuses, the order of statuses after FILTRATION_OK. */
@@ -187,6 +189,7 @@ static inline void filtration__for_each(const filtration_parallel *p, int thread
     for (int i = 0; i < tasks; i++) task(context, i);
 }
 
+/* ------------------------------------------------------------------------------------------------- >>process_api.h */
 /* process_api.h: the filtration equation as its user sees it: laws, an operation, the evaluation of a measured curve, prediction.
    Relies on base.h.
    May be changed here alone: comments, defaults (in process.h: filtration_curve_default_def, filtration_operation_default). */
@@ -248,23 +251,27 @@ static inline double filtration_student(double confidence, double freedom);
 /* ---- size distributions: n classes of mean size d > 0 [m] (arrays of the caller, [n]) ---- */
 /* Computes shares[i] d[i]^power, normalized to a sum of 1: power -3 turns volume shares (q3) into number shares (q0), 3 turns them back.
    out may be shares. BAD_ARGUMENT: n 0, a share < 0, all 0, a size not > 0. */
-FILTRATION_API filtration_status filtration_convert_shares(size_t n, const double *d, const double *shares, double power, double *out);
+FILTRATION_API filtration_status filtration_convert_shares(size_t n, const double *d, const double *shares,
+                                                           double power, double *out);
 /* Converts cumulative Q3 (0 .. 1, rising) at n >= 2 sizes x > 0 (rising) to Q0 at the same sizes: exact if Q3 is linear between them. Q3[0]
    must be 0, because the number below the first size is unknown. BAD_ARGUMENT. out may be Q3. */
-FILTRATION_API filtration_status filtration_number_distribution(size_t n, const double *x, const double *Q3, double *out);
+FILTRATION_API filtration_status filtration_number_distribution(size_t n, const double *x, const double *Q3,
+                                                                double *out);
 /* Returns the Sauter diameter [m] of volume shares; NaN where filtration_convert_shares would refuse. */
 FILTRATION_API double filtration_sauter(size_t n, const double *d, const double *volume_shares);
 
 /* ---- an operation: constant rate until the pressure is reached, then constant pressure ---- */
 typedef struct filtration_operation {
-    double viscosity;       /* of the filtrate [Pa s] > 0; default 1e-3 */
-    double area;            /* [m2] > 0; default 1 */
-    double medium;          /* R_M [1/m] >= 0; default 0 */
-    double product;         /* r_K K_S [1/m2] >= 0, at `reference` if the cake is compressible; default 0 */
-    double compressibility; /* exponent n of r_K K_S as a function of the pressure difference in the cake [-], 0 .. below 1; default 0 */
-    double reference;       /* pressure difference in the cake at which product holds [Pa] > 0; default 1e5 */
-    double pressure;        /* largest pressure difference [Pa] > 0; HUGE_VAL: no limit (constant rate); default 1e5 */
-    double rate;            /* filtrate flow of the first stage [m3/s] > 0; HUGE_VAL: constant pressure from the start; default HUGE_VAL */
+    double viscosity; /* of the filtrate [Pa s] > 0; default 1e-3 */
+    double area;      /* [m2] > 0; default 1 */
+    double medium;    /* R_M [1/m] >= 0; default 0 */
+    double product;   /* r_K K_S [1/m2] >= 0, at `reference` if the cake is compressible; default 0 */
+    double
+        compressibility; /* exponent n of r_K K_S as a function of the pressure difference in the cake [-], 0 .. below 1; default 0 */
+    double reference; /* pressure difference in the cake at which product holds [Pa] > 0; default 1e5 */
+    double pressure;  /* largest pressure difference [Pa] > 0; HUGE_VAL: no limit (constant rate); default 1e5 */
+    double
+        rate; /* filtrate flow of the first stage [m3/s] > 0; HUGE_VAL: constant pressure from the start; default HUGE_VAL */
 } filtration_operation;
 
 typedef struct filtration_point {
@@ -282,37 +289,47 @@ FILTRATION_API filtration_status filtration_operation_check(const filtration_ope
 /* Finds the point at which the first stage ends. time infinite: it never ends; 0: there is no such stage. */
 FILTRATION_API filtration_status filtration_change_over(const filtration_operation *o, filtration_point *point);
 /* Computes the point at a filtrate volume >= 0 [m3], or at a time >= 0 [s]. NO_SOLUTION: out of the range of doubles. */
-FILTRATION_API filtration_status filtration_at_volume(const filtration_operation *o, double volume, filtration_point *point);
-FILTRATION_API filtration_status filtration_at_time(const filtration_operation *o, double time, filtration_point *point);
+FILTRATION_API filtration_status filtration_at_volume(const filtration_operation *o, double volume,
+                                                      filtration_point *point);
+FILTRATION_API filtration_status filtration_at_time(const filtration_operation *o, double time,
+                                                    filtration_point *point);
 
 /* ---- evaluation of a measured filter curve, in the manner of VDI 2762 ---- */
 typedef struct filtration_curve_def {
-    uint32_t cookie;       /* set by filtration_curve_default_def() */
-    double pressure;       /* difference, constant [Pa] > 0; default 1e5 */
-    double viscosity;      /* [Pa s] > 0; default 1e-3 */
-    double area;           /* [m2] > 0; default 2e-3 */
-    double cake_ratio;     /* K_S [-] > 0; NAN: unknown, then only the product r_K K_S is determined; default NAN */
+    uint32_t cookie;   /* set by filtration_curve_default_def() */
+    double pressure;   /* difference, constant [Pa] > 0; default 1e5 */
+    double viscosity;  /* [Pa s] > 0; default 1e-3 */
+    double area;       /* [m2] > 0; default 2e-3 */
+    double cake_ratio; /* K_S [-] > 0; NAN: unknown, then only the product r_K K_S is determined; default NAN */
+    double
+        solids; /* mass of dry solids in the cake over the volume of filtrate [kg/m3] > 0; NAN: unknown, then alpha is not
+                              determined; default NAN */
     double pressure_error; /* standard errors, relative [-] >= 0; default 0 */
     double viscosity_error;
     double area_error;
     double cake_ratio_error;
-    double time_error;     /* standard error of a reading [s] >= 0; if volume_error is 0, too: unknown, and the readings tell how their
+    double solids_error;
+    double
+        time_error; /* standard error of a reading [s] >= 0; if volume_error is 0, too: unknown, and the readings tell how their
                               scatter grows; default 0 */
-    double volume_error;   /* [m3] >= 0; default 0. Both only weight the readings; intervals follow from the scatter */
-    double drift_error;    /* standard error of the last volume used by a balance that drifts in proportion to time [m3] >= 0; default 0.
+    double volume_error; /* [m3] >= 0; default 0. Both only weight the readings; intervals follow from the scatter */
+    double
+        drift_error; /* standard error of the last volume used by a balance that drifts in proportion to time [m3] >= 0; default 0.
                               Such a drift looks like another filter, so that no readings tell it */
-    int independent;       /* 1: the errors of neighbours are known to be independent; 0: not known, intervals allow for errors that are
+    int independent; /* 1: the errors of neighbours are known to be independent; 0: not known, intervals allow for errors that are
                               alike or add up; default 0 */
-    double start_time;     /* of the stage that is evaluated [s]; default 0. Then (t - t1) / (V - V1) is fitted over V + V1 */
+    double
+        start_time; /* of the stage that is evaluated [s]; default 0. Then (t - t1) / (V - V1) is fitted over V + V1 */
     double start_volume;   /* [m3] >= 0; default 0 */
     double first_volume;   /* readings from this filtrate volume on ... [m3] >= 0; default 0 */
     double last_volume;    /* ... to this one [m3]; default HUGE_VAL */
     int automatic;         /* 1: uses the longest straight stretch of these; 0: uses all; default 1 */
     size_t least_readings; /* of a stretch, >= 5; default 6. With no more readings than that all are used */
-    double bend_level;     /* a stretch is bent if chance alone would bend it as much with less than this probability [-], above 0 .. 1;
+    double
+        bend_level; /* a stretch is bent if chance alone would bend it as much with less than this probability [-], above 0 .. 1;
                               default 0.1. A fifth of it where there is no straighter stretch: then there is no interval */
-    double tolerance;      /* ... and if the bend exceeds this share of the mean t / V [-] >= 0; default 0.005 */
-    double confidence;     /* of intervals [-], above 0 .. below 1; default 0.95 */
+    double tolerance;  /* ... and if the bend exceeds this share of the mean t / V [-] >= 0; default 0.005 */
+    double confidence; /* of intervals [-], above 0 .. below 1; default 0.95 */
 } filtration_curve_def;
 
 typedef struct filtration_estimate {
@@ -322,33 +339,36 @@ typedef struct filtration_estimate {
 } filtration_estimate;
 
 /* Remarks about a result. */
-#define FILTRATION_REMARKS(X)                                                                                                              \
-    X(FILTRATION_REMARK_BENT, 1u, "the readings used are not on a straight line: there is no interval")                                    \
-    X(FILTRATION_REMARK_MEDIUM, 2u, "the intercept is negative: clear liquid went first, or the clock began late")                         \
-    X(FILTRATION_REMARK_SLOPE, 4u, "the slope is not above 0 with the stated confidence: no cake is seen")                                 \
-    X(FILTRATION_REMARK_CORRELATED, 8u, "neighbouring errors are alike: the interval is wider for it")                                     \
-    X(FILTRATION_REMARK_FEW, 16u, "fewer than 20 readings cannot tell whether neighbouring errors are alike: the interval allows for it")  \
-    X(FILTRATION_REMARK_DRIFT, 32u, "the readings bend within the tolerance: the interval allows for a balance that drifts as much")
+#define FILTRATION_REMARKS(X)                                                                                          \
+    X(FILTRATION_REMARK_BENT, 1u, "the readings used are not on a straight line: there is no interval")                \
+    X(FILTRATION_REMARK_MEDIUM, 2u, "the intercept is negative: clear liquid went first, or the clock began late")     \
+    X(FILTRATION_REMARK_SLOPE, 4u, "the slope is not above 0 with the stated confidence: no cake is seen")             \
+    X(FILTRATION_REMARK_CORRELATED, 8u, "neighbouring errors are alike: the interval is wider for it")                 \
+    X(FILTRATION_REMARK_FEW, 16u,                                                                                      \
+      "fewer than 20 readings cannot tell whether neighbouring errors are alike: the interval allows for it")          \
+    X(FILTRATION_REMARK_DRIFT, 32u,                                                                                    \
+      "the readings bend within the tolerance: the interval allows for a balance that drifts as much")
 #define FILTRATION__REMARK(name, bit, text) name = bit,
 typedef enum filtration_remark { FILTRATION_REMARKS(FILTRATION__REMARK) FILTRATION_NO_REMARK = 0 } filtration_remark;
 FILTRATION_API const char *filtration_remark_text(unsigned remark); /* of one bit; never NULL; static storage */
 
 typedef struct filtration_curve {
-    filtration_estimate slope;                    /* [s/m6] */
-    filtration_estimate intercept;                /* [s/m3] */
-    filtration_estimate product;                  /* r_K K_S [1/m2] */
-    filtration_estimate cake;                     /* r_K [1/m2]; NaN without K_S */
-    filtration_estimate medium;                   /* R_M [1/m] */
-    double covariance;                            /* of slope and intercept [s2/m9] */
-    size_t first, last;                           /* indices of the first and last reading used */
-    size_t used;                                  /* readings used */
-    double freedom;                               /* degrees of freedom [-] */
-    double student;                               /* factor from standard error to interval, of slope and intercept [-] */
-    double scatter;                               /* standard deviation of t / V about the line, over its mean [-] */
-    double r2;                                    /* coefficient of determination [-] */
-    double bend;                                  /* departure of a fitted parabola and cubic from the line, over the mean t / V [-] */
-    double correlation;                           /* of neighbouring errors: 0 independent .. 1 they add up [-] */
-    unsigned remarks;                             /* bits of filtration_remark */
+    filtration_estimate slope;     /* [s/m6] */
+    filtration_estimate intercept; /* [s/m3] */
+    filtration_estimate product;   /* r_K K_S [1/m2] */
+    filtration_estimate cake;      /* r_K [1/m2]; NaN without K_S */
+    filtration_estimate by_mass;   /* alpha = r_K K_S / solids [m/kg]; NaN without the mass of solids */
+    filtration_estimate medium;    /* R_M [1/m] */
+    double covariance;             /* of slope and intercept [s2/m9] */
+    size_t first, last;            /* indices of the first and last reading used */
+    size_t used;                   /* readings used */
+    double freedom;                /* degrees of freedom [-] */
+    double student;                /* factor from standard error to interval, of slope and intercept [-] */
+    double scatter;                /* standard deviation of t / V about the line, over its mean [-] */
+    double r2;                     /* coefficient of determination [-] */
+    double bend;                   /* departure of a fitted parabola and cubic from the line, over the mean t / V [-] */
+    double correlation;            /* of neighbouring errors: 0 independent .. 1 they add up [-] */
+    unsigned remarks;              /* bits of filtration_remark */
     double pressure, viscosity, area, confidence; /* of the definition */
     double smallest, largest;                     /* filtrate volume of the first and of the last reading used [m3] */
 } filtration_curve;
@@ -362,20 +382,45 @@ FILTRATION_API filtration_status filtration_curve_check_def(const filtration_cur
    one filtration). Less is scatter, and counts as it was read. FEW_DATA: fewer than 3; NO_SOLUTION: all at one volume, or out
    of the range of doubles. After any of them the numbers are NaN, used and remarks 0. With FILTRATION_REMARK_BENT there are values, but
    error, low and high are NaN: a line that is none has no interval. */
-FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def *def, size_t n, const double *time, const double *volume,
-                                                     filtration_curve *result);
+FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def *def, size_t n, const double *time,
+                                                     const double *volume, filtration_curve *result);
 /* Determines the resistance of the clean medium [1/m]: the mean of dp t A / (mu V) over the readings from the start to last_volume [m3] >
    0, before there is a cake, at least 2. Errors, and NaN, as above. The caller leaves out readings where t / V still rises. */
-FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curve_def *def, size_t n, const double *time,
-                                                           const double *volume, double last_volume, filtration_estimate *medium);
+FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curve_def *def, size_t n,
+                                                           const double *time, const double *volume, double last_volume,
+                                                           filtration_estimate *medium);
 /* Predicts the time [s] to a filtrate volume V >= 0 [m3] on another filter: pressure [Pa], area [m2] > 0, compressibility n of the cake as
    above (0 for the measured pressure), with the interval that follows from slope and intercept. NaN with BAD_ARGUMENT. */
-FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area, double compressibility,
-                                                    double V, filtration_estimate *time);
+FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area,
+                                                    double compressibility, double V, filtration_estimate *time);
+/* The power law of a compressible cake from runs at several pressures: value = at_reference (p / reference)^exponent, where a value is
+   alpha, r_K or r_K K_S. Runs scatter by more than each one's own error (no two cakes are alike): how much more follows from their
+   departures from the law (Paule and Mandel 1982), and the intervals are Student's with runs - 2 degrees of freedom. */
+typedef struct filtration_compressibility {
+    filtration_estimate exponent;     /* n [-] */
+    filtration_estimate at_reference; /* of the value, in its unit; interval in logarithms */
+    double reference;                 /* pressure difference [Pa] */
+    double covariance;                /* of exponent and logarithm of the value at reference [-] */
+    double between;                   /* standard deviation between runs beyond their errors, relative [-] */
+    double freedom, student, confidence;
+    double lowest, highest; /* pressure difference of the runs [Pa] */
+    size_t runs;
+} filtration_compressibility;
+/* Fits it to runs >= 2 at pressure [Pa] with value > 0 and its relative standard error (arrays of the caller, [runs]; error may be NULL: not
+   known; 0 and NaN likewise for a run). reference > 0 [Pa]; confidence above 0 .. below 1. With 2 runs there is a law without intervals
+   (NaN). BAD_ARGUMENT; FEW_DATA: fewer than 2; NO_SOLUTION: all at one pressure. Then the numbers are NaN. */
+FILTRATION_API filtration_status filtration_fit_compressibility(size_t runs, const double *pressure,
+                                                                const double *value, const double *error,
+                                                                double reference, double confidence,
+                                                                filtration_compressibility *fit);
+/* Computes the value at another pressure > 0 [Pa], with its interval. BAD_ARGUMENT: NaN. */
+FILTRATION_API filtration_status filtration_value_at_pressure(const filtration_compressibility *fit, double pressure,
+                                                              filtration_estimate *value);
+
 /* What of a prediction lies outside the readings. */
-#define FILTRATION_OUTSIDES(X)                                                                                                             \
-    X(FILTRATION_OUTSIDE_MORE, 1u, "more filtrate on an area than any reading: a thicker cake")                                            \
-    X(FILTRATION_OUTSIDE_LESS, 2u, "less filtrate on an area than any reading of the straight stretch")                                    \
+#define FILTRATION_OUTSIDES(X)                                                                                         \
+    X(FILTRATION_OUTSIDE_MORE, 1u, "more filtrate on an area than any reading: a thicker cake")                        \
+    X(FILTRATION_OUTSIDE_LESS, 2u, "less filtrate on an area than any reading of the straight stretch")                \
     X(FILTRATION_OUTSIDE_PRESSURE, 4u, "another pressure: the cake's compressibility is not measured")
 #define FILTRATION__OUTSIDE(name, bit, text) name = bit,
 enum filtration_outside_flag { FILTRATION_OUTSIDES(FILTRATION__OUTSIDE) FILTRATION_OUTSIDE_NOTHING = 0 };
@@ -383,11 +428,18 @@ enum filtration_outside_flag { FILTRATION_OUTSIDES(FILTRATION__OUTSIDE) FILTRATI
 FILTRATION_API unsigned filtration_outside(const filtration_curve *curve, double pressure, double area, double V);
 FILTRATION_API const char *filtration_outside_text(unsigned flag); /* of one flag; never NULL; static storage */
 
+/* -------------------------------------------------------------------------------------------------- >>solids_api.h */
 /* solids_api.h: solids at rest as a signed distance: woven wire cloth, beds of spheres and fibres, voxel images.
    Relies on base.h.
    May be changed here alone: comments. */
 
 /* ==== >>solids: solids at rest in the fluid ==== */
+
+/* A place at which a solid is near to a sphere. */
+typedef struct filtration_near {
+    double gap;       /* [m], < 0: overlap */
+    double normal[3]; /* unit vector from the sphere's centre to the surface */
+} filtration_near;
 
 /* A solid at rest, described by functions of the caller, which are called in filtration_fluid_init and when spheres touch it. */
 typedef struct filtration_solid {
@@ -397,6 +449,9 @@ typedef struct filtration_solid {
     /* Fraction of the way from a fluid point to a solid one at which the surface lies [-], above 0 .. 1. NULL: computed from `distance`. */
     double (*cut)(const void *self, const double fluid[3], const double solid[3]);
     const void *self;
+    /* Lists at most `most` places with a gap below `reach` to a sphere, one for each wire or body that it may touch; returns their number.
+       For filtration_move. NULL: the nearest place, from differences of `distance`. */
+    int (*touch)(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near);
 } filtration_solid;
 
 /* The solids below keep their own data. filtration_..._solid() returns a filtration_solid that points to these data, which must outlive the
@@ -480,6 +535,7 @@ FILTRATION_API filtration_status filtration_image_check(const filtration_image *
 FILTRATION_API double filtration_image_distance(const filtration_image *image, const double point[3]); /* as above [m] */
 FILTRATION_API filtration_solid filtration_image_solid(const filtration_image *image);
 
+/* --------------------------------------------------------------------------------------------------------- >>api.h */
 /* api.h: the resolved fluid as its user sees it: definition, spheres, solid, state, steps, measuring, saving. Relies on base.h,
    solids_api.h (filtration_solid).
    May be changed here alone: comments, defaults (in fluid.h: filtration_fluid_default_def). */
@@ -517,7 +573,7 @@ typedef enum filtration_face {
     FILTRATION_WALL,     /* no slip; at the face, which may move within its plane */
     FILTRATION_PRESSURE, /* open, at a given pressure */
     FILTRATION_SYMMETRY  /* a mirror: no flow through it, no shear on it. The force on a sphere that it cuts is that on the part inside the
-                            box */
+                            box, without that of a constant pressure */
 } filtration_face;
 enum { FILTRATION_LOW_X, FILTRATION_HIGH_X, FILTRATION_LOW_Y, FILTRATION_HIGH_Y, FILTRATION_LOW_Z, FILTRATION_HIGH_Z };
 
@@ -560,7 +616,8 @@ typedef struct filtration_spheres {
     double *velocity; /* [n][3] [m/s] */
     double *spin;     /* [n][3] angular velocity [rad/s] */
     double *radius;   /* [n] [m] > 0; 0: no sphere at this index */
-    double *force;    /* [n][3] force of the fluid on the sphere [N], without buoyancy (pressure is dynamic) */
+    double *force;    /* [n][3] force of the fluid on the sphere [N], without buoyancy (pressure is dynamic); a constant pressure exerts
+                         none */
     double *torque;   /* [n][3] about the centre [N m] */
 } filtration_spheres;
 
@@ -709,8 +766,9 @@ FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid 
                                                                double pressure_drop, double tolerance, int64_t max_steps,
                                                                filtration_permeability_result *result);
 
+/* ------------------------------------------------------------------------------------------ >>base/portable_math.h */
 /* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
-   Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
+   Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
    stated; NaN outside the domain. */
 /* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
@@ -876,6 +934,7 @@ static inline double riddle_asin(double x) {
 /* clang-format on */
 /* <<portable-math */
 
+/* ------------------------------------------------------------------------------------------------ >>process_laws.h */
 /* process_laws.h: the laws of the filtration equation: pure functions of scalars. Relies on base.h, process_api.h, the portable
    mathematics.
    May be changed here alone: how a law is computed, not what it returns. */
@@ -1047,6 +1106,7 @@ static inline double filtration_student(double confidence, double freedom) {
     return t;
 }
 
+/* ----------------------------------------------------------------------------------------------- >>settling_laws.h */
 /* settling_laws.h: settling of a single sphere: Stokes' law, inertia, side walls, bottom; for comparison with a resolved simulation. Relies
    on base.h, the portable mathematics.
    May be changed here alone: how a law is computed, not what it returns. */
@@ -1102,6 +1162,7 @@ static inline double filtration_wall_brenner(double gap_over_radius) {
 }
 #ifdef FILTRATION__BODIES
 
+/* ----------------------------------------------------------------------------------------------------- >>process.h */
 /* process.h: size distributions, operations at constant rate and pressure, the evaluation of filter curves.
    Relies on base.h, process_api.h, process_laws.h.
    May be changed here alone: how a stretch is searched, how integrals and roots are found. */
@@ -1324,6 +1385,7 @@ FILTRATION_API filtration_status filtration_at_time(const filtration_operation *
     return filtration__is_finite(volume) && volume > 0.0 && filtration__is_finite(point->flow) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
 }
 
+/* ------------------------------------------------------------------------------------------------ >>process_line.h */
 /* process_line.h: a straight line through readings whose scatter is not known: how it grows with the volume, and how far neighbours are
    alike. Relies on base.h, process_api.h, process_laws.h, process.h.
    May be changed here alone: which kinds of scatter are thought of.
@@ -1586,12 +1648,13 @@ static inline double filtration__error_of(const filtration__mixture *m, double l
     return sqrt(half * half + of_drift * of_drift) / m->student;
 }
 
+/* ---------------------------------------------------------------------------------------------------- >>evaluate.h */
 /* evaluate.h: a measured filter curve: the straight line of t / V over V, its longest straight stretch, intervals, prediction.
    Relies on base.h, process_api.h, process_laws.h, process.h, process_line.h.
    May be changed here alone: how a stretch is searched. */
 
 FILTRATION_API const char *filtration_remark_text(unsigned remark) {
-#define FILTRATION__REMARK_TEXT(name, bit, text)                                                                                           \
+#define FILTRATION__REMARK_TEXT(name, bit, text)                                                                       \
     if (remark == bit) return text;
     FILTRATION_REMARKS(FILTRATION__REMARK_TEXT)
     return remark == 0 ? "nothing to remark" : "unknown remark";
@@ -1606,7 +1669,7 @@ FILTRATION_API filtration_curve_def filtration_curve_default_def(void) {
     d.pressure = 1e5;
     d.viscosity = 1e-3;
     d.area = 2e-3;
-    d.cake_ratio = (double)NAN;
+    d.cake_ratio = d.solids = (double)NAN;
     d.last_volume = HUGE_VAL;
     d.automatic = 1;
     d.least_readings = 6;
@@ -1627,6 +1690,8 @@ FILTRATION_API filtration_status filtration_curve_check_def(const filtration_cur
     else if (!filtration__is_positive(d->viscosity)) bad = "viscosity";
     else if (!filtration__is_positive(d->area)) bad = "area";
     else if (d->cake_ratio == d->cake_ratio && !filtration__is_positive(d->cake_ratio)) bad = "cake_ratio";
+    else if (d->solids == d->solids && !filtration__is_positive(d->solids)) bad = "solids";
+    else if (!filtration__is_error(d->solids_error)) bad = "solids_error";
     else if (!filtration__is_error(d->pressure_error)) bad = "pressure_error";
     else if (!filtration__is_error(d->viscosity_error)) bad = "viscosity_error";
     else if (!filtration__is_error(d->area_error)) bad = "area_error";
@@ -1648,14 +1713,15 @@ FILTRATION_API filtration_status filtration_curve_check_def(const filtration_cur
     return bad ? FILTRATION_BAD_DEF : FILTRATION_OK;
 }
 
-/* How far the readings of a stretch bend: the departure of a parabola and a cubic from the line, over the mean ordinate; the probability that
-   chance alone would bend it as much (F test with 2 and n - 4 degrees of freedom), for the likeliest kind of scatter; the drift of the
-   balance that would bend it so, in shares of the end. A parabola alone would miss an S-shaped curve (flat, steep, less steep). */
+/* How far the readings of a stretch bend: the departure of a parabola and a cubic from the line, over the mean ordinate; the probability
+   that chance alone would bend it as much (F test with 2 and n - 4 degrees of freedom), for the likeliest kind of scatter; the drift of
+   the balance that would bend it so, in shares of the end. A parabola alone would miss an S-shaped curve (flat, steep, less steep). */
 typedef struct filtration__bend {
     double size, chance, drift;
 } filtration__bend;
 
-#define FILTRATION__CERTAIN 0.2 /* factor of the level: a bend that is no longer put down to chance where all readings are to count */
+#define FILTRATION__CERTAIN                                                                                            \
+    0.2 /* factor of the level: a bend that is no longer put down to chance where all readings are to count */
 
 static inline filtration__bend filtration__find_bend(const filtration__readings *r, size_t first, size_t last,
                                                      const filtration__line *line) {
@@ -1664,7 +1730,8 @@ static inline filtration__bend filtration__find_bend(const filtration__readings 
     if (line->n < 6) return bend; /* a bend would be a guess */
     for (int k = 0; k < FILTRATION__KINDS; k++) {
         if (!filtration__is_thought_of(r->def, k) || !filtration__roughs[k % FILTRATION__ROUGHS].for_bend) continue;
-        filtration__fit_kind(r, first, last, line, 2, k / FILTRATION__ROUGHS, &filtration__roughs[k % FILTRATION__ROUGHS], &kind);
+        filtration__fit_kind(r, first, last, line, 2, k / FILTRATION__ROUGHS,
+                             &filtration__roughs[k % FILTRATION__ROUGHS], &kind);
         if (k == 0 || kind.bent_likelihood > best.bent_likelihood) best = kind;
     }
     bend.size = (fabs(best.coefficient[0]) * 2.0 / 3.0 + fabs(best.coefficient[1]) * 0.4) / line->mean_y;
@@ -1676,16 +1743,18 @@ static inline filtration__bend filtration__find_bend(const filtration__readings 
 
 /* Returns whether a stretch is straight: it bends no more than chance would bend it, or than the tolerance. level: the smallest
    probability. */
-static inline int filtration__is_straight(const filtration__readings *r, const filtration__line *line, const filtration__bend *bend,
-                                          double level) {
+static inline int filtration__is_straight(const filtration__readings *r, const filtration__line *line,
+                                          const filtration__bend *bend, double level) {
     return line->sxx > 0.0 && (bend->chance >= level || bend->size <= r->def->tolerance + FILTRATION__ROUNDING);
 }
 
 /* Finds the straight stretch over the widest range of volumes, among up to `grid` starts and ends; first and last stay if there is none.
    Then cuts off a fifth at an end beyond which the curve bends: the test passes readings whose bend is hidden by scatter, and they would
    bias the line (without the cut, 95 % intervals hold in 83 % of trials; tests/test_filtration_process.c). */
-static inline void filtration__longest_straight(const filtration__readings *r, size_t *first_reading, size_t *last_reading) {
-    const size_t first = *first_reading, last = *last_reading, readings = last - first + 1, least = r->def->least_readings;
+static inline void filtration__longest_straight(const filtration__readings *r, size_t *first_reading,
+                                                size_t *last_reading) {
+    const size_t first = *first_reading, last = *last_reading, readings = last - first + 1,
+                 least = r->def->least_readings;
     size_t grid = readings <= 400 ? 48 : readings <= 20000 ? 24 : 12;
     double widest = 0.0;
     if (grid > readings) grid = readings;
@@ -1717,8 +1786,8 @@ static inline filtration_estimate filtration__estimate(double value, double erro
 
 /* Returns an estimate that is `factor` times another one. The factor has a relative standard error of its own, known well (Welch 1947 and
    Satterthwaite 1946 for the degrees of freedom). */
-static inline filtration_estimate filtration__times(filtration_estimate e, double factor, double relative, double confidence,
-                                                    double freedom) {
+static inline filtration_estimate filtration__times(filtration_estimate e, double factor, double relative,
+                                                    double confidence, double freedom) {
     const double value = factor * e.value, of_fit = fabs(factor) * e.error, of_factor = fabs(value) * relative;
     const double larger = of_fit > of_factor ? of_fit : of_factor, smaller = of_fit > of_factor ? of_factor : of_fit;
     const double error = larger > 0.0 ? larger * sqrt(1.0 + (smaller / larger) * (smaller / larger)) : larger;
@@ -1728,7 +1797,8 @@ static inline filtration_estimate filtration__times(filtration_estimate e, doubl
 
 static inline void filtration__clear_curve(filtration_curve *c) {
     memset(c, 0, sizeof *c);
-    c->slope = c->intercept = c->product = c->cake = c->medium = filtration__estimate((double)NAN, (double)NAN, (double)NAN);
+    c->slope = c->intercept = c->product = c->cake = c->by_mass = c->medium =
+        filtration__estimate((double)NAN, (double)NAN, (double)NAN);
     c->covariance = c->freedom = c->student = c->scatter = c->r2 = c->bend = c->correlation = (double)NAN;
     c->pressure = c->viscosity = c->area = c->confidence = c->smallest = c->largest = (double)NAN;
 }
@@ -1748,15 +1818,16 @@ static inline int filtration__falls(const filtration__readings *r, size_t n) {
 }
 
 /* Checks the readings; least: number of them that is needed; first and last: the outermost ones that count. */
-static inline filtration_status filtration__take(filtration__readings *r, size_t n, size_t least, size_t *first, size_t *last,
-                                                 size_t *count) {
+static inline filtration_status filtration__take(filtration__readings *r, size_t n, size_t least, size_t *first,
+                                                 size_t *last, size_t *count) {
     double x, y, u;
     r->x_scale = r->y_scale = 1.0;
     *count = 0;
     double largest_x = 0.0, largest_y = 0.0;
     for (size_t i = 0; i < n; i++) {
         const double t = r->time[i], V = r->volume[i];
-        if (!(filtration__is_finite(t) && filtration__is_error(V)) || (i > 0 && !(t >= r->time[i - 1]))) return FILTRATION_BAD_ARGUMENT;
+        if (!(filtration__is_finite(t) && filtration__is_error(V)) || (i > 0 && !(t >= r->time[i - 1])))
+            return FILTRATION_BAD_ARGUMENT;
         if (!filtration__reading(r, i, &x, &y, &u)) continue;
         if (*count == 0) *first = i;
         *last = i;
@@ -1767,12 +1838,14 @@ static inline filtration_status filtration__take(filtration__readings *r, size_t
     if (filtration__falls(r, n)) return FILTRATION_BAD_ARGUMENT;
     if (*count < least) return FILTRATION_FEW_DATA;
     r->x_scale = largest_x, r->y_scale = largest_y;
-    return filtration__is_positive(largest_x) && filtration__is_positive(largest_y) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
+    return filtration__is_positive(largest_x) && filtration__is_positive(largest_y) ? FILTRATION_OK
+                                                                                    : FILTRATION_NO_SOLUTION;
 }
 
 /* Computes the line and its intervals. Their covariance makes the interval at the mean volume right, too. */
-static inline void filtration__intervals(const filtration__readings *r, size_t first, size_t last, const filtration__line *line,
-                                         const filtration__bend *bend, filtration_curve *c) {
+static inline void filtration__intervals(const filtration__readings *r, size_t first, size_t last,
+                                         const filtration__line *line, const filtration__bend *bend,
+                                         filtration_curve *c) {
     const double y_over_x = r->y_scale / r->x_scale, mean = line->mean_x;
     double x, y, u, squares = 0.0, all = 0.0, mean_y = 0.0;
     filtration__mixture m;
@@ -1792,7 +1865,8 @@ static inline void filtration__intervals(const filtration__readings *r, size_t f
     c->bend = bend->size;
     c->correlation = c->scatter > FILTRATION__ROUNDING ? m.rough : 0.0;
     if (c->correlation > 0.5) c->remarks |= FILTRATION_REMARK_CORRELATED;
-    if (n < FILTRATION__FEW && !r->def->independent && c->scatter > FILTRATION__ROUNDING) c->remarks |= FILTRATION_REMARK_FEW;
+    if (n < FILTRATION__FEW && !r->def->independent && c->scatter > FILTRATION__ROUNDING)
+        c->remarks |= FILTRATION_REMARK_FEW;
     const double certain = FILTRATION__CERTAIN * r->def->bend_level;
     if (bend->chance < certain && bend->size > FILTRATION__ROUNDING) { /* seen, though within the tolerance */
         c->remarks |= FILTRATION_REMARK_DRIFT;
@@ -1804,7 +1878,8 @@ static inline void filtration__intervals(const filtration__readings *r, size_t f
     }
     const double of_slope = filtration__error_of(&m, 0.0, 1.0), of_intercept = filtration__error_of(&m, 1.0, -mean);
     const double of_level = filtration__error_of(&m, 1.0, 0.0), most = of_slope * of_intercept;
-    double covariance = (of_level * of_level - mean * mean * of_slope * of_slope - of_intercept * of_intercept) / (2.0 * mean);
+    double covariance =
+        (of_level * of_level - mean * mean * of_slope * of_slope - of_intercept * of_intercept) / (2.0 * mean);
     covariance = covariance > most ? most : covariance < -most ? -most : covariance;
     c->slope = filtration__estimate(slope * y_over_x, of_slope * y_over_x, c->student);
     c->intercept = filtration__estimate((level - slope * mean) * r->y_scale, of_intercept * r->y_scale, c->student);
@@ -1816,15 +1891,19 @@ static inline void filtration__resistances(const filtration_curve_def *d, filtra
     const double of_duty = p * p + v * v;
     c->product = filtration__times(c->slope, filtration_product_of_slope(1.0, d->pressure, d->viscosity, d->area),
                                    sqrt(of_duty + 4.0 * a * a), d->confidence, c->freedom);
-    c->cake = filtration__times(c->slope, filtration_product_of_slope(1.0, d->pressure, d->viscosity, d->area) / d->cake_ratio,
+    c->cake = filtration__times(c->slope,
+                                filtration_product_of_slope(1.0, d->pressure, d->viscosity, d->area) / d->cake_ratio,
                                 sqrt(of_duty + 4.0 * a * a + k * k), d->confidence, c->freedom);
+    c->by_mass =
+        filtration__times(c->slope, filtration_product_of_slope(1.0, d->pressure, d->viscosity, d->area) / d->solids,
+                          sqrt(of_duty + 4.0 * a * a + d->solids_error * d->solids_error), d->confidence, c->freedom);
     c->medium = filtration__times(c->intercept, filtration_medium_of_intercept(1.0, d->pressure, d->viscosity, d->area),
                                   sqrt(of_duty + a * a), d->confidence, c->freedom);
     c->pressure = d->pressure, c->viscosity = d->viscosity, c->area = d->area, c->confidence = d->confidence;
 }
 
-FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def *def, size_t n, const double *time, const double *volume,
-                                                     filtration_curve *result) {
+FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def *def, size_t n, const double *time,
+                                                     const double *volume, filtration_curve *result) {
     size_t first = 0, last = 0, count = 0;
     filtration__line line;
     if (!result) return FILTRATION_BAD_ARGUMENT;
@@ -1847,14 +1926,16 @@ FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def 
         result->remarks |= FILTRATION_REMARK_SLOPE;
     if (result->intercept.value < 0.0) result->remarks |= FILTRATION_REMARK_MEDIUM;
     const double all = result->remarks & FILTRATION_REMARK_BENT ? 0.0 : result->product.error + result->medium.error;
-    if (filtration__is_finite(all) && filtration__is_finite(result->product.value) && filtration__is_finite(result->medium.value))
+    if (filtration__is_finite(all) && filtration__is_finite(result->product.value) &&
+        filtration__is_finite(result->medium.value))
         return FILTRATION_OK;
     filtration__clear_curve(result);
     return FILTRATION_NO_SOLUTION;
 }
 
-FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curve_def *def, size_t n, const double *time,
-                                                           const double *volume, double last_volume, filtration_estimate *medium) {
+FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curve_def *def, size_t n,
+                                                           const double *time, const double *volume, double last_volume,
+                                                           filtration_estimate *medium) {
     size_t first = 0, last = 0, count = 0;
     filtration__line line;
     if (!medium) return FILTRATION_BAD_ARGUMENT;
@@ -1876,27 +1957,32 @@ FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curv
     const double freedom = m.freedom, a = def->area_error, p = def->pressure_error, v = def->viscosity_error;
     if (!(filtration__is_finite(error) && level > 0.0)) return FILTRATION_NO_SOLUTION;
     const filtration_estimate mean = filtration__estimate(level * r.y_scale, error * r.y_scale, 1.0);
-    const filtration_estimate found = filtration__times(mean, filtration_medium_of_intercept(1.0, def->pressure, def->viscosity, def->area),
-                                                        sqrt(p * p + v * v + a * a), def->confidence, freedom);
+    const filtration_estimate found =
+        filtration__times(mean, filtration_medium_of_intercept(1.0, def->pressure, def->viscosity, def->area),
+                          sqrt(p * p + v * v + a * a), def->confidence, freedom);
     if (!(filtration__is_finite(found.value) && filtration__is_finite(found.error))) return FILTRATION_NO_SOLUTION;
     *medium = found;
     return FILTRATION_OK;
 }
 
-FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area, double compressibility,
-                                                    double V, filtration_estimate *time) {
+FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area,
+                                                    double compressibility, double V, filtration_estimate *time) {
     if (!time) return FILTRATION_BAD_ARGUMENT;
     *time = filtration__estimate((double)NAN, (double)NAN, (double)NAN);
     if (!curve || !filtration__is_positive(pressure) || !filtration__is_positive(area) || !filtration__is_error(V) ||
         !(compressibility >= 0.0 && compressibility < 1.0) || !filtration__is_positive(curve->pressure))
         return FILTRATION_BAD_ARGUMENT;
     const double p = curve->pressure / pressure, a = curve->area / area;
-    const double square = V * V * a * a * p * riddle_pow(pressure / curve->pressure, compressibility), linear = V * a * p;
+    const double square = V * V * a * a * p * riddle_pow(pressure / curve->pressure, compressibility),
+                 linear = V * a * p;
     const double variance = square * square * curve->slope.error * curve->slope.error +
-                            linear * linear * curve->intercept.error * curve->intercept.error + 2.0 * square * linear * curve->covariance;
-    *time = filtration__estimate(square * curve->slope.value + linear * curve->intercept.value, sqrt(variance > 0.0 ? variance : 0.0),
+                            linear * linear * curve->intercept.error * curve->intercept.error +
+                            2.0 * square * linear * curve->covariance;
+    *time = filtration__estimate(square * curve->slope.value + linear * curve->intercept.value,
+                                 sqrt(variance > 0.0 ? variance : 0.0),
                                  filtration_student(curve->confidence, curve->freedom));
-    if (curve->remarks & FILTRATION_REMARK_BENT) time->error = time->low = time->high = (double)NAN; /* no range, as of the line */
+    if (curve->remarks & FILTRATION_REMARK_BENT)
+        time->error = time->low = time->high = (double)NAN; /* no range, as of the line */
     else if (!filtration__is_finite(time->error)) time->value = (double)NAN;
     return filtration__is_finite(time->value) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
 }
@@ -1912,12 +1998,125 @@ FILTRATION_API unsigned filtration_outside(const filtration_curve *curve, double
 }
 
 FILTRATION_API const char *filtration_outside_text(unsigned flag) {
-#define FILTRATION__OUTSIDE_TEXT(name, bit, text)                                                                                          \
+#define FILTRATION__OUTSIDE_TEXT(name, bit, text)                                                                      \
     if (flag == bit) return text;
     FILTRATION_OUTSIDES(FILTRATION__OUTSIDE_TEXT)
     return "unknown flag";
 }
 
+/* --------------------------------------------------------------------------------------------- >>compressibility.h */
+/* compressibility.h: the power law of a compressible cake from runs at several pressures. Relies on base.h, process_api.h, process_laws.h,
+   process.h.
+   May be changed here alone: how runs are weighed. */
+
+/* Logarithms of value over pressure, and the line through them with weights 1 / (error^2 + between^2). */
+typedef struct filtration__law {
+    double weights, mean_x, mean_y, sxx, slope, squares; /* squares: of the departures, weighted */
+} filtration__law;
+
+static inline filtration__law filtration__law_of(size_t n, const double *pressure, const double *value,
+                                                 const double *error, double reference, double between) {
+    filtration__law l;
+    double sxy = 0.0;
+    memset(&l, 0, sizeof l);
+    for (int pass = 0; pass < 3; pass++)
+        for (size_t i = 0; i < n; i++) {
+            const double own = error && error[i] > 0.0 ? error[i] : 0.0, variance = own * own + between * between;
+            const double weight = variance > 0.0 ? 1.0 / variance : 1.0;
+            const double x = riddle_log(pressure[i] / reference), y = riddle_log(value[i]);
+            if (pass == 0) l.weights += weight, l.mean_x += weight * x, l.mean_y += weight * y;
+            else if (pass == 1)
+                l.sxx += weight * (x - l.mean_x) * (x - l.mean_x), sxy += weight * (x - l.mean_x) * (y - l.mean_y);
+            else {
+                const double rest = y - l.mean_y - l.slope * (x - l.mean_x);
+                l.squares += weight * rest * rest;
+            }
+            if (i + 1 < n) continue;
+            if (pass == 0) l.mean_x /= l.weights, l.mean_y /= l.weights;
+            else if (pass == 1) l.slope = sxy / l.sxx;
+        }
+    return l;
+}
+
+/* Returns the standard deviation between runs with which the weighted squares are what chance makes of them; 0 where the runs' errors are
+   enough. */
+static inline double filtration__between(size_t n, const double *pressure, const double *value, const double *error,
+                                         double reference) {
+    const double freedom = (double)n - 2.0;
+    double low = 0.0, high = 1e-12;
+    const filtration__law none = filtration__law_of(n, pressure, value, error, reference, 0.0);
+    int known = 1; /* are all runs' errors known? */
+    for (size_t i = 0; i < n; i++) known &= error && error[i] > 0.0;
+    if (known && none.squares <= freedom) return 0.0;
+    while (high < 1e6 && filtration__law_of(n, pressure, value, error, reference, high).squares > freedom)
+        low = high, high *= 2.0;
+    for (int i = 0; i < 60; i++) {
+        const double middle = 0.5 * (low + high);
+        if (filtration__law_of(n, pressure, value, error, reference, middle).squares > freedom) low = middle;
+        else high = middle;
+    }
+    return high;
+}
+
+FILTRATION_API filtration_status filtration_value_at_pressure(const filtration_compressibility *fit, double pressure,
+                                                              filtration_estimate *value) {
+    if (!value) return FILTRATION_BAD_ARGUMENT;
+    *value = filtration__estimate((double)NAN, (double)NAN, (double)NAN);
+    if (!fit || !filtration__is_positive(pressure) || !filtration__is_positive(fit->reference))
+        return FILTRATION_BAD_ARGUMENT;
+    const double x = riddle_log(pressure / fit->reference), at = fit->at_reference.value,
+                 of_level = fit->at_reference.error / at;
+    const double variance =
+        of_level * of_level + 2.0 * x * fit->covariance + x * x * fit->exponent.error * fit->exponent.error;
+    const double error = variance > 0.0 ? sqrt(variance) : variance == variance ? 0.0 : (double)NAN;
+    value->value = filtration_power_law(at, fit->exponent.value, pressure, fit->reference);
+    value->error = error * value->value;
+    value->low = value->value * riddle_exp(-fit->student * error),
+    value->high = value->value * riddle_exp(fit->student * error);
+    return filtration__is_finite(value->value) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
+}
+
+FILTRATION_API filtration_status filtration_fit_compressibility(size_t runs, const double *pressure,
+                                                                const double *value, const double *error,
+                                                                double reference, double confidence,
+                                                                filtration_compressibility *fit) {
+    if (!fit) return FILTRATION_BAD_ARGUMENT;
+    memset(fit, 0, sizeof *fit);
+    fit->exponent = fit->at_reference = filtration__estimate((double)NAN, (double)NAN, (double)NAN);
+    fit->covariance = fit->between = fit->freedom = fit->student = fit->lowest = fit->highest = (double)NAN;
+    fit->reference = fit->confidence = (double)NAN;
+    if (!filtration__is_positive(reference) || !(confidence > 0.0 && confidence < 1.0)) return FILTRATION_BAD_ARGUMENT;
+    if (runs < 2) return FILTRATION_FEW_DATA;
+    if (!pressure || !value) return FILTRATION_BAD_ARGUMENT;
+    double lowest = HUGE_VAL, highest = 0.0;
+    for (size_t i = 0; i < runs; i++) {
+        if (!filtration__is_positive(pressure[i]) || !filtration__is_positive(value[i])) return FILTRATION_BAD_ARGUMENT;
+        if (error && (error[i] < 0.0 || error[i] > FILTRATION__LARGEST)) return FILTRATION_BAD_ARGUMENT;
+        if (pressure[i] < lowest) lowest = pressure[i];
+        if (pressure[i] > highest) highest = pressure[i];
+    }
+    if (!(highest > lowest * (1.0 + 1e-9))) return FILTRATION_NO_SOLUTION;
+    const double freedom = (double)runs - 2.0;
+    const double between = freedom > 0.0 ? filtration__between(runs, pressure, value, error, reference) : 0.0;
+    const filtration__law l = filtration__law_of(runs, pressure, value, error, reference, between);
+    const double student = freedom > 0.0 ? filtration_student(confidence, freedom) : (double)NAN;
+    const double of_slope = sqrt(1.0 / l.sxx), of_level = sqrt(1.0 / l.weights + l.mean_x * l.mean_x / l.sxx);
+    const double at = riddle_exp(l.mean_y - l.slope * l.mean_x);
+    if (!filtration__is_finite(l.slope) || !filtration__is_positive(at)) return FILTRATION_NO_SOLUTION;
+    fit->reference = reference, fit->confidence = confidence, fit->runs = runs, fit->lowest = lowest,
+    fit->highest = highest;
+    fit->freedom = freedom, fit->student = student;
+    fit->exponent = filtration__estimate(l.slope, freedom > 0.0 ? of_slope : (double)NAN, student);
+    fit->at_reference = filtration__estimate(at, freedom > 0.0 ? at * of_level : (double)NAN, student);
+    fit->covariance = freedom > 0.0 ? -l.mean_x / l.sxx : (double)NAN;
+    fit->between = freedom > 0.0 ? between : (double)NAN;
+    filtration_estimate value = fit->at_reference;
+    if (freedom > 0.0) filtration_value_at_pressure(fit, reference, &value);
+    fit->at_reference = value;
+    return FILTRATION_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------ >>solids.h */
 /* solids.h: signed distances of woven cloth, beds and voxel images. Relies on base.h, solids_api.h, process.h (filtration__is_finite), the
    portable mathematics.
    May be changed here alone: how a distance is computed. */
@@ -1992,8 +2191,25 @@ static inline double filtration__axis_distance(const filtration_cloth *cloth, in
     return way * way + aside * aside + away * away;
 }
 
-/* Returns the distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined by
-   Newton's method. */
+/* Moves a place s along a wire's axis, whose squared distance is `least`, to the nearest one by Newton's method. */
+static inline void filtration__nearest_place(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
+                                             double *s, double *least) {
+    double slope, curve, ignored[2];
+    for (int i = 0; i < 20; i++) {
+        const double before = *least;
+        filtration__axis_distance(cloth, warp, own, aside, along, z, *s, &slope, &curve);
+        double move = curve > 0.1 ? -slope / curve : -slope;
+        for (int half = 0; half < 8; half++, move *= 0.5) {
+            const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, *s + move, &ignored[0], &ignored[1]);
+            if (!(square < *least)) continue;
+            *least = square, *s += move;
+            break;
+        }
+        if (!(*least < before * (1.0 - 1e-14))) break;
+    }
+}
+
+/* Returns the distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined. */
 static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z) {
     double slope, curve, best = along;
     double least = filtration__axis_distance(cloth, warp, own, aside, along, z, along, &slope, &curve);
@@ -2004,18 +2220,7 @@ static inline double filtration__wire_distance(const filtration_cloth *cloth, in
         const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, at, &slope, &curve);
         if (square < least) least = square, best = at;
     }
-    for (int i = 0; i < 20; i++) {
-        const double before = least;
-        filtration__axis_distance(cloth, warp, own, aside, along, z, best, &slope, &curve);
-        double move = curve > 0.1 ? -slope / curve : -slope;
-        for (int half = 0; half < 8; half++, move *= 0.5) {
-            const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, best + move, &slope, &curve);
-            if (!(square < least)) continue;
-            least = square, best += move;
-            break;
-        }
-        if (!(least < before * (1.0 - 1e-14))) break;
-    }
+    filtration__nearest_place(cloth, warp, own, aside, along, z, &best, &least);
     return sqrt(least) - 0.5 * cloth->wire;
 }
 
@@ -2051,9 +2256,50 @@ static inline double filtration__cloth_at(const void *self, const double point[3
     return filtration_cloth_distance((const filtration_cloth *)self, point);
 }
 
+/* Lists the places of a wire that are near to a sphere: at each place where its axis comes no nearer on either side. A wire in a bend may
+   touch a sphere twice. */
+static inline int filtration__wire_touch(const filtration_cloth *cloth, int warp, int own, const double centre[3], double radius,
+                                         double reach, int most, filtration_near *near) {
+    const double along = centre[warp ? 1 : 0], aside = centre[warp ? 0 : 1] - (own + 0.5) * (cloth->wire + cloth->opening);
+    const double z = centre[2] - cloth->centre, limit = radius + reach + 0.5 * cloth->wire, span = limit * limit - aside * aside;
+    double slope, curve, square[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    int found = 0;
+    if (!(span > 0.0)) return 0;
+    const double half = sqrt(span);
+    const int samples = (int)(half / (cloth->wire + cloth->opening) * 8.0) + 4;
+    for (int i = -samples; i <= samples + 1 && found < most; i++) {
+        square[0] = square[1], square[1] = square[2];
+        square[2] = filtration__axis_distance(cloth, warp, own, aside, along, z, along + half * i / samples, &slope, &curve);
+        if (i == -samples || !(square[1] <= square[0] && square[1] < square[2])) continue;
+        double s = along + half * (i - 1) / samples, least = square[1];
+        filtration__nearest_place(cloth, warp, own, aside, along, z, &s, &least);
+        const double distance = sqrt(least);
+        if (!(distance < limit) || !(distance > 0.0)) continue;
+        filtration_near *n = &near[found++];
+        n->gap = distance - 0.5 * cloth->wire - radius;
+        n->normal[warp ? 0 : 1] = -aside / distance, n->normal[warp ? 1 : 0] = (s - along) / distance;
+        n->normal[2] = (filtration__cloth_axis(cloth, warp, own, s, &slope, &curve) - z) / distance;
+    }
+    return found;
+}
+
+static int filtration__cloth_touch(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near) {
+    const filtration_cloth *cloth = (const filtration_cloth *)self;
+    const double pitch = cloth->wire + cloth->opening, wide = radius + reach + 0.5 * cloth->wire;
+    int found = 0;
+    if (!(fabs(centre[2] - cloth->centre) < wide + 0.5 * cloth->wire)) return 0;
+    for (int warp = 0; warp < 2; warp++) {
+        const double across = centre[warp ? 0 : 1];
+        const int first = (int)floor((across - wide) / pitch), last = (int)floor((across + wide) / pitch);
+        for (int own = first; own <= last; own++)
+            found += filtration__wire_touch(cloth, warp, own, centre, radius, reach, most - found, near + found);
+    }
+    return found;
+}
+
 FILTRATION_API filtration_solid filtration_cloth_solid(const filtration_cloth *cloth) {
     filtration_solid solid;
-    solid.distance = filtration__cloth_at, solid.cut = NULL, solid.self = cloth;
+    solid.distance = filtration__cloth_at, solid.cut = NULL, solid.self = cloth, solid.touch = filtration__cloth_touch;
     return solid;
 }
 
@@ -2064,7 +2310,8 @@ typedef struct filtration__bed_entry {
     int image[3]; /* in multiples of the box's edges */
 } filtration__bed_entry;
 
-static inline double filtration__capsule_distance(const double point[3], const double *a, const double *b, double radius) {
+/* Returns the distance from a point to the axis of a fibre, or to the centre of a sphere (b NULL), and the way there. */
+static inline double filtration__axis_way(const double point[3], const double *a, const double *b, double way[3]) {
     double along = 0.0, length = 0.0, square = 0.0;
     for (int k = 0; k < 3 && b; k++) along += (point[k] - a[k]) * (b[k] - a[k]), length += (b[k] - a[k]) * (b[k] - a[k]);
     double share = length > 0.0 ? along / length : 0.0;
@@ -2072,9 +2319,10 @@ static inline double filtration__capsule_distance(const double point[3], const d
     if (share > 1.0) share = 1.0;
     for (int k = 0; k < 3; k++) {
         const double away = point[k] - a[k] - (b ? share * (b[k] - a[k]) : 0.0);
+        way[k] = -away;
         square += away * away;
     }
-    return sqrt(square) - radius;
+    return sqrt(square);
 }
 
 /* Finds the range of cells that object i, moved by an image, can be near to. Returns 0 if there are none. */
@@ -2189,26 +2437,52 @@ FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdif
     return FILTRATION_OK;
 }
 
-FILTRATION_API double filtration_bed_distance(const filtration_bed *bed, const double point[3]) {
-    if (!bed || !point) return (double)NAN;
-    double inside[3], nearest = bed->reach;
+/* Finds the cell of a point, which is moved into the box along periodic axes. */
+static inline size_t filtration__bed_cell(const filtration_bed *bed, const double point[3], double inside[3]) {
     int cell[3];
-    if (!bed->entry) return nearest;
     for (int k = 0; k < 3; k++) {
         inside[k] = bed->periodic[k] ? point[k] - bed->box[k] * floor(point[k] / bed->box[k]) : point[k];
         const double place = inside[k] / bed->box[k] * bed->cells[k];
         cell[k] = place >= 1.0 ? (place < bed->cells[k] ? (int)place : bed->cells[k] - 1) : 0;
     }
-    const size_t c = (size_t)((cell[2] * bed->cells[1] + cell[1]) * bed->cells[0] + cell[0]);
+    return (size_t)((cell[2] * bed->cells[1] + cell[1]) * bed->cells[0] + cell[0]);
+}
+
+/* Returns the distance from a point (inside the box) to the surface of an object of a cell, and the way to its axis. */
+static inline double filtration__bed_way(const filtration_bed *bed, const filtration__bed_entry *entry, const double inside[3],
+                                         double way[3]) {
+    double moved[3];
+    for (int k = 0; k < 3; k++) moved[k] = inside[k] - entry->image[k] * bed->box[k];
+    const double *b = bed->b ? bed->b + 3 * entry->index : NULL;
+    return filtration__axis_way(moved, bed->a + 3 * entry->index, b, way) - bed->radius[entry->index];
+}
+
+FILTRATION_API double filtration_bed_distance(const filtration_bed *bed, const double point[3]) {
+    if (!bed || !point) return (double)NAN;
+    double inside[3], way[3], nearest = bed->reach;
+    if (!bed->entry) return nearest;
+    const size_t c = filtration__bed_cell(bed, point, inside);
     for (size_t e = bed->start[c]; e < bed->start[c + 1]; e++) {
-        const filtration__bed_entry *entry = &bed->entry[e];
-        double moved[3];
-        for (int k = 0; k < 3; k++) moved[k] = inside[k] - entry->image[k] * bed->box[k];
-        const double *b = bed->b ? bed->b + 3 * entry->index : NULL;
-        const double distance = filtration__capsule_distance(moved, bed->a + 3 * entry->index, b, bed->radius[entry->index]);
+        const double distance = filtration__bed_way(bed, &bed->entry[e], inside, way);
         if (distance < nearest) nearest = distance;
     }
     return nearest;
+}
+
+static int filtration__bed_touch(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near) {
+    const filtration_bed *bed = (const filtration_bed *)self;
+    double inside[3], way[3];
+    int found = 0;
+    if (!bed->entry) return 0;
+    const size_t c = filtration__bed_cell(bed, centre, inside);
+    for (size_t e = bed->start[c]; e < bed->start[c + 1] && found < most; e++) {
+        const double distance = filtration__bed_way(bed, &bed->entry[e], inside, way), axis = distance + bed->radius[bed->entry[e].index];
+        if (!(distance - radius < reach) || !(axis > 0.0)) continue;
+        near[found].gap = distance - radius;
+        for (int k = 0; k < 3; k++) near[found].normal[k] = way[k] / axis;
+        found++;
+    }
+    return found;
 }
 
 static inline double filtration__bed_at(const void *self, const double point[3]) {
@@ -2217,7 +2491,7 @@ static inline double filtration__bed_at(const void *self, const double point[3])
 
 FILTRATION_API filtration_solid filtration_bed_solid(const filtration_bed *bed) {
     filtration_solid solid;
-    solid.distance = filtration__bed_at, solid.cut = NULL, solid.self = bed;
+    solid.distance = filtration__bed_at, solid.cut = NULL, solid.self = bed, solid.touch = filtration__bed_touch;
     return solid;
 }
 
@@ -2280,10 +2554,11 @@ static inline double filtration__image_at(const void *self, const double point[3
 
 FILTRATION_API filtration_solid filtration_image_solid(const filtration_image *image) {
     filtration_solid solid;
-    solid.distance = filtration__image_at, solid.cut = NULL, solid.self = image;
+    solid.distance = filtration__image_at, solid.cut = NULL, solid.self = image, solid.touch = NULL;
     return solid;
 }
 
+/* ----------------------------------------------------------------------------------------------------- >>lattice.h */
 /* lattice.h: the two sets of directions, the layout of populations in memory, and where a step finds them. Relies on base.h and api.h.
    May be changed here alone: nothing; every later part addresses populations through the functions here. */
 
@@ -2313,11 +2588,20 @@ typedef struct filtration__link {
     float fraction; /* q [-] */
 } filtration__link;
 
+/* A population that enters a node through a face, the opposite of direction i, which leaves. It follows from the population that leaves the
+   node at `offset` along `along`. */
+typedef struct filtration__entry {
+    signed char i, face, offset[3], along;
+} filtration__entry;
+
 /* A sphere in lattice units, as in the owner map. */
 typedef struct filtration__ball {
     double centre[3], velocity[3], spin[3], radius; /* radius 0: no sphere */
     double force[2][3], torque[2][3];               /* of this step and the one before */
+    double density, slope[3];                       /* at its surface: deviation density + slope . d, d from the centre */
     int64_t steps;                                  /* number of steps since it was added */
+    int64_t films;                                  /* number of links to other solids and through faces */
+    int64_t hull[3];                                /* sum over its links of 72 w c [-]: 0 where its surface is closed */
 } filtration__ball;
 
 /* Relaxation and forcing of one step, of the kernel's precision. */
@@ -2338,9 +2622,10 @@ typedef struct filtration__lattice {
     void *block;              /* allocated block that contains f */
     size_t block_bytes;
     const signed char (*c)[3];
-    filtration_face face[6];
+    const struct filtration__face_kind *face[6];
     double face_velocity[6][3], face_density[6]; /* lattice units [-] */
     double w[FILTRATION__Q];
+    int whole_weight[FILTRATION__Q]; /* 72 w */
     filtration__rates rates;
     int periodic_x, half_way, refill;
     int odd;                    /* which step of the pair comes next */
@@ -2349,6 +2634,8 @@ typedef struct filtration__lattice {
     unsigned char *slab_active; /* [nz]: 0: at exact rest */
     filtration__link *links;
     ptrdiff_t link_count;
+    int entry_count[64]; /* of nodes beside faces: low and high of an axis have a bit each */
+    filtration__entry entries[64][FILTRATION__Q];
     filtration__ball *balls;
     ptrdiff_t ball_count, ball_room;
     ptrdiff_t fluid_nodes, solid_nodes;
@@ -2357,6 +2644,13 @@ typedef struct filtration__lattice {
     int bad[FILTRATION__TASKS];                /* 1: a row of the task is FILTRATION__ROW_BAD */
     int64_t updated[FILTRATION__TASKS];        /* nodes */
 } filtration__lattice;
+
+static inline double filtration__dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* Returns the deviation of density at a sphere's surface, or in a film beside it; d: from its centre. */
+static inline double filtration__density_at(const filtration__ball *b, const double d[3]) {
+    return b->density + filtration__dot(b->slope, d);
+}
 
 /* Returns a coordinate on an axis of n nodes, wrapped; i is at most n beyond. */
 static inline int filtration__wrap(int i, int n) { return i < 0 ? i + n : i >= n ? i - n : i; }
@@ -2423,6 +2717,7 @@ static inline double filtration__equilibrium(const filtration__lattice *l, int i
 #define FILTRATION__FLAG int64_t
 #define FILTRATION__OF(name) name##d
 
+/* ------------------------------------------------------------------------------------------------------ >>kernel.h */
 /* kernel.h: collision of the nodes of a row; read once for doubles and once for floats.
    Relies on lattice.h, and on FILTRATION__REAL, FILTRATION__FLAG (an integer of its size) and FILTRATION__OF(name).
    May be changed here alone: the order of arithmetic (the bits change). */
@@ -2577,6 +2872,7 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const
 #define FILTRATION__FLAG int32_t
 #define FILTRATION__OF(name) name##f
 
+/* ------------------------------------------------------------------------------------------------------ >>kernel.h */
 /* kernel.h: collision of the nodes of a row; read once for doubles and once for floats.
    Relies on lattice.h, and on FILTRATION__REAL, FILTRATION__FLAG (an integer of its size) and FILTRATION__OF(name).
    May be changed here alone: the order of arithmetic (the bits change). */
@@ -2725,6 +3021,7 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const
 #undef FILTRATION__SETUP
 #undef FILTRATION__ROW
 
+/* ----------------------------------------------------------------------------------------------------- >>collide.h */
 /* collide.h: one step of a pair over all rows: halos of periodic rows, collision, skipped slabs, detection of divergence. Relies on
    lattice.h and kernel.h.
    May be changed here alone: everything. */
@@ -2849,6 +3146,16 @@ static inline int filtration__in_film(const filtration__lattice *l, int x, int y
     return 2 * fluid < l->q;
 }
 
+/* Returns the density that a film has beside a sphere, or the mean where there is none. */
+static inline double filtration__film_density(const filtration__lattice *l, int x, int y, int z) {
+    for (int i = 1; i < l->q; i++) {
+        const int32_t owner = l->owner[filtration__node(l, filtration__wrap(x + l->c[i][0], l->nx), filtration__wrap(y + l->c[i][1], l->ny),
+                                                        filtration__wrap(z + l->c[i][2], l->nz))];
+        if (owner >= 0) return l->balls[owner].density;
+    }
+    return 0.0;
+}
+
 /* Finds the first node of a row that is too fast or not a number. Solids and films do not count; they are put to rest. Returns 0 if there
    is none. */
 static inline int filtration__bad_node(filtration__lattice *l, int y, int z, filtration_problem *problem) {
@@ -2864,7 +3171,8 @@ static inline int filtration__bad_node(filtration__lattice *l, int y, int z, fil
         double uu = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
         if (uu < l->rates.limit && fabs(r) < 1e30) continue;
         if (!fluid || filtration__in_film(l, x, y, z)) {
-            for (int i = 0; i < l->q; i++) filtration__put(l, filtration__outgoing(l, x, y, z, i), 0.0);
+            const double rest = fluid ? filtration__film_density(l, x, y, z) : 0.0;
+            for (int i = 0; i < l->q; i++) filtration__put(l, filtration__outgoing(l, x, y, z, i), l->w[i] * rest);
             continue;
         }
         problem->cause = uu < HUGE_VAL ? FILTRATION_SPEED : FILTRATION_NOT_FINITE;
@@ -2889,29 +3197,70 @@ static inline int filtration__find_problem(filtration__lattice *l, filtration_pr
     return 0;
 }
 
+/* ------------------------------------------------------------------------------------------------------- >>faces.h */
 /* faces.h: populations that enter through non-periodic faces of the box: walls, given pressure, symmetry. Relies on lattice.h, collide.h
    (task_range).
    May be changed here alone: everything. */
 
 /* ==== >>faces ==== */
 
-#define FILTRATION__BLOCK 64
+#define FILTRATION__BLOCK 64 /* nodes that a face processes together */
 
-/* Finds the face by which a population leaves; a wall takes precedence over an open face, that over a mirror. crossed: the axes, as bits.
-   Returns 3 for a wall, 2 for an open face, 1 for a mirror, 0 if it does not leave. */
-static inline int filtration__crossing(const filtration__lattice *l, int x, int y, int z, int i, int *face, int *crossed) {
-    const int at[3] = {x, y, z}, n[3] = {l->nx, l->ny, l->nz};
-    int found = 0;
-    *crossed = 0;
-    for (int a = 0; a < 3; a++) {
-        int to = at[a] + l->c[i][a], f = 2 * a + (to > 0);
-        if ((to >= 0 && to < n[a]) || l->face[f] == FILTRATION_PERIODIC) continue;
-        *crossed |= 1 << a;
-        int rank = l->face[f] == FILTRATION_WALL ? 3 : l->face[f] == FILTRATION_PRESSURE ? 2 : 1;
-        if (rank > found) found = rank, *face = f;
-    }
-    return found;
+/* What lies beyond a face. */
+enum { FILTRATION__NOTHING, FILTRATION__REPEATED, FILTRATION__MIRRORED };
+
+/* A kind of face; filtration__face_kinds has a row for each. */
+typedef struct filtration__face_kind {
+    filtration_face kind;
+    int beyond;
+    int rank;         /* at an edge of the box a population belongs to the face of the highest rank */
+    int is_touched;   /* 1: spheres touch it */
+    int has_velocity; /* 1: along the face, 2: through it, too */
+    int has_pressure;
+    int reads_flow; /* 1: enter needs the velocity of the nodes */
+    /* Computes what enters n nodes from what leaves, h. u: their velocity, or 0. NULL: what leaves is what enters. */
+    void (*enter)(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK], double *h);
+} filtration__face_kind;
+
+/* Bounce-back half way from a surface that moves. */
+static void filtration__enter_wall(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK],
+                                   double *h) {
+    const signed char *c = l->c[e->i];
+    const double *v = l->face_velocity[e->face], push = 6.0 * l->w[e->i] * (c[0] * v[0] + c[1] * v[1] + c[2] * v[2]);
+    (void)u;
+    for (int k = 0; k < n; k++) h[k] -= push;
 }
+
+/* A given pressure by anti-bounce-back (Ginzburg et al. 2008). */
+static void filtration__enter_open(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK],
+                                   double *h) {
+    const signed char *c = l->c[e->i];
+    const double r = l->face_density[e->face];
+    for (int k = 0; k < n; k++) {
+        double cu = c[0] * u[0][k] + c[1] * u[1][k] + c[2] * u[2][k];
+        double uu = u[0][k] * u[0][k] + u[1][k] * u[1][k] + u[2][k] * u[2][k];
+        h[k] = 2.0 * l->w[e->i] * (r + 4.5 * cu * cu - 1.5 * uu) - h[k];
+    }
+}
+
+/* clang-format off */
+static const filtration__face_kind filtration__face_kinds[] = {
+    /* kind                 beyond                 rank  touched velocity pressure reads flow  enter */
+    {FILTRATION_PERIODIC, FILTRATION__REPEATED, 0, 0, 0, 0, 0, NULL},
+    {FILTRATION_WALL,     FILTRATION__NOTHING,  3, 1, 1, 0, 0, filtration__enter_wall},
+    {FILTRATION_PRESSURE, FILTRATION__NOTHING,  2, 0, 0, 1, 1, filtration__enter_open},
+    {FILTRATION_SYMMETRY, FILTRATION__MIRRORED, 1, 0, 0, 0, 0, NULL},
+};
+/* clang-format on */
+
+/* Returns the row of a kind, or NULL. */
+static inline const filtration__face_kind *filtration__kind_of(filtration_face kind) {
+    for (size_t k = 0; k < sizeof filtration__face_kinds / sizeof *filtration__face_kinds; k++)
+        if (filtration__face_kinds[k].kind == kind) return &filtration__face_kinds[k];
+    return NULL;
+}
+
+static inline int filtration__repeats(const filtration__lattice *l, int axis) { return l->face[2 * axis]->beyond == FILTRATION__REPEATED; }
 
 /* Returns the direction with the signs of some axes (as bits) reversed. */
 static inline int filtration__turned(const filtration__lattice *l, int i, int axes) {
@@ -2930,11 +3279,11 @@ static inline int filtration__inside(const filtration__lattice *l, int p[3], int
     *mirrored = 0;
     for (int a = 0; a < 3; a++) {
         if (p[a] >= 0 && p[a] < n[a]) continue;
-        filtration_face kind = l->face[2 * a + (p[a] > 0)];
-        if (kind == FILTRATION_PERIODIC) {
+        const int beyond = l->face[2 * a + (p[a] > 0)]->beyond;
+        if (beyond == FILTRATION__REPEATED) {
             p[a] %= n[a];
             if (p[a] < 0) p[a] += n[a];
-        } else if (kind == FILTRATION_SYMMETRY && p[a] >= -1 && p[a] <= n[a]) {
+        } else if (beyond == FILTRATION__MIRRORED && p[a] >= -1 && p[a] <= n[a]) {
             p[a] = p[a] < 0 ? -1 - p[a] : 2 * n[a] - 1 - p[a];
             *mirrored |= 1 << a;
         } else {
@@ -2968,42 +3317,50 @@ static inline void filtration__row_velocity(const filtration__lattice *l, int x,
     }
 }
 
-/* Applies a given pressure by anti-bounce-back (Ginzburg et al. 2008). */
-static inline void filtration__open(const filtration__lattice *l, int i, double r, int n, double u[3][FILTRATION__BLOCK], double *h) {
-    for (int k = 0; k < n; k++) {
-        double cu = l->c[i][0] * u[0][k] + l->c[i][1] * u[1][k] + l->c[i][2] * u[2][k];
-        double uu = u[0][k] * u[0][k] + u[1][k] * u[1][k] + u[2][k] * u[2][k];
-        h[k] = 2.0 * l->w[i] * (r + 4.5 * cu * cu - 1.5 * uu) - h[k];
+/* Finds how the opposite of direction i enters a node with that many faces beside it (2 bits an axis: low, high). Returns 0 if it does not
+   enter through a face. */
+static inline int filtration__find_entry(const filtration__lattice *l, int beside, int i, filtration__entry *e) {
+    int rank = 0, crossed = 0;
+    memset(e, 0, sizeof *e);
+    for (int a = 0; a < 3; a++) {
+        const int c = l->c[i][a], f = 2 * a + (c > 0);
+        if (c == 0 || !(beside >> f & 1) || l->face[f]->beyond == FILTRATION__REPEATED) continue;
+        crossed |= 1 << a;
+        if (l->face[f]->rank > rank) rank = l->face[f]->rank, e->face = (signed char)f;
+    }
+    if (!crossed) return 0;
+    e->i = e->along = (signed char)i;
+    if (l->face[e->face]->beyond != FILTRATION__MIRRORED) return 1;
+    for (int a = 0; a < 3; a++) e->offset[a] = (crossed >> a & 1) ? (signed char)0 : l->c[i][a];
+    e->along = (signed char)filtration__turned(l, i, 7 & ~crossed);
+    return 1;
+}
+
+/* Lists the populations that enter through faces, for nodes beside any of them. */
+static inline void filtration__list_entries(filtration__lattice *l) {
+    for (int beside = 0; beside < 64; beside++) {
+        l->entry_count[beside] = 0;
+        for (int i = 1; i < l->q; i++)
+            l->entry_count[beside] += filtration__find_entry(l, beside, i, &l->entries[beside][l->entry_count[beside]]);
     }
 }
 
-/* Processes n nodes of a row, at most FILTRATION__BLOCK, of one kind: all or none at an end of the row. */
+static inline int filtration__beside(int i, int n) { return (i == 0) + 2 * (i == n - 1); }
+
+/* Processes n nodes of a row, at most FILTRATION__BLOCK, beside the same faces. */
 static inline void filtration__face_block(filtration__lattice *l, int x, int n, int y, int z) {
     double u[3][FILTRATION__BLOCK] = {{0.0}}, h[FILTRATION__BLOCK];
+    const int beside = filtration__beside(x, l->nx) + 4 * filtration__beside(y, l->ny) + 16 * filtration__beside(z, l->nz);
     int have_velocity = 0;
-    for (int i = 1; i < l->q; i++) {
-        int face = 0, crossed, kind = filtration__crossing(l, x, y, z, i, &face, &crossed), back = filtration__opposite(i);
-        if (!kind) continue;
-        if (kind == 1) { /* a mirror: the incoming population is the one that left the mirrored neighbour */
-            int m[3] = {x, y, z}, none;
-            for (int a = 0; a < 3; a++)
-                if (!(crossed >> a & 1)) m[a] += l->c[i][a];
-            filtration__inside(l, m, &none);
-            filtration__load(l, filtration__outgoing(l, m[0], m[1], m[2], filtration__turned(l, i, 7 & ~crossed)), n, h);
-        } else {
-            filtration__load(l, filtration__outgoing(l, x, y, z, i), n, h);
-        }
-        if (kind == 2) {
-            if (!have_velocity) filtration__row_velocity(l, x, n, y, z, u);
-            have_velocity = 1;
-            filtration__open(l, i, l->face_density[face], n, u, h);
-        }
-        if (kind == 3) {
-            const double *v = l->face_velocity[face];
-            double push = 6.0 * l->w[i] * (l->c[i][0] * v[0] + l->c[i][1] * v[1] + l->c[i][2] * v[2]);
-            for (int k = 0; k < n; k++) h[k] -= push;
-        }
-        filtration__store(l, filtration__incoming(l, x, y, z, back), n, h);
+    for (int k = 0; k < l->entry_count[beside]; k++) {
+        const filtration__entry *e = &l->entries[beside][k];
+        const filtration__face_kind *kind = l->face[e->face];
+        int m[3] = {x + e->offset[0], y + e->offset[1], z + e->offset[2]}, none;
+        filtration__inside(l, m, &none);
+        filtration__load(l, filtration__outgoing(l, m[0], m[1], m[2], e->along), n, h);
+        if (kind->reads_flow && !have_velocity) filtration__row_velocity(l, x, n, y, z, u), have_velocity = 1;
+        if (kind->enter) kind->enter(l, e, n, u, h);
+        filtration__store(l, filtration__incoming(l, x, y, z, filtration__opposite(e->i)), n, h);
     }
 }
 
@@ -3026,6 +3383,7 @@ static void filtration__face_task(void *context, int task) {
     }
 }
 
+/* ------------------------------------------------------------------------------------------------------- >>links.h */
 /* links.h: lattice links that a surface cuts: the boundary law, the links of the solid at rest. Relies on faces.h.
    May be changed here alone: the law (filtration__bounce). */
 
@@ -3134,18 +3492,7 @@ static inline void filtration__mark_solid(const filtration_fluid_def *def, filtr
         }
 }
 
-/* Computes the force of the last step on the solid at rest, in lattice units: the momentum exchanged over its links (Ladd 1994). */
-static inline void filtration__solid_force(const filtration__lattice *l, double force[3]) {
-    force[0] = force[1] = force[2] = 0.0;
-    for (ptrdiff_t n = 0; n < l->link_count; n++) {
-        filtration__cut k = filtration__link_cut(&l->links[n]);
-        if (l->owner[filtration__node(l, k.x, k.y, k.z)] != FILTRATION__FLUID) continue;
-        double h = filtration__get(l, filtration__outgoing(l, k.x, k.y, k.z, k.i)) +
-                   filtration__get(l, filtration__incoming(l, k.x, k.y, k.z, filtration__opposite(k.i)));
-        for (int a = 0; a < 3; a++) force[a] += l->c[k.i][a] * h;
-    }
-}
-
+/* ----------------------------------------------------------------------------------------------------- >>spheres.h */
 /* spheres.h: moving spheres on the lattice: the nodes that they cover, their links, the force on them, nodes that they leave. Relies on
    links.h.
    May be changed here alone: everything but the meaning of owner. Coordinates: lattice units, node i at i. */
@@ -3176,7 +3523,7 @@ static inline int32_t filtration__cover(const filtration__lattice *l, const int 
         double rr = 0.0;
         for (int a = 0; a < 3; a++) {
             double d = p[a] - b->centre[a];
-            if (l->face[2 * a] == FILTRATION_PERIODIC) d -= n[a] * floor(d / n[a] + 0.5);
+            if (filtration__repeats(l, a)) d -= n[a] * floor(d / n[a] + 0.5);
             rr += d * d;
         }
         if (rr < b->radius * b->radius) return (int32_t)k;
@@ -3215,28 +3562,72 @@ static inline void filtration__surface_velocity(const filtration__ball *b, const
     u[2] = b->velocity[2] + b->spin[0] * d[1] - b->spin[1] * d[0];
 }
 
-/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Populations are deviations, so that a film too thin for nodes
-   has the mean pressure. */
-static inline void filtration__exchange(const filtration__lattice *l, filtration__ball *b, int i, const double d[3], const double u[3],
-                                        double out, double back) {
+/* Sums over the links of a sphere, weighted as the lattice is: of the density at its surface and of places, for a line fitted to it. */
+typedef struct filtration__surface {
+    double weight, density, place[3], rise[3]; /* sums of w, w r, w d, w r d */
+    double spread[6];                          /* of w d d: xx, yy, zz, yz, zx, xy */
+    double arm[3];                             /* of w (d x c) */
+} filtration__surface;
+
+/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Half of what goes and comes is w times the density there. */
+static inline void filtration__exchange(const filtration__lattice *l, filtration__ball *b, filtration__surface *s, int i, const double d[3],
+                                        const double u[3], double out, double back) {
+    const double w = l->w[i], c[3] = {(double)l->c[i][0], (double)l->c[i][1], (double)l->c[i][2]}, wr = 0.5 * (out + back);
     double f[3];
     for (int a = 0; a < 3; a++) {
-        f[a] = l->c[i][a] * (out + back) - u[a] * (out - back);
+        const int y = (a + 1) % 3, z = (a + 2) % 3;
+        f[a] = c[a] * (out + back) - u[a] * (out - back);
         b->force[0][a] += f[a];
+        b->hull[a] += l->c[i][a] * l->whole_weight[i];
+        s->place[a] += w * d[a], s->rise[a] += wr * d[a];
+        s->spread[a] += w * d[a] * d[a], s->spread[3 + a] += w * d[y] * d[z];
+        s->arm[a] += w * (d[y] * c[z] - d[z] * c[y]);
     }
+    s->weight += w, s->density += wr;
     b->torque[0][0] += d[1] * f[2] - d[2] * f[1];
     b->torque[0][1] += d[2] * f[0] - d[0] * f[2];
     b->torque[0][2] += d[0] * f[1] - d[1] * f[0];
 }
 
-/* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one. */
-static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b, int x, int y, int z, int j) {
+/* Fits density + slope . d to the density at a sphere's links, by least squares; the more of the surface is hidden, the more the slope is
+   held down. A constant density is met exactly. */
+static inline void filtration__fit_density(filtration__ball *b, const filtration__surface *s) {
+    double mean[3], m[6], right[3], minor[3];
+    b->density = b->slope[0] = b->slope[1] = b->slope[2] = 0.0;
+    if (!(s->weight > 0.0)) return;
+    for (int a = 0; a < 3; a++) mean[a] = s->place[a] / s->weight, right[a] = s->rise[a] - s->density * mean[a];
+    for (int a = 0; a < 3; a++) {
+        const int y = (a + 1) % 3, z = (a + 2) % 3;
+        m[a] = s->spread[a] - s->weight * mean[a] * mean[a] + 0.01 * s->weight * b->radius * b->radius;
+        m[3 + a] = s->spread[3 + a] - s->weight * mean[y] * mean[z];
+    }
+    minor[0] = m[1] * m[2] - m[3] * m[3], minor[1] = m[3] * m[4] - m[5] * m[2], minor[2] = m[5] * m[3] - m[1] * m[4];
+    const double whole = m[0] * minor[0] + m[5] * minor[1] + m[4] * minor[2];
+    if (whole > 0.0) {
+        b->slope[0] = (right[0] * minor[0] + right[1] * minor[1] + right[2] * minor[2]) / whole;
+        b->slope[1] = (right[0] * minor[1] + right[1] * (m[0] * m[2] - m[4] * m[4]) + right[2] * (m[4] * m[5] - m[0] * m[3])) / whole;
+        b->slope[2] = (right[0] * minor[2] + right[1] * (m[4] * m[5] - m[0] * m[3]) + right[2] * (m[0] * m[1] - m[5] * m[5])) / whole;
+    }
+    b->density = s->density / s->weight - filtration__dot(b->slope, mean);
+}
+
+/* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one; otherwise counts a film. */
+static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
+                                         int z, int j) {
     int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
     double d[3], e[3], u[3], back, cd = 0.0, dd = 0.0, cc = 0.0;
     for (int a = 0; a < 3; a++) d[a] = p[a] - b->centre[a];
-    if (!filtration__inside(l, p, &mirrored) || mirrored) return;
-    if (l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) return;
     if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
+    const int from_image = mirrored;
+    if (!filtration__inside(l, p, &mirrored)) {
+        b->films += !from_image;
+        return;
+    }
+    if (mirrored) return;
+    if (l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) {
+        b->films += !from_image;
+        return;
+    }
     for (int a = 0; a < 3; a++) cd -= d[a] * l->c[j][a], dd += d[a] * d[a], cc += (double)(l->c[j][a] * l->c[j][a]);
     double root = cd * cd - cc * (dd - b->radius * b->radius);
     filtration__cut k = {p[0], p[1], p[2], filtration__opposite(j), l->half_way ? 0.5 : (-cd - sqrt(root > 0.0 ? root : 0.0)) / cc};
@@ -3244,11 +3635,16 @@ static inline void filtration__ball_link(filtration__lattice *l, int32_t index, 
     filtration__surface_velocity(b, e, u);
     double cu = -(l->c[j][0] * u[0] + l->c[j][1] * u[1] + l->c[j][2] * u[2]);
     double out = filtration__bounce(l, &k, cu, &back);
-    filtration__exchange(l, b, k.i, e, u, out, back);
+    filtration__exchange(l, b, sum, k.i, e, u, out, back);
 }
 
-/* Applies all links of a sphere: in every row those of its nodes whose neighbour along j is outside. */
-static inline void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b) {
+/* What is done with a link of a sphere, from its node (x, y, z) along j. */
+typedef void (*filtration__link_fn)(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
+                                    int z, int j);
+
+/* Visits all links of a sphere: in every row those of its nodes whose neighbour along j is outside. */
+FILTRATION__INLINE void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum,
+                                               const filtration__link_fn link) {
     int y0, y1, z0, z1;
     filtration__extent(b, 1, &y0, &y1);
     filtration__extent(b, 2, &z0, &z1);
@@ -3265,14 +3661,15 @@ static inline void filtration__ball_links(filtration__lattice *l, int32_t index,
             for (int j = 1; j < l->q; j++) {
                 const signed char *c = l->c[j];
                 int in = from[c[2] + 1][c[1] + 1] - c[0], out = to[c[2] + 1][c[1] + 1] - c[0];
-                for (int x = first; x <= end && x < in; x++) filtration__ball_link(l, index, b, x, y, z, j);
-                for (int x = out + 1 > first ? out + 1 : first; x <= end; x++) filtration__ball_link(l, index, b, x, y, z, j);
+                for (int x = first; x <= end && x < in; x++) link(l, index, b, sum, x, y, z, j);
+                for (int x = out + 1 > first ? out + 1 : first; x <= end; x++) link(l, index, b, sum, x, y, z, j);
             }
         }
 }
 
 static void filtration__ball_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
+    filtration__surface sum;
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
         filtration__ball *b = &l->balls[n];
         if (!(b->radius > 0.0)) continue;
@@ -3280,7 +3677,11 @@ static void filtration__ball_task(void *context, int task) {
         memcpy(b->torque[1], b->torque[0], sizeof b->torque[0]);
         memset(b->force[0], 0, sizeof b->force[0]);
         memset(b->torque[0], 0, sizeof b->torque[0]);
-        filtration__ball_links(l, (int32_t)n, b);
+        memset(&sum, 0, sizeof sum);
+        b->films = b->hull[0] = b->hull[1] = b->hull[2] = 0;
+        filtration__ball_links(l, (int32_t)n, b, &sum, filtration__ball_link);
+        filtration__fit_density(b, &sum);
+        for (int a = 0; a < 3; a++) b->torque[0][a] -= 2.0 * b->density * sum.arm[a]; /* a constant pressure turns no sphere */
         b->steps++;
     }
 }
@@ -3297,7 +3698,8 @@ static inline double filtration__moments(const filtration__lattice *l, int x, in
     return r;
 }
 
-/* Sets the populations of a node that a sphere has left. d: from the sphere's centre. */
+/* Sets the populations of a node that a sphere has left. d: from the sphere's centre. Without a fluid neighbour: the density at the
+   sphere's surface. */
 static inline void filtration__fill(filtration__lattice *l, const filtration__ball *b, int x, int y, int z, const double d[3]) {
     double r = 0.0, u[3], near_u[3] = {0, 0, 0}, best = -HUGE_VAL, near_r = 0.0, mean[FILTRATION__Q] = {0};
     int count = 0, from[3] = {0, 0, 0}, mirrored;
@@ -3316,7 +3718,7 @@ static inline void filtration__fill(filtration__lattice *l, const filtration__ba
         memcpy(from, p, sizeof from);
         memcpy(near_u, v, sizeof near_u);
     }
-    if (count) r /= count;
+    r = count ? r / count : filtration__density_at(b, d);
     filtration__surface_velocity(b, d, u);
     for (int i = 0; i < l->q; i++) {
         double h = filtration__equilibrium(l, i, r, u);
@@ -3351,6 +3753,85 @@ static inline void filtration__fill_left(filtration__lattice *l, const filtratio
         }
 }
 
+/* ------------------------------------------------------------------------------------------------------- >>films.h */
+/* films.h: pressure in films that are too thin for nodes, between spheres, at the solid and at faces; the force on the solid at rest. A
+   pressure has no level: a constant added to it changes no force.
+   Relies on spheres.h.
+   May be changed here alone: everything. */
+
+/* ==== >>films ==== */
+
+/* Adds the pressure on a link between two solids, or through a face, from node (x, y, z) of the sphere along j. There the mean of the
+   densities that the two spheres would have counts for both, so that the film pushes them apart with equal forces. */
+static inline void filtration__film_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
+                                         int z, int j) {
+    const int n[3] = {l->nx, l->ny, l->nz};
+    int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
+    double d[3];
+    for (int a = 0; a < 3; a++) d[a] = s[a] + 0.5 * l->c[j][a] - b->centre[a];
+    if (!filtration__inside(l, s, &mirrored) || mirrored || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
+    double density = filtration__density_at(b, d);
+    if (filtration__inside(l, p, &mirrored)) {
+        const int32_t owner = l->owner[filtration__node(l, p[0], p[1], p[2])];
+        if (mirrored || owner == FILTRATION__FLUID) return;
+        if (owner >= 0) {
+            const filtration__ball *other = &l->balls[owner];
+            double away[3];
+            for (int a = 0; a < 3; a++) {
+                away[a] = p[a] - other->centre[a];
+                if (filtration__repeats(l, a)) away[a] -= n[a] * floor(away[a] / n[a] + 0.5);
+                away[a] -= 0.5 * l->c[j][a];
+            }
+            density = 0.5 * (density + filtration__density_at(other, away));
+        }
+    }
+    (void)sum;
+    for (int a = 0; a < 3; a++) {
+        b->force[0][a] -= 2.0 * l->w[j] * l->c[j][a] * density;
+        b->hull[a] -= l->c[j][a] * l->whole_weight[j];
+    }
+}
+
+/* Adds the pressure of films. What leaves the surface open (mirrors, spheres that overlap) has the density at the centre, so that a
+   constant pressure moves no sphere. */
+static void filtration__film_task(void *context, int task) {
+    filtration__lattice *l = (filtration__lattice *)context;
+    for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
+        filtration__ball *b = &l->balls[n];
+        if (!(b->radius > 0.0)) continue;
+        if (b->films) filtration__ball_links(l, (int32_t)n, b, NULL, filtration__film_link);
+        for (int a = 0; a < 3; a++) b->force[0][a] -= 2.0 / 72.0 * (double)b->hull[a] * b->density;
+    }
+}
+
+/* Computes the force of the last step on the solid at rest, in lattice units: the momentum exchanged over its links (Ladd 1994), and the
+   pressure of films under spheres. */
+static inline void filtration__solid_force(const filtration__lattice *l, double force[3]) {
+    force[0] = force[1] = force[2] = 0.0;
+    for (ptrdiff_t n = 0; n < l->link_count; n++) {
+        const filtration__cut k = filtration__link_cut(&l->links[n]);
+        const int at[3] = {k.x, k.y, k.z}, size[3] = {l->nx, l->ny, l->nz};
+        const int32_t owner = l->owner[filtration__node(l, k.x, k.y, k.z)];
+        double h, d[3];
+        if (owner == FILTRATION__FLUID) {
+            h = filtration__get(l, filtration__outgoing(l, k.x, k.y, k.z, k.i)) +
+                filtration__get(l, filtration__incoming(l, k.x, k.y, k.z, filtration__opposite(k.i)));
+        } else if (owner >= 0) {
+            const filtration__ball *b = &l->balls[owner];
+            for (int a = 0; a < 3; a++) {
+                d[a] = at[a] - b->centre[a];
+                if (filtration__repeats(l, a)) d[a] -= size[a] * floor(d[a] / size[a] + 0.5);
+                d[a] += 0.5 * l->c[k.i][a];
+            }
+            h = 2.0 * l->w[k.i] * filtration__density_at(b, d);
+        } else {
+            continue;
+        }
+        for (int a = 0; a < 3; a++) force[a] += l->c[k.i][a] * h;
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------- >>shear.h */
 /* shear.h: the paper's force on a sphere, for comparison: shear over a layer of one voxel, no pressure.
    Relies on spheres.h.
    May be changed here alone: everything. */
@@ -3390,8 +3871,7 @@ static inline int filtration__in_box(const filtration__lattice *l, const double 
     const int n[3] = {l->nx, l->ny, l->nz};
     for (int a = 0; a < 3; a++) {
         const double x = centre[a] + d[a];
-        if (x < -0.5 && l->face[2 * a] != FILTRATION_PERIODIC) return 0;
-        if (x > n[a] - 0.5 && l->face[2 * a + 1] != FILTRATION_PERIODIC) return 0;
+        if ((x < -0.5 || x > n[a] - 0.5) && !filtration__repeats(l, a)) return 0;
     }
     return 1;
 }
@@ -3431,6 +3911,7 @@ static inline void filtration__shear_forces(const filtration_fluid *fluid) {
     }
 }
 
+/* ------------------------------------------------------------------------------------------------------- >>fluid.h */
 /* fluid.h: definition, setting up, the step.
    Relies on spheres.h.
    May be changed here alone: defaults, checks. */
@@ -3473,7 +3954,6 @@ static inline double filtration__find_units(const filtration_fluid_def *d, filtr
     l->rates.limit = d->speed_limit * d->speed_limit;
     for (int a = 0; a < 3; a++) l->rates.force[a] = d->body_force[a] * d->voxel / l->to_pressure;
     for (int f = 0; f < 6; f++) {
-        l->face[f] = d->face[f];
         l->face_density[f] = 3.0 * d->face_pressure[f] / l->to_pressure;
         for (int a = 0; a < 3; a++) l->face_velocity[f][a] = d->face_velocity[f][a] / l->to_velocity;
     }
@@ -3505,9 +3985,10 @@ static inline int filtration__is_property(double x) { return x >= 1e-15 && x <= 
 
 static inline const char *filtration__bad_face(const filtration_fluid_def *d) {
     for (int f = 0; f < 6; f++) {
-        if ((int)d->face[f] < 0 || d->face[f] > FILTRATION_SYMMETRY) return "face";
-        if ((d->face[f] == FILTRATION_PERIODIC) != (d->face[f ^ 1] == FILTRATION_PERIODIC)) return "face";
-        if (d->face_velocity[f][f / 2] != 0.0) return "face_velocity";
+        const filtration__face_kind *kind = filtration__kind_of(d->face[f]), *opposite = filtration__kind_of(d->face[f ^ 1]);
+        if (!kind || !opposite) return "face";
+        if ((kind->beyond == FILTRATION__REPEATED) != (opposite->beyond == FILTRATION__REPEATED)) return "face";
+        if (kind->has_velocity < 2 && d->face_velocity[f][f / 2] != 0.0) return "face_velocity";
     }
     return NULL;
 }
@@ -3549,8 +4030,9 @@ static inline void filtration__wake_sources(filtration_fluid *fluid) {
     filtration__lattice *l = fluid->lattice;
     int all = !fluid->def.skip || filtration__forced(&l->rates);
     for (int f = 0; f < 6; f++) {
-        int moves = (l->face[f] == FILTRATION_PRESSURE && l->face_density[f] != 0.0) || l->face_velocity[f][0] != 0.0 ||
-                    l->face_velocity[f][1] != 0.0 || l->face_velocity[f][2] != 0.0;
+        const double *v = l->face_velocity[f];
+        const int moves = (l->face[f]->has_pressure && l->face_density[f] != 0.0) ||
+                          (l->face[f]->has_velocity && (v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0));
         if (moves && f < 4) all = 1;
         if (moves && f >= 4) l->slab_active[f == 4 ? 0 : l->nz - 1] = 1;
     }
@@ -3568,14 +4050,17 @@ static inline void filtration__set_shape(const filtration_fluid_def *d, filtrati
                              : (cc == 0   ? 1.0 / 3.0
                                 : cc == 1 ? 1.0 / 18.0
                                           : 1.0 / 36.0);
+        l->whole_weight[i] = (int)(72.0 * l->w[i] + 0.5);
     }
     l->single = d->precision == FILTRATION_FLOAT;
     l->half_way = d->boundary == FILTRATION_HALF_WAY;
     l->refill = (int)d->refill;
     l->nx = d->nodes[0], l->ny = d->nodes[1], l->nz = d->nodes[2];
-    l->periodic_x = d->face[FILTRATION_LOW_X] == FILTRATION_PERIODIC;
-    l->ghost_y = d->face[FILTRATION_LOW_Y] != FILTRATION_PERIODIC;
-    l->ghost_z = d->face[FILTRATION_LOW_Z] != FILTRATION_PERIODIC;
+    for (int f = 0; f < 6; f++) l->face[f] = filtration__kind_of(d->face[f]);
+    l->periodic_x = filtration__repeats(l, 0);
+    l->ghost_y = !filtration__repeats(l, 1);
+    l->ghost_z = !filtration__repeats(l, 2);
+    filtration__list_entries(l);
     int line = FILTRATION__LINE / (l->single ? (int)sizeof(float) : (int)sizeof(double));
     l->lead = line;
     l->stride = line + ((ptrdiff_t)l->nx + line - 1) / line * line;
@@ -3658,7 +4143,7 @@ static inline int filtration__read_ball(const filtration_fluid *fluid, const fil
         b->spin[a] = s->spin[3 * n + a] * fluid->dt;
         good = good && fabs(x) < 1e6 && fabs(b->velocity[a]) < 0.5 && fabs(b->spin[a]) * b->radius < 0.5;
         if (!good) return 0;
-        if (l->face[2 * a] == FILTRATION_PERIODIC) { /* the image nearest to its last place, or in the box */
+        if (filtration__repeats(l, a)) { /* the image nearest to its last place, or in the box */
             double home = b->steps ? b->centre[a] : 0.5 * (nodes[a] - 1);
             x -= nodes[a] * floor((x - home) / nodes[a] + 0.5);
             good = 2.0 * b->radius < nodes[a] - 2.0;
@@ -3773,7 +4258,10 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
     }
     if (!l->periodic_x || l->ghost_y || l->ghost_z) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__face_task, l);
     if (l->link_count) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__link_task, l);
-    if (l->ball_count) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__ball_task, l);
+    if (l->ball_count) {
+        filtration__for_each(p, threads, FILTRATION__TASKS, filtration__ball_task, l);
+        filtration__for_each(p, threads, FILTRATION__TASKS, filtration__film_task, l);
+    }
     if (fluid->def.force == FILTRATION_SHEAR_LAYER) filtration__shear_forces(fluid);
     filtration__give_forces(fluid, spheres);
     return FILTRATION_OK;
@@ -3786,6 +4274,7 @@ FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, i
     return status;
 }
 
+/* -------------------------------------------------------------------------------------------------------- >>flow.h */
 /* flow.h: reads and changes the flow between steps: samples, fields, sums, another time step, a flow to start from. Relies on fluid.h.
    May be changed here alone: everything. */
 
@@ -3910,7 +4399,7 @@ FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_flui
 FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure) {
     if (!fluid) return FILTRATION_BAD_ARGUMENT;
     filtration_fluid_def def = fluid->def;
-    if (face < 0 || face > 5 || def.face[face] != FILTRATION_PRESSURE) return FILTRATION_BAD_ARGUMENT;
+    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_pressure) return FILTRATION_BAD_ARGUMENT;
     def.face_pressure[face] = pressure;
     return filtration__change(fluid, &def);
 }
@@ -3918,7 +4407,7 @@ FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_f
 FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]) {
     if (!fluid || !velocity) return FILTRATION_BAD_ARGUMENT;
     filtration_fluid_def def = fluid->def;
-    if (face < 0 || face > 5 || def.face[face] != FILTRATION_WALL) return FILTRATION_BAD_ARGUMENT;
+    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_velocity) return FILTRATION_BAD_ARGUMENT;
     memcpy(def.face_velocity[face], velocity, sizeof def.face_velocity[face]);
     return filtration__change(fluid, &def);
 }
@@ -3972,9 +4461,14 @@ FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *flui
     const filtration__new_flow flow = {filtration__rescale, s, s * tau / def.tau, NULL, NULL};
     def.tau = tau;
     if (filtration_fluid_check_def(&def, NULL) != FILTRATION_OK || !filtration__set_nodes(fluid, &flow)) return FILTRATION_BAD_ARGUMENT;
-    for (ptrdiff_t n = 0; n < l->ball_count; n++)
-        for (int k = 0; k < 2; k++)
-            for (int a = 0; a < 3; a++) l->balls[n].force[k][a] *= s * s, l->balls[n].torque[k][a] *= s * s;
+    for (ptrdiff_t n = 0; n < l->ball_count; n++) {
+        filtration__ball *b = &l->balls[n];
+        b->density *= s * s;
+        for (int a = 0; a < 3; a++) {
+            b->slope[a] *= s * s;
+            for (int k = 0; k < 2; k++) b->force[k][a] *= s * s, b->torque[k][a] *= s * s;
+        }
+    }
     return filtration__change(fluid, &def);
 }
 
@@ -4038,6 +4532,7 @@ FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fl
     return FILTRATION_OK;
 }
 
+/* -------------------------------------------------------------------------------------------------------- >>save.h */
 /* save.h: writes a fluid as bytes and reads it back, bit for bit. Relies on flow.h.
    May be changed here alone: the format, with its version. */
 
@@ -4050,7 +4545,7 @@ typedef struct filtration__header {
     double tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel, density, viscosity;
 } filtration__header;
 
-#define FILTRATION__MAGIC UINT64_C(0x316c6966656c6472) /* changes with the format */
+#define FILTRATION__MAGIC UINT64_C(0x326c6966656c6472) /* changes with the format */
 
 static inline uint64_t filtration__checksum(uint64_t sum, const void *data, size_t bytes) {
     const unsigned char *p = (const unsigned char *)data;
@@ -4184,6 +4679,7 @@ FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, 
     return FILTRATION_OK;
 }
 
+/* ------------------------------------------------------------------------------------------------------ >>motion.h */
 /* motion.h: spheres moved through one step of the fluid: weight, the fluid's force, contacts, lubrication.
    Relies on fluid.h.
    May be changed here alone: everything. */
@@ -4256,27 +4752,37 @@ typedef struct filtration__touch {
     double force[3];                     /* on the first [N] */
 } filtration__touch;
 
-/* Computes the force of a contact: Hertz with Tsuji's damping, Coulomb friction that at most stops sliding within a sub-step, lubrication
-   implicit in the closing velocity. */
+/* Computes the force along the normal: Hertz with Tsuji's damping (which pulls at the end of a contact: a push clipped at 0 would need another
+   damping for the same restitution); returns it without lubrication, which is implicit in the closing velocity. */
+static inline double filtration__touch_normal(const filtration_motion_def *def, const filtration_fluid *fluid, double h, double damping,
+                                              double closing, filtration__touch *t) {
+    double push = 0.0, film = 0.0;
+    if (t->gap < 0.0) {
+        const double r = t->r2 < HUGE_VAL ? t->r1 * t->r2 / (t->r1 + t->r2) : t->r1, root = sqrt(-r * t->gap);
+        const double stiffness = 2.0 * def->modulus * root;
+        push = -2.0 / 3.0 * stiffness * t->gap + 2.0 * 0.91287092917527686 * damping * sqrt(stiffness * t->mass) * closing;
+    }
+    if (def->lubrication) {
+        const double least = def->least_gap * 2.0 * t->r1, cutoff = fluid->def.voxel * (2.0 / 3.0);
+        const double rate = filtration_lubrication_force(t->r1, t->r2, t->gap, 1.0, fluid->def.viscosity, cutoff, least);
+        film = rate * closing / (1.0 + rate * h / t->mass);
+    }
+    for (int a = 0; a < 3; a++) t->force[a] = -(push + film) * t->normal[a];
+    return push;
+}
+
+/* Computes the force of a contact: along the normal, or the friction (Coulomb's, which at most stops sliding within a sub-step). Friction comes
+   after all normal forces, so that it sees no velocity that another contact takes away: spheres come to rest. */
 static inline void filtration__touch_force(const filtration_motion_def *def, const filtration_fluid *fluid, double h, double damping,
-                                           filtration__touch *t) {
-    double closing = 0.0, push = 0.0, slide = 0.0, tangential[3];
-    for (int a = 0; a < 3; a++) closing += t->velocity[a] * t->normal[a];
+                                           int friction, filtration__touch *t) {
+    const double closing = filtration__dot(t->velocity, t->normal), push = filtration__touch_normal(def, fluid, h, damping, closing, t);
+    double slide = 0.0, tangential[3];
+    if (!friction) return;
     for (int a = 0; a < 3; a++) tangential[a] = t->velocity[a] - closing * t->normal[a], slide += tangential[a] * tangential[a];
     slide = sqrt(slide);
-    if (t->gap < 0.0) {
-        double r = t->r2 < HUGE_VAL ? t->r1 * t->r2 / (t->r1 + t->r2) : t->r1, root = sqrt(-r * t->gap),
-               stiffness = 2.0 * def->modulus * root;
-        push = -2.0 / 3.0 * stiffness * t->gap + 2.0 * 0.91287092917527686 * damping * sqrt(stiffness * t->mass) * closing;
-        if (push < 0.0) push = 0.0;
-    }
-    double cap = t->mass * slide / (2.0 * h), grip = def->friction * push < cap ? def->friction * push : cap;
-    if (def->lubrication) {
-        double least = def->least_gap * 2.0 * t->r1;
-        double rate = filtration_lubrication_force(t->r1, t->r2, t->gap, 1.0, fluid->def.viscosity, fluid->def.voxel * (2.0 / 3.0), least);
-        push += rate * closing / (1.0 + rate * h / t->mass);
-    }
-    for (int a = 0; a < 3; a++) t->force[a] = -push * t->normal[a] - (slide > 0.0 ? grip / slide * tangential[a] : 0.0);
+    const double cap = t->mass * slide / ((def->spin ? 3.5 : 1.0) * h), most = def->friction * push;
+    const double grip = most < cap ? most : cap;
+    for (int a = 0; a < 3; a++) t->force[a] = slide > 0.0 && grip > 0.0 ? -grip / slide * tangential[a] : 0.0;
 }
 
 /* Computes the velocity of the surface of sphere n towards `normal`. */
@@ -4305,69 +4811,85 @@ static inline void filtration__kick(const filtration_motion_def *def, filtration
 
 /* Applies the contact of sphere n with sphere k, or with a wall (k < 0) whose gap and normal are in t. */
 static inline void filtration__collide_pair(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                            ptrdiff_t n, ptrdiff_t k, double h, double damping, filtration__touch *t, double *contact) {
+                                            ptrdiff_t n, ptrdiff_t k, double h, double damping, int friction, filtration__touch *t,
+                                            double *contact) {
     double u[3] = {0, 0, 0}, back[3];
     double m1 = filtration__sphere_mass(def, s->radius[n]), m2 = k >= 0 ? filtration__sphere_mass(def, s->radius[k]) : 0.0;
     t->r1 = s->radius[n], t->r2 = k >= 0 ? s->radius[k] : HUGE_VAL, t->mass = k >= 0 ? m1 * m2 / (m1 + m2) : m1;
     filtration__rim_velocity(s, n, t->normal, 1.0, t->velocity);
     if (k >= 0) filtration__rim_velocity(s, k, t->normal, -1.0, u);
     for (int a = 0; a < 3; a++) t->velocity[a] -= u[a];
-    filtration__touch_force(def, fluid, h, damping, t);
+    filtration__touch_force(def, fluid, h, damping, friction, t);
     filtration__kick(def, s, n, t->normal, 1.0, t->force, h, contact);
     for (int a = 0; a < 3; a++) back[a] = -t->force[a];
     if (k >= 0) filtration__kick(def, s, k, t->normal, -1.0, back, h, contact);
 }
 
-/* Computes the gap to the solid at rest and the direction towards it, by differences of the signed distance. Returns 0 beyond reach. */
-static inline int filtration__near_solid(const filtration_fluid *fluid, const double centre[3], double radius, double reach,
-                                         filtration__touch *t) {
-    const filtration_solid *solid = &fluid->def.solid;
-    double step = 0.02 * fluid->def.voxel, length = 0.0, box[3], p[3];
+#define FILTRATION__TOUCHES 32 /* most places at which a sphere touches the solid */
+
+/* Finds the nearest place of a solid by differences of its distance. Returns their number, 0 or 1. */
+static inline int filtration__touch_nearest(const filtration_solid *solid, const double centre[3], double radius, double reach, double step,
+                                            filtration_near *near) {
+    double length = 0.0;
+    near->gap = solid->distance(solid->self, centre) - radius;
+    if (!(near->gap < reach)) return 0;
     for (int a = 0; a < 3; a++) {
-        box[a] = fluid->def.nodes[a] * fluid->def.voxel;
-        p[a] = fluid->def.face[2 * a] == FILTRATION_PERIODIC ? centre[a] - box[a] * floor(centre[a] / box[a]) : centre[a];
-    }
-    t->gap = solid->distance(solid->self, p) - radius;
-    if (!(t->gap < reach)) return 0;
-    for (int a = 0; a < 3; a++) {
-        double q[3] = {p[0], p[1], p[2]};
-        q[a] = p[a] + step;
-        t->normal[a] = -solid->distance(solid->self, q);
-        q[a] = p[a] - step;
-        t->normal[a] += solid->distance(solid->self, q);
-        length += t->normal[a] * t->normal[a];
+        double q[3] = {centre[0], centre[1], centre[2]};
+        q[a] = centre[a] + step;
+        near->normal[a] = -solid->distance(solid->self, q);
+        q[a] = centre[a] - step;
+        near->normal[a] += solid->distance(solid->self, q);
+        length += near->normal[a] * near->normal[a];
     }
     length = sqrt(length);
-    for (int a = 0; a < 3 && length > 0.0; a++) t->normal[a] /= length;
+    for (int a = 0; a < 3 && length > 0.0; a++) near->normal[a] /= length;
     return length > 0.0;
 }
 
+static inline int filtration__touch_solid(const filtration_fluid *fluid, const double centre[3], double radius, double reach,
+                                          filtration_near *near) {
+    const filtration_solid *solid = &fluid->def.solid;
+    double box[3], p[3];
+    for (int a = 0; a < 3; a++) {
+        box[a] = fluid->def.nodes[a] * fluid->def.voxel;
+        p[a] = filtration__repeats(fluid->lattice, a) ? centre[a] - box[a] * floor(centre[a] / box[a]) : centre[a];
+    }
+    if (!solid->touch) return filtration__touch_nearest(solid, p, radius, reach, 0.02 * fluid->def.voxel, near);
+    const int n = solid->touch(solid->self, p, radius, reach, FILTRATION__TOUCHES, near);
+    return n < 0 ? 0 : n < FILTRATION__TOUCHES ? n : FILTRATION__TOUCHES;
+}
+
 static inline void filtration__touch_walls(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                           ptrdiff_t n, double h, double damping, double reach, double *contact) {
+                                           ptrdiff_t n, double h, double damping, double reach, int friction, double *contact) {
     filtration__touch t;
     const double *x = s->centre + 3 * n;
-    if (fluid->def.solid.distance && filtration__near_solid(fluid, x, s->radius[n], reach, &t))
-        filtration__collide_pair(def, fluid, s, n, -1, h, damping, &t, contact);
+    filtration_near near[FILTRATION__TOUCHES];
+    const int places = fluid->def.solid.distance ? filtration__touch_solid(fluid, x, s->radius[n], reach, near) : 0;
+    for (int k = 0; k < places; k++) {
+        t.gap = near[k].gap;
+        memcpy(t.normal, near[k].normal, sizeof t.normal);
+        filtration__collide_pair(def, fluid, s, n, -1, h, damping, friction, &t, contact);
+    }
     for (int f = 0; f < 6; f++) {
-        if (fluid->def.face[f] != FILTRATION_WALL) continue;
+        if (!fluid->lattice->face[f]->is_touched) continue;
         int a = f / 2, high = f & 1;
         t.gap = (high ? fluid->def.nodes[a] * fluid->def.voxel - x[a] : x[a]) - s->radius[n];
         if (!(t.gap < reach)) continue;
         t.normal[0] = t.normal[1] = t.normal[2] = 0.0;
         t.normal[a] = high ? 1.0 : -1.0;
-        filtration__collide_pair(def, fluid, s, n, -1, h, damping, &t, contact);
+        filtration__collide_pair(def, fluid, s, n, -1, h, damping, friction, &t, contact);
     }
 }
 
 static inline void filtration__touch_pairs(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                           ptrdiff_t n, double h, double damping, double reach, double *contact) {
+                                           ptrdiff_t n, double h, double damping, double reach, int friction, double *contact) {
     for (ptrdiff_t k = n + 1; k < s->n; k++) {
         filtration__touch t;
         double dd = 0.0, sum = s->radius[n] + s->radius[k];
         if (!(s->radius[k] > 0.0)) continue;
         for (int a = 0; a < 3; a++) {
             double d = s->centre[3 * k + a] - s->centre[3 * n + a], box = fluid->def.nodes[a] * fluid->def.voxel;
-            if (fluid->def.face[2 * a] == FILTRATION_PERIODIC) d -= box * floor(d / box + 0.5);
+            if (filtration__repeats(fluid->lattice, a)) d -= box * floor(d / box + 0.5);
             t.normal[a] = d;
             dd += d * d;
         }
@@ -4375,7 +4897,7 @@ static inline void filtration__touch_pairs(const filtration_motion_def *def, con
         double distance = sqrt(dd);
         for (int a = 0; a < 3; a++) t.normal[a] /= distance;
         t.gap = distance - sum;
-        filtration__collide_pair(def, fluid, s, n, k, h, damping, &t, contact);
+        filtration__collide_pair(def, fluid, s, n, k, h, damping, friction, &t, contact);
     }
 }
 
@@ -4428,9 +4950,14 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
         for (ptrdiff_t n = 0; n < spheres->n; n++) {
             if (!(spheres->radius[n] > 0.0)) continue;
             filtration__push(def, fluid, spheres, n, share, h);
-            filtration__touch_walls(def, fluid, spheres, n, h, damping, reach, contact);
-            filtration__touch_pairs(def, fluid, spheres, n, h, damping, reach, contact);
         }
+        for (int friction = 0; friction < (def->friction > 0.0 ? 2 : 1); friction++)
+            for (ptrdiff_t n = 0; n < spheres->n; n++) {
+                if (!(spheres->radius[n] > 0.0)) continue;
+                const double near = friction ? 0.0 : reach;
+                filtration__touch_walls(def, fluid, spheres, n, h, damping, near, friction, contact);
+                filtration__touch_pairs(def, fluid, spheres, n, h, damping, near, friction, contact);
+            }
         for (ptrdiff_t n = 0; n < spheres->n; n++)
             for (int a = 0; a < 3; a++)
                 if (spheres->radius[n] > 0.0 && !def->fixed_axes[a]) spheres->centre[3 * n + a] += h * spheres->velocity[3 * n + a];
@@ -4440,6 +4967,7 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
     return FILTRATION_OK;
 }
 
+/* ------------------------------------------------------------------------------------------------ >>permeability.h */
 /* permeability.h: steady flow through what stands in the box.
    Relies on flow.h.
    May be changed here alone: everything. */
@@ -4460,7 +4988,7 @@ FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid 
                                                                filtration_permeability_result *result) {
     if (!fluid || !fluid->lattice || !result || axis < 0 || axis > 2 || !(pressure_drop > 0.0 && pressure_drop < HUGE_VAL))
         return FILTRATION_BAD_ARGUMENT;
-    if (!(tolerance >= 0.0 && tolerance < 1.0) || fluid->def.face[2 * axis] != FILTRATION_PERIODIC) return FILTRATION_BAD_ARGUMENT;
+    if (!(tolerance >= 0.0 && tolerance < 1.0) || !filtration__repeats(fluid->lattice, axis)) return FILTRATION_BAD_ARGUMENT;
     memset(result, 0, sizeof *result);
     double length = fluid->def.nodes[axis] * fluid->def.voxel, force[3] = {0, 0, 0}, velocity[3], before = 0.0;
     int64_t start = fluid->steps, interval = filtration__interval(fluid);

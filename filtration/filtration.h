@@ -40,13 +40,14 @@
 #include "process_api.h"
 #include "solids_api.h"
 #include "api.h"
-#include "../tests/portable_math.h"
+#include "../base/portable_math.h"
 #include "process_laws.h"
 #include "settling_laws.h"
 #ifdef FILTRATION__BODIES
 #include "process.h"
 #include "process_line.h"
 #include "evaluate.h"
+#include "compressibility.h"
 #include "solids.h"
 #include "lattice.h"
 #define FILTRATION__REAL double
@@ -64,6 +65,7 @@
 #include "faces.h"
 #include "links.h"
 #include "spheres.h"
+#include "films.h"
 #include "shear.h"
 #include "fluid.h"
 #include "flow.h"
