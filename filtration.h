@@ -406,8 +406,8 @@ typedef struct filtration_compressibility {
     double lowest, highest; /* pressure difference of the runs [Pa] */
     size_t runs;
 } filtration_compressibility;
-/* Fits it to runs >= 2 at pressure [Pa] with value > 0 and its relative standard error (arrays of the caller, [runs]; error may be NULL: not
-   known; 0 and NaN likewise for a run). reference > 0 [Pa]; confidence above 0 .. below 1. With 2 runs there is a law without intervals
+/* Fits it to runs >= 2 at pressure [Pa] with value > 0 and its relative standard error (arrays of the caller, [runs]; error may be NULL:
+   not known; 0 and NaN likewise for a run). reference > 0 [Pa]; confidence above 0 .. below 1. With 2 runs there is a law without intervals
    (NaN). BAD_ARGUMENT; FEW_DATA: fewer than 2; NO_SOLUTION: all at one pressure. Then the numbers are NaN. */
 FILTRATION_API filtration_status filtration_fit_compressibility(size_t runs, const double *pressure,
                                                                 const double *value, const double *error,
@@ -2110,9 +2110,9 @@ FILTRATION_API filtration_status filtration_fit_compressibility(size_t runs, con
     fit->at_reference = filtration__estimate(at, freedom > 0.0 ? at * of_level : (double)NAN, student);
     fit->covariance = freedom > 0.0 ? -l.mean_x / l.sxx : (double)NAN;
     fit->between = freedom > 0.0 ? between : (double)NAN;
-    filtration_estimate value = fit->at_reference;
-    if (freedom > 0.0) filtration_value_at_pressure(fit, reference, &value);
-    fit->at_reference = value;
+    filtration_estimate there = fit->at_reference;
+    if (freedom > 0.0) filtration_value_at_pressure(fit, reference, &there);
+    fit->at_reference = there;
     return FILTRATION_OK;
 }
 

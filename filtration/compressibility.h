@@ -103,8 +103,8 @@ FILTRATION_API filtration_status filtration_fit_compressibility(size_t runs, con
     fit->at_reference = filtration__estimate(at, freedom > 0.0 ? at * of_level : (double)NAN, student);
     fit->covariance = freedom > 0.0 ? -l.mean_x / l.sxx : (double)NAN;
     fit->between = freedom > 0.0 ? between : (double)NAN;
-    filtration_estimate value = fit->at_reference;
-    if (freedom > 0.0) filtration_value_at_pressure(fit, reference, &value);
-    fit->at_reference = value;
+    filtration_estimate there = fit->at_reference;
+    if (freedom > 0.0) filtration_value_at_pressure(fit, reference, &there);
+    fit->at_reference = there;
     return FILTRATION_OK;
 }

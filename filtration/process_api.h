@@ -214,8 +214,8 @@ typedef struct filtration_compressibility {
     double lowest, highest; /* pressure difference of the runs [Pa] */
     size_t runs;
 } filtration_compressibility;
-/* Fits it to runs >= 2 at pressure [Pa] with value > 0 and its relative standard error (arrays of the caller, [runs]; error may be NULL: not
-   known; 0 and NaN likewise for a run). reference > 0 [Pa]; confidence above 0 .. below 1. With 2 runs there is a law without intervals
+/* Fits it to runs >= 2 at pressure [Pa] with value > 0 and its relative standard error (arrays of the caller, [runs]; error may be NULL:
+   not known; 0 and NaN likewise for a run). reference > 0 [Pa]; confidence above 0 .. below 1. With 2 runs there is a law without intervals
    (NaN). BAD_ARGUMENT; FEW_DATA: fewer than 2; NO_SOLUTION: all at one pressure. Then the numbers are NaN. */
 FILTRATION_API filtration_status filtration_fit_compressibility(size_t runs, const double *pressure,
                                                                 const double *value, const double *error,
