@@ -202,8 +202,9 @@ FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curv
 FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area,
                                                     double compressibility, double V, filtration_estimate *time);
 /* The power law of a compressible cake from runs at several pressures: value = at_reference (p / reference)^exponent, where a value is
-   alpha, r_K or r_K K_S. Runs scatter by more than each one's own error (no two cakes are alike): how much more follows from their
-   departures from the law (Paule and Mandel 1982), and the intervals are Student's with runs - 2 degrees of freedom. */
+   alpha, r_K or r_K K_S. Runs scatter by more than each one's own error (no two cakes are alike), by how much is not known: the law is
+   the mean over several weightings, each weighted by its likelihood. Intervals follow from the departures from the law, with runs - 2
+   degrees of freedom. */
 typedef struct filtration_compressibility {
     filtration_estimate exponent;     /* n [-] */
     filtration_estimate at_reference; /* of the value, in its unit; interval in logarithms */
