@@ -35,7 +35,7 @@ typedef struct program {
     const char *json; /* file for the one JSON object, or NULL */
     int threads;      /* default: number of cores */
     uint64_t seed;    /* default 1 */
-    bool quiet, quick;
+    bool quiet, quick, version;
     double started; /* machine_seconds() at the start */
 } program;
 
