@@ -21,6 +21,7 @@ static inline void dem__world_fields_of_links(dem_world *w, dem__group *g) {
     const dem__saved_field fields[] = {
         DEM__INTEGER("link.on", links->on, 0),
         DEM__INTEGER("link.states", links->states, 0),
+        DEM__INTEGER("link.law", links->mark, 0),
         DEM__DOUBLES("link.interval", links->interval, 0),
         DEM__DOUBLES("link.near", links->near, 0),
     };

@@ -33,6 +33,7 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("loads_on", e->bodies.loads_on, 0),
         DEM__INTEGER("contact.states", e->contacts.states, 0),
         DEM__INTEGER("contact.has_history", e->contacts.has_history, 0),
+        DEM__INTEGER("contact.law", e->contacts.law, 0),
     };
     dem__set_fields(g, fields, sizeof fields, 8);
     DEM__TELL(w, world_fields, (w, g));

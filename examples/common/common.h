@@ -22,9 +22,10 @@
        return common_exit_status();                            // 0, 1 if an output failed, 130 after Ctrl-C
    }
 
-   io.h        riddle_io.h, all that is written     options.h  the command line     csv.h       tables from CSV
+   output.h    riddle_io.h, all that is written     options.h  the command line     csv.h       tables from CSV
    progress.h  bar, Ctrl-C, exit status             json.h     one JSON object      particles.h spheres from CSV or .vtp
    machine.h   clock, memory, cores, jobs on threads                                render.h    pictures and movies of scenes
+   sheet.h     tables of a laboratory: sieves, classes, readings
    Errors: a function that fails has printed one line on stderr and marked the run as failed; it returns -1 (or NULL), and every
    function takes the NULL that another returned and does nothing. A program that only ends with common_exit_status() is right. */
 #ifndef RIDDLE_COMMON_H
@@ -32,12 +33,13 @@
 
 #include "csv.h"
 #include "input.h"
-#include "io.h"
+#include "output.h"
 #include "json.h"
 #include "machine.h"
 #include "options.h"
 #include "particles.h"
 #include "progress.h"
 #include "render.h"
+#include "sheet.h"
 
 #endif
