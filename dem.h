@@ -5516,6 +5516,19 @@ DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
 /* ----------------------------------------------------------------------------------------------- >>search/bounds.h */
 /* Bounds on particles' motion, and the timers that depend on them. */
 
+/* Marks an active particle for dem__check_bounds. */
+DEM_INLINE void dem__mark_one(dem_world *w, ptrdiff_t i) {
+    dem__bodies *bodies = &w->engine->bodies;
+    if (bodies->activity[i] != 1) return;
+    bodies->activity[i] = 2;
+    bodies->to_check[bodies->to_check_count++] = (int32_t)i;
+}
+/* Marks particle i, or all particles of its rigid body. */
+DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) dem__mark_one(w, k);
+}
+
 /* Returns a limit of the change of velocity by an acceleration in one step [m/s]; the sum of components needs no root.
  */
 DEM_INLINE double dem__most_change(double dt, dem_vec pull) {
@@ -7249,9 +7262,9 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
     DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))                        \
     static const dem_kernel name = {&(law), features, name##_loop};
 
-/* -------------------------------------------------------------------------------------------- >>particles/detach.h */
-/* Particles that leave. Reads bodies, walls, pairs; writes lists.
-   Promises: a particle that is gone is in no list. */
+/* ------------------------------------------------------------------------------------------- >>contacts/contacts.h */
+/* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and
+   timers. Promises: the order depends only on the history of the scene, never on threads. */
 
 /* Calls the law's hook for a contact or a link that has ended. */
 static inline void dem__report_end(dem_world *w, const dem_law *law, int32_t k) {
@@ -7260,45 +7273,6 @@ static inline void dem__report_end(dem_world *w, const dem_law *law, int32_t k) 
     law->ended(w, k, w->user);
     w->engine->run.ending = 0;
 }
-
-/* Marks an active particle for dem__check_bounds. */
-DEM_INLINE void dem__mark_one(dem_world *w, ptrdiff_t i) {
-    dem__bodies *bodies = &w->engine->bodies;
-    if (bodies->activity[i] != 1) return;
-    bodies->activity[i] = 2;
-    bodies->to_check[bodies->to_check_count++] = (int32_t)i;
-}
-/* Marks particle i, or all particles of its rigid body. */
-DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
-    const dem__pieces own = dem__pieces_of(w, i);
-    for (ptrdiff_t k = own.first; k < own.end; k++) dem__mark_one(w, k);
-}
-
-/* Removes particle i from all lists. Its entries in the arrays are removed by a later rebuild. */
-static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
-    dem__pairs *pairs = &w->engine->pairs;
-    dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
-    w->alive[i] = DEM_LEAVING; /* so that the law can tell a removal from a rupture */
-    DEM__TELL(w, remove_particle, (w, i));
-    w->alive[i] = 0;
-    w->engine->bodies.dropped++;
-    dem__mark_to_check(w, i);
-    if (w->engine->run.needs_lists) return;
-    for (int32_t a = pairs->adjacent_start[i]; a < pairs->adjacent_start[i + 1]; a++) {
-        dem__stop_timer(&pairs->timers, pairs->adjacent[2 * a]);
-    }
-    for (int k = 0; k < w->walls; k++) dem__stop_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k);
-}
-
-/* Removes particle i, or all particles of its rigid body, from all lists. */
-static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
-    const dem__pieces own = dem__pieces_of(w, i);
-    for (ptrdiff_t k = own.first; k < own.end; k++) dem__detach_one(w, k);
-}
-
-/* ------------------------------------------------------------------------------------------- >>contacts/contacts.h */
-/* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and
-   timers. Promises: the order depends only on the history of the scene, never on threads. */
 
 /* Returns whether the caller ended the contact of i and j: by changing the wall, or by fixing particles. */
 static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
@@ -7702,9 +7676,1018 @@ static inline int dem__reorder_contacts(dem_world *w) {
     return 1;
 }
 
-/* -------------------------------------------------------------------------------------------- >>particles/remove.h */
-/* Consequences of a removal of particles: the ends of their contacts, the numbers of those present. Reads bodies;
-   writes contacts. Promises: a particle that has no contact left is in flight afterwards. */
+/* -------------------------------------------------------------------------------------------------- >>walls/mesh.h */
+/* Adding meshes and boxes: the tree of a mesh's triangles. */
+
+/* Spreads 21 bits to every third bit of a Morton code. */
+static inline uint64_t dem__interleave(uint64_t v) {
+    v = (v | v << 32) & 0x1f00000000ffffu;
+    v = (v | v << 16) & 0x1f0000ff0000ffu;
+    v = (v | v << 8) & 0x100f00f00f00f00fu;
+    v = (v | v << 4) & 0x10c30c30c30c30c3u;
+    return (v | v << 2) & 0x1249249249249249u;
+}
+
+typedef struct dem__keyed {
+    uint64_t key;
+    int32_t index;
+} dem__keyed;
+/* Sorts by key, then index. temporary: room for n items. */
+static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptrdiff_t n) {
+    for (ptrdiff_t width = 1; width < n; width *= 2) {
+        for (ptrdiff_t low = 0; low < n; low += 2 * width) {
+            const ptrdiff_t mid = low + width < n ? low + width : n, high = mid + width < n ? mid + width : n;
+            for (ptrdiff_t a = low, b = mid, to = low; to < high; to++) {
+                const int left = a < mid && (b >= high || items[a].key < items[b].key ||
+                                             (items[a].key == items[b].key && items[a].index < items[b].index));
+                temporary[to] = left ? items[a++] : items[b++];
+            }
+        }
+        memcpy(items, temporary, (size_t)n * sizeof *items);
+    }
+}
+
+/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those
+   of each half. */
+static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
+    const int32_t at = t->nodes++;
+    dem__node *node = &t->node[at];
+    node->first = first;
+    node->count = end - first <= DEM__LEAF ? end - first : 0;
+    for (int a = 0; a < 3; a++) node->low[a] = HUGE_VAL, node->high[a] = -HUGE_VAL;
+    for (int32_t k = 3 * first; k < 3 * (first + node->count); k++) {
+        for (int a = 0; a < 3; a++) {
+            const double v = dem_axis(t->vertex[t->corner[k]], a);
+            node->low[a] = v < node->low[a] ? v : node->low[a];
+            node->high[a] = v > node->high[a] ? v : node->high[a];
+        }
+    }
+    if (node->count == 0) {
+        const int32_t middle = first + (end - first) / 2;
+        for (int side = 0; side < 2; side++) {
+            const int32_t child = t->nodes;
+            dem__grow_node(t, side ? middle : first, side ? end : middle);
+            for (int a = 0; a < 3; a++) {
+                const double low = t->node[child].low[a], high = t->node[child].high[a];
+                node->low[a] = low < node->low[a] ? low : node->low[a];
+                node->high[a] = high > node->high[a] ? high : node->high[a];
+            }
+        }
+    }
+    node->skip = t->nodes;
+}
+
+/* Returns an empty tree with room for the mesh; NULL when out of memory. */
+static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
+    const size_t v = (size_t)vertices, k = (size_t)triangles;
+    const size_t bytes =
+        sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
+    dem__tree *t = (dem__tree *)a->fn(a->user, NULL, 0, bytes);
+    if (!t) return NULL;
+    memset(t, 0, bytes);
+    t->bytes = bytes;
+    t->vertices = (int32_t)vertices;
+    t->vertex = (dem_vec *)(void *)(t + 1);
+    t->normal = t->vertex + v;
+    t->node = (dem__node *)(void *)(t->normal + k);
+    t->corner = (int32_t *)(void *)(t->node + k);
+    return t;
+}
+
+/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for
+   slivers. */
+static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
+    const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
+    const double x = dem__dot(ab, ab), y = dem__dot(bc, bc), z = dem__dot(ca, ca);
+    if (x >= y && x >= z) return dem__cross(bc, ca);
+    return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
+}
+
+/* Returns whether a triangle has an area that is not round-off of its corners; unit: its normal. */
+static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
+    const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
+    double longest = dem__dot(ab, ab);
+    longest = dem__dot(ac, ac) > longest ? dem__dot(ac, ac) : longest;
+    longest = dem__dot(bc, bc) > longest ? dem__dot(bc, bc) : longest;
+    return dem__length(n) > 1e-9 * longest && dem__unit(n, unit);
+}
+
+/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT
+   if there is none. */
+static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex,
+                                        ptrdiff_t triangles, const int32_t *corner, dem_status *status) {
+    const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
+    dem_vec low = vertex[0], high = vertex[0], normal;
+    ptrdiff_t n = 0;
+    for (ptrdiff_t v = 0; v < vertices; v++) {
+        for (int c = 0; c < 3; c++) {
+            double *l = dem_axis_of(&low, c), *h = dem_axis_of(&high, c), x = dem_axis(vertex[v], c);
+            *l = x < *l ? x : *l;
+            *h = x > *h ? x : *h;
+        }
+    }
+    *status = DEM_OUT_OF_MEMORY;
+    dem__keyed *items = (dem__keyed *)a->fn(a->user, NULL, 0, scratch);
+    if (!items) return NULL;
+    for (int32_t k = 0; k < (int32_t)triangles; k++) {
+        const dem_vec p[3] = {vertex[corner[3 * k]], vertex[corner[3 * k + 1]], vertex[corner[3 * k + 2]]};
+        if (!dem__has_area(p[0], p[1], p[2], &normal)) continue;
+        items[n].index = k;
+        items[n].key = 0;
+        for (int c = 0; c < 3; c++) {
+            const double from = dem_axis(low, c), span = dem_axis(high, c) - from;
+            const double x = (dem_axis(p[0], c) + dem_axis(p[1], c) + dem_axis(p[2], c)) / 3.0 - from;
+            items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0)
+                            << c;
+        }
+        n++;
+    }
+    dem__tree *t = n > 0 ? dem__plant(a, vertices, n) : NULL;
+    if (n == 0) *status = DEM_BAD_ARGUMENT;
+    if (t) {
+        dem__sort_keyed(items, items + n, n);
+        memcpy(t->vertex, vertex, (size_t)vertices * sizeof *vertex);
+        for (ptrdiff_t k = 0; k < n; k++) {
+            const int32_t *from = &corner[3 * items[k].index];
+            memcpy(&t->corner[3 * k], from, 3 * sizeof *from);
+            dem__has_area(vertex[from[0]], vertex[from[1]], vertex[from[2]], &t->normal[k]);
+        }
+        t->triangles = (int32_t)n, t->touch = dem__touch_mesh;
+        dem__grow_node(t, 0, (int32_t)n);
+        *status = DEM_OK;
+    }
+    a->fn(a->user, items, scratch, 0);
+    return t;
+}
+
+/* Counts one mesh more. */
+static inline void dem__count_mesh(dem_world *w) {
+    w->engine->walls.meshes++;
+    w->engine->walls.follow_meshes = dem__follow_meshes;
+}
+
+DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
+    if (dem__is_running(world)) return -(int)DEM_BUSY;
+    dem_world *w = world;
+    dem_wall wall;
+    memset(&wall, 0, sizeof wall);
+    if (!w || !w->def.allocator.fn || !mesh || material < 0 || material >= w->def.materials || !mesh->vertex ||
+        !mesh->triangle || mesh->vertices < 1 || mesh->triangles < 1 || mesh->vertices > INT32_MAX / 4 ||
+        mesh->triangles > INT32_MAX / 4)
+        return -(int)DEM_BAD_ARGUMENT;
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (ptrdiff_t k = 0; k < 3 * mesh->triangles; k++) {
+        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices) return -(int)DEM_BAD_ARGUMENT;
+    }
+    for (ptrdiff_t k = 0; k < 3 * mesh->vertices; k++) {
+        const double x = mesh->vertex[k];
+        if (!(fabs(x) < 1e50)) return -(int)DEM_BAD_ARGUMENT; /* so that squares of areas are finite */
+        low[k % 3] = x < low[k % 3] ? x : low[k % 3];
+        high[k % 3] = x > high[k % 3] ? x : high[k % 3];
+    }
+    if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
+    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
+    wall.kind = DEM_MESH;
+    wall.material = material;
+    wall.asked.origin = dem_vec3(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]));
+    dem__frame(&wall, dem_vec3(0, 0, 1), dem_vec3(1, 0, 0));
+
+    const dem_allocator *a = &w->def.allocator;
+    const size_t bytes = (size_t)mesh->vertices * sizeof(dem_vec);
+    dem_status status = DEM_OUT_OF_MEMORY;
+    dem_vec *local = (dem_vec *)a->fn(a->user, NULL, 0, bytes);
+    for (ptrdiff_t k = 0; local && k < mesh->vertices; k++) {
+        const double *x = &mesh->vertex[3 * k];
+        local[k] = dem__sub(dem_vec3(x[0], x[1], x[2]), wall.asked.origin);
+    }
+    if (local) wall.tree = dem__make_tree(a, mesh->vertices, local, mesh->triangles, mesh->triangle, &status);
+    if (local) a->fn(a->user, local, bytes, 0);
+    if (wall.tree && !dem__make_touch_memory(w)) {
+        a->fn(a->user, wall.tree, wall.tree->bytes, 0);
+        wall.tree = NULL, status = DEM_OUT_OF_MEMORY;
+    }
+    if (!wall.tree) return -(int)status;
+    dem__count_mesh(w);
+    return dem__add_wall(w, &wall);
+}
+
+DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high) {
+    /* corner k: bit c chooses low or high of axis c */
+    int32_t faces[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                         2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    double corners[24];
+    dem_mesh mesh;
+    memset(&mesh, 0, sizeof mesh);
+    if (!(low.x < high.x && low.y < high.y && low.z < high.z)) return -(int)DEM_BAD_ARGUMENT;
+    for (int k = 0; k < 24; k++) corners[k] = (k / 3 >> k % 3 & 1) ? dem_axis(high, k % 3) : dem_axis(low, k % 3);
+    mesh.vertices = 8, mesh.vertex = corners;
+    mesh.triangles = 12, mesh.triangle = faces;
+    return dem_add_mesh(world, material, &mesh);
+}
+
+/* ---- STL ---- */
+
+/* A slot of a hash table with open addressing: a 64-bit key, 0 if empty, and a number. The capacity is a power of two.
+ */
+typedef struct dem__slot {
+    uint64_t key;
+    int32_t value, forward, backward; /* edges: number of triangles that run along it each way */
+} dem__slot;
+
+/* --------------------------------------------------------------------------------------------------- >>walls/stl.h */
+/* Reading STL files: facets from bytes, corners welded. */
+
+static inline uint64_t dem__scramble(uint64_t z) {
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+
+static inline dem__slot *dem__find_slot(dem__slot *slots, size_t capacity, uint64_t key) {
+    size_t at = (size_t)dem__scramble(key) & (capacity - 1);
+    while (slots[at].key != 0 && slots[at].key != key) at = (at + 1) & (capacity - 1);
+    return &slots[at];
+}
+
+/* A facet before welding. */
+typedef struct dem__facet {
+    dem_vec normal, corner[3];
+} dem__facet;
+
+static inline double dem__little_float(const unsigned char *byte) {
+    const uint32_t bits =
+        (uint32_t)byte[0] | (uint32_t)byte[1] << 8 | (uint32_t)byte[2] << 16 | (uint32_t)byte[3] << 24;
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return (double)value;
+}
+
+/* The number of facets that a binary file's header announces, and the number for which it has bytes. */
+typedef struct dem__binary_size {
+    size_t announced, present, rest; /* rest: bytes after the last whole facet */
+} dem__binary_size;
+static inline dem__binary_size dem__size_of_binary(const unsigned char *bytes, size_t size) {
+    dem__binary_size s;
+    s.announced = (size_t)((uint32_t)bytes[80] | (uint32_t)bytes[81] << 8 | (uint32_t)bytes[82] << 16 |
+                           (uint32_t)bytes[83] << 24);
+    s.present = (size - 84) / 50, s.rest = (size - 84) % 50;
+    return s;
+}
+
+/* Returns the number of facets to read: all that are present, or, if the header announces fewer and the file does not
+   end with a facet, those that it announces. */
+static inline size_t dem__facets_of_binary(const dem__binary_size *s) {
+    return s->announced < s->present && s->rest > 0 ? s->announced : s->present;
+}
+
+/* Counts what a binary file contains and what is missing. */
+static inline void dem__count_binary(const unsigned char *bytes, size_t size, dem_stl_report *report) {
+    const dem__binary_size s = dem__size_of_binary(bytes, size);
+    const size_t n = dem__facets_of_binary(&s), missing = s.announced > n ? s.announced - n : 0;
+    report->facets = (ptrdiff_t)n;
+    report->missing = missing < PTRDIFF_MAX ? (ptrdiff_t)missing : PTRDIFF_MAX;
+    report->unannounced = n > s.announced ? (ptrdiff_t)(n - s.announced) : 0;
+    report->surplus = missing > 0 ? 0 : (ptrdiff_t)(size - 84 - 50 * n);
+}
+
+/* Reads facet k of a binary file: normal, three corners, two bytes. */
+static inline void dem__read_facet(const unsigned char *bytes, size_t k, dem__facet *facet) {
+    for (int a = 0; a < 12; a++) {
+        dem_vec *to = a < 3 ? &facet->normal : &facet->corner[a / 3 - 1];
+        *dem_axis_of(to, a % 3) = dem__little_float(bytes + 84 + 50 * k + 4 * a);
+    }
+}
+
+/* Returns whether the bytes are coordinates: three in four facets have corners of 0 or between 1e-15 and 1e15. In other
+   data (compressed, other byte order, two bytes a letter) hardly any have. */
+static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) {
+    const dem__binary_size s = dem__size_of_binary(bytes, size);
+    const size_t n = dem__facets_of_binary(&s);
+    size_t good = 0;
+    for (size_t k = 0; k < n; k++) {
+        dem__facet f;
+        int fits = 1;
+        dem__read_facet(bytes, k, &f);
+        for (int c = 0; c < 9; c++) {
+            const double x = fabs(dem_axis(f.corner[c / 3], c % 3));
+            fits &= x == 0.0 || (x > 1e-15 && x < 1e15);
+        }
+        good += (size_t)fits;
+    }
+    return good > 0 && good >= n - n / 4;
+}
+
+/* Finds the next word of a text, which ends at a blank of any kind. Returns its length, 0 at the end. */
+static inline size_t dem__word(const unsigned char *bytes, size_t size, size_t *at) {
+    size_t length = 0;
+    while (*at < size && bytes[*at] <= ' ') ++*at;
+    while (*at + length < size && bytes[*at + length] > ' ') length++;
+    return length;
+}
+
+/* Returns whether a word is `name`, in small or capital letters. */
+static inline int dem__is_word(const unsigned char *bytes, size_t at, size_t length, const char *name) {
+    size_t k = 0;
+    for (; name[k]; k++) {
+        const unsigned char c = k < length ? bytes[at + k] : 0;
+        if ((c >= 'A' && c <= 'Z' ? c + 32 : c) != (unsigned char)name[k]) return 0;
+    }
+    return k == length;
+}
+
+/* Parses a decimal number, whatever the locale, to within an ulp or two. Returns NaN if it is none. */
+static inline double dem__number(const unsigned char *text, size_t length) {
+    size_t k = 0;
+    int digits = 0, point = 0, exponent = 0, down = 0;
+    uint64_t whole = 0; /* the first 18 digits */
+    const int minus = length > 0 && text[0] == '-';
+    if (length > 0 && (text[0] == '-' || text[0] == '+')) k++;
+    for (; k < length && ((text[k] >= '0' && text[k] <= '9') || (text[k] == '.' && !point)); k++) {
+        if (text[k] == '.') {
+            point = 1;
+            continue;
+        }
+        if (whole < 100000000000000000u) whole = 10u * whole + (uint64_t)(text[k] - '0'), exponent -= point;
+        else exponent += !point;
+        digits++;
+    }
+    if (digits && k < length &&
+        (text[k] == 'e' || text[k] == 'E' || text[k] == 'd' || text[k] == 'D')) { /* d: Fortran's */
+        int power = 0, any = 0;
+        k++;
+        if (k < length && (text[k] == '-' || text[k] == '+')) down = text[k++] == '-';
+        for (; k < length && text[k] >= '0' && text[k] <= '9'; k++, any = 1)
+            power = power < 10000 ? 10 * power + (text[k] - '0') : power;
+        if (!any) return (double)NAN;
+        exponent += down ? -power : power;
+    }
+    if (!digits || k != length) return (double)NAN;
+    double ten = 1.0, base = 10.0; /* exact up to 10^22 */
+    if (exponent < -400 || exponent > 400) exponent = exponent < 0 ? -400 : 400;
+    for (int e = exponent < 0 ? -exponent : exponent; e > 0; e >>= 1, base *= base) ten *= e & 1 ? base : 1.0;
+    const double value = whole == 0 ? 0.0 : (exponent < 0 ? (double)whole / ten : (double)whole * ten);
+    return minus ? -value : value;
+}
+
+/* ---- text ---- */
+
+enum { DEM__CORNERS_MAX = 64 }; /* of a facet; one with more counts as missing */
+
+/* A text that is being read, and the facet in progress. */
+typedef struct dem__stl_text {
+    const unsigned char *bytes;
+    size_t size, at;
+    dem__facet *out; /* where triangles are written; NULL: they are only counted */
+    ptrdiff_t triangles, polygons, missing;
+    int begun, ended; /* whether a line "solid", a line "endsolid" was read */
+    int inside, loops, corners, wanted,
+        bad; /* in a facet: loops and corners so far, numbers to come, whether it is malformed */
+    dem_vec normal, corner[DEM__CORNERS_MAX], number;
+} dem__stl_text;
+
+/* Returns whether a word begins with a name, as solid_name does. */
+static inline int dem__begins_with(const unsigned char *bytes, size_t at, size_t length, const char *name) {
+    const size_t n = strlen(name);
+    return length >= n && dem__is_word(bytes, at, n, name);
+}
+
+/* Skips the rest of a line, whose words are a name or a comment. If a facet ends there, the whole text is one line:
+   then skips only the word. */
+static inline void dem__skip_line(dem__stl_text *t, size_t length) {
+    size_t end = t->at + length, word;
+    while (end < t->size && t->bytes[end] != '\n' && t->bytes[end] != '\r') end++;
+    for (size_t at = t->at + length; (word = dem__word(t->bytes, end, &at)) > 0; at += word) {
+        if (!dem__is_word(t->bytes, at, word, "endfacet")) continue;
+        t->at += length;
+        return;
+    }
+    t->at = end;
+}
+
+/* Returns a corner from which a fan of triangles covers a polygon, -1 if there is none. */
+static inline int dem__fan_start(const dem_vec *corner, int n) {
+    dem_vec whole = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 1; k + 1 < n; k++)
+        whole = dem__add(whole, dem__cross(dem__sub(corner[k], corner[0]), dem__sub(corner[k + 1], corner[0])));
+    const double size = dem__dot(whole, whole);
+    if (n == 3 || size != size) return 0; /* coordinates that are not finite are counted later */
+    for (int start = 0; start < n; start++) {
+        int covers = 1;
+        for (int k = 1; k + 1 < n && covers; k++) {
+            const dem_vec a = corner[start], b = corner[(start + k) % n], c = corner[(start + k + 1) % n];
+            covers = dem__dot(dem__cross(dem__sub(b, a), dem__sub(c, a)), whole) >= -1e-9 * size;
+        }
+        if (covers) return start;
+    }
+    return -1;
+}
+
+/* Ends the facet in progress. Keeps its triangles if it is whole. */
+static inline void dem__end_facet(dem__stl_text *t) {
+    const int n = t->corners,
+              start = t->inside && !t->bad && t->wanted == 0 && n >= 3 ? dem__fan_start(t->corner, n) : -1;
+    if (!t->inside) return;
+    t->inside = 0;
+    if (start < 0) {
+        t->missing++;
+        return;
+    }
+    for (int k = 1; k + 1 < n; k++, t->triangles++) {
+        if (!t->out) continue;
+        dem__facet *f = &t->out[t->triangles];
+        f->normal = t->normal;
+        f->corner[0] = t->corner[start], f->corner[1] = t->corner[(start + k) % n],
+        f->corner[2] = t->corner[(start + k + 1) % n];
+    }
+    t->polygons += n > 3;
+}
+
+static inline void dem__begin_facet(dem__stl_text *t) {
+    dem__end_facet(t);
+    t->inside = 1;
+    t->loops = t->corners = t->wanted = t->bad = 0;
+    t->normal = dem_vec3(0.0, 0.0, 0.0);
+}
+
+/* Reads one word of a facet, which may be one of three numbers. */
+static inline void dem__read_word_of_facet(dem__stl_text *t, size_t length) {
+    const unsigned char *b = t->bytes;
+    if (dem__is_word(b, t->at, length, "normal")) t->bad |= t->wanted > 0 || t->corners > 0, t->wanted = 6;
+    else if (dem__is_word(b, t->at, length, "vertex"))
+        t->bad |= t->wanted > 0 || t->corners == DEM__CORNERS_MAX, t->wanted = 3;
+    else if (dem__is_word(b, t->at, length, "outer")) t->bad |= ++t->loops > 1; /* a hole in a face */
+    else if (dem__is_word(b, t->at, length, "loop") || dem__is_word(b, t->at, length, "endloop"))
+        t->bad |= t->wanted > 0;
+    else if (t->wanted > 0) {
+        *dem_axis_of(&t->number, (6 - t->wanted) % 3) = dem__number(b + t->at, length);
+        t->wanted--;
+        if (t->wanted == 3) t->normal = t->number, t->wanted = 0;
+        else if (t->wanted == 0 && !t->bad) t->corner[t->corners++] = t->number;
+    } else t->bad = 1;
+}
+
+/* Reads a text. A facet stands between "facet" and "endfacet", or the next "facet"; names and comments are ignored. */
+static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__facet *facets, dem_stl_report *report) {
+    dem__stl_text t;
+    memset(&t, 0, sizeof t);
+    t.bytes = bytes, t.size = size, t.out = facets;
+    t.at = size >= 3 && bytes[0] == 0xef && bytes[1] == 0xbb && bytes[2] == 0xbf ? 3 : 0; /* byte-order mark */
+    for (size_t length; (length = dem__word(bytes, size, &t.at)) > 0;) {
+        const size_t at = t.at;
+        if (bytes[at] == '#' || dem__begins_with(bytes, at, length, "//")) dem__skip_line(&t, length);
+        else if (dem__is_word(bytes, at, length, "facet")) dem__begin_facet(&t), t.ended = 0, t.at += length;
+        else if (dem__is_word(bytes, at, length, "endfacet"))
+            t.missing += !t.inside, dem__end_facet(&t), t.at += length;
+        else if (dem__begins_with(bytes, at, length, "endsolid") ||
+                 (!t.inside && dem__is_word(bytes, at, length, "end")))
+            dem__end_facet(&t), t.ended = 1, dem__skip_line(&t, length);
+        else if (t.inside) dem__read_word_of_facet(&t, length), t.at += length;
+        else if (dem__begins_with(bytes, at, length, "solid")) t.begun = 1, t.ended = 0, dem__skip_line(&t, length);
+        else t.at += length;
+    }
+    if (t.inside || (t.begun && !t.ended)) t.missing++; /* the file is cut off */
+    report->facets = t.triangles, report->missing = t.missing, report->polygons = t.polygons;
+}
+
+/* ---- what a file is ---- */
+
+enum { DEM__STL_UNKNOWN, DEM__STL_TEXT, DEM__STL_BINARY };
+
+/* Returns what kind of file it is, from all bytes, because headers may be wrong. A text has hardly any control
+   characters; a binary file has the length that its count gives. Where these two disagree, the numbers must look like
+   coordinates. */
+static inline int dem__kind_of_stl(const unsigned char *bytes, size_t size) {
+    dem_stl_report found;
+    size_t controls = 0;
+    int whole = 0;
+    memset(&found, 0, sizeof found);
+    for (size_t k = 0; k < size; k++) controls += bytes[k] < ' ' && !(bytes[k] >= '\t' && bytes[k] <= '\r');
+    const int is_text = controls <= size / 20;
+    if (size >= 84) {
+        const dem__binary_size s = dem__size_of_binary(bytes, size);
+        whole = s.present > 0 && s.present == s.announced && s.rest == 0;
+    }
+    if (is_text && !whole) return DEM__STL_TEXT;
+    if (whole || is_text || (size >= 84 && dem__has_coordinates(bytes, size))) {
+        if (is_text) dem__read_text(bytes, size, NULL, &found);
+        return found.facets > 0 ? DEM__STL_TEXT : DEM__STL_BINARY;
+    }
+    dem__read_text(bytes, size, NULL, &found); /* padded with zeros, or damaged */
+    return found.facets > 0 ? DEM__STL_TEXT : DEM__STL_UNKNOWN;
+}
+
+static inline void dem__count_facets(const unsigned char *bytes, size_t size, dem_stl_report *report) {
+    const int kind = dem__kind_of_stl(bytes, size);
+    report->binary = kind == DEM__STL_BINARY;
+    if (kind == DEM__STL_BINARY) dem__count_binary(bytes, size, report);
+    if (kind == DEM__STL_TEXT) dem__read_text(bytes, size, NULL, report);
+}
+
+/* ---------------------------------------------------------------------------------------------- >>walls/stl_mesh.h */
+/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated.
+ */
+
+/* ---- from facets to a mesh ---- */
+
+/* Working memory for making a mesh. */
+typedef struct dem__workshop {
+    dem__facet *facets;
+    ptrdiff_t n;
+    dem__slot *slots; /* `capacity` of them */
+    size_t capacity;
+    int32_t *next; /* 3 n: the next vertex of a cell; later the corners of triangles without area */
+    ptrdiff_t slivers;
+    double weld,
+        cell; /* distance up to which corners are one [m]; size of a grid cell [m], 0: only equal coordinates are one */
+} dem__workshop;
+
+static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *cell) {
+    uint64_t key = 0, bits;
+    for (int a = 0; a < 3; a++) {
+        const double v = (s->cell > 0.0 ? floor(cell[a] / s->cell) : cell[a]) + 0.0; /* no -0 */
+        memcpy(&bits, &v, sizeof bits);
+        key = dem__scramble(key * 3 + bits + 1);
+    }
+    return key | 1;
+}
+
+/* Returns the vertex at a place: an earlier one if there is one within `weld`, otherwise a new one. Vertices are
+   chained from the cells of a grid, which are four times as wide as `weld`: few fit into one cell. */
+static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
+    for (int side = 0; side < (s->cell > 0.0 ? 8 : 1); side++) {
+        double place[3];
+        int seen = 0;
+        for (int a = 0; a < 3; a++) {
+            const double low = dem_axis(p, a) - s->weld, high = dem_axis(p, a) + s->weld;
+            place[a] = side >> a & 1 ? high : low;
+            seen |= (side >> a & 1) && s->cell > 0.0 &&
+                    floor(low / s->cell) == floor(high / s->cell); /* one cell for both sides */
+        }
+        if (seen) continue;
+        const dem__slot *slot = dem__find_slot(s->slots, s->capacity, dem__key_of_cell(s, place));
+        for (int32_t v = slot->key ? slot->value : -1; v >= 0; v = s->next[v]) {
+            if (dem__length(dem__sub(vertex[v], p)) <= s->weld) return v;
+        }
+    }
+    const int32_t fresh = (int32_t)(*count)++;
+    const double own[3] = {p.x, p.y, p.z};
+    const uint64_t key = dem__key_of_cell(s, own);
+    dem__slot *slot = dem__find_slot(s->slots, s->capacity, key);
+    vertex[fresh] = p;
+    s->next[fresh] = slot->key ? slot->value : -1;
+    slot->key = key;
+    slot->value = fresh;
+    return fresh;
+}
+
+static inline dem__slot *dem__stl_edge(dem__workshop *s, int32_t a, int32_t b) {
+    const uint64_t low = (uint64_t)(a < b ? a : b), high = (uint64_t)(a < b ? b : a);
+    dem__slot *slot = dem__find_slot(s->slots, s->capacity, low << 32 | high);
+    slot->key = low << 32 | high; /* never 0, as a < b */
+    return slot;
+}
+
+/* Counts the three edges of a triangle. */
+static inline void dem__count_edges_of(dem__workshop *s, const int32_t *t) {
+    for (int e = 0; e < 3; e++) {
+        const int32_t a = t[e], b = t[(e + 1) % 3];
+        dem__slot *slot = dem__stl_edge(s, a, b);
+        if (a < b) slot->forward++;
+        else slot->backward++;
+    }
+}
+
+/* Returns how many edges of a triangle have one other triangle, which runs the other way. */
+static inline int dem__closes(dem__workshop *s, const int32_t *t) {
+    int closed = 0;
+    for (int e = 0; e < 3; e++) {
+        const dem__slot *slot = dem__stl_edge(s, t[e], t[(e + 1) % 3]);
+        const int32_t along = t[e] < t[(e + 1) % 3] ? slot->forward : slot->backward;
+        closed += along == 0 && slot->forward + slot->backward == 1;
+    }
+    return closed;
+}
+
+/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with the triangles without area.
+   In a fan of these one closes after the other; sixteen passes, forward and backward in turn, suffice for any order
+   that a program writes. */
+static inline void dem__close_junctions(dem__workshop *s) {
+    int changed = 1;
+    for (int pass = 0; pass < 16 && changed; pass++) {
+        changed = 0;
+        for (ptrdiff_t k = 0; k < s->slivers; k++) {
+            int32_t *t = &s->next[3 * (pass % 2 ? s->slivers - 1 - k : k)];
+            if (t[0] < 0 || dem__closes(s, t) < 2) continue;
+            dem__count_edges_of(s, t);
+            t[0] = -1;
+            changed = 1;
+        }
+    }
+}
+
+/* Scales the facets and drops those that are not finite. Returns the number that is left; the report gets their
+   bounding box. */
+static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl_report *report) {
+    dem_vec low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
+    ptrdiff_t kept = 0;
+    for (ptrdiff_t k = 0; k < s->n; k++) {
+        dem__facet f = s->facets[k];
+        int finite = 1;
+        for (int c = 0; c < 9; c++) {
+            double *x = dem_axis_of(&f.corner[c / 3], c % 3);
+            *x *= scale;
+            finite &= fabs(*x) < 1e50;
+        }
+        report->not_finite += !finite;
+        if (!finite) continue;
+        s->facets[kept++] = f;
+        for (int c = 0; c < 9; c++) {
+            double *l = dem_axis_of(&low, c % 3), *h = dem_axis_of(&high, c % 3), x = dem_axis(f.corner[c / 3], c % 3);
+            *l = x < *l ? x : *l;
+            *h = x > *h ? x : *h;
+        }
+    }
+    if (kept > 0) report->low = low, report->high = high;
+    return kept;
+}
+
+/* Returns whether a triangle with the same three corners, in any order, came before. */
+static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
+    const int32_t first = t[0] < t[1] ? (t[0] < t[2] ? t[0] : t[2]) : (t[1] < t[2] ? t[1] : t[2]);
+    const int32_t last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);
+    const uint64_t middle = (uint64_t)t[0] + (uint64_t)t[1] + (uint64_t)t[2] - (uint64_t)first - (uint64_t)last;
+    /* a key of three numbers, which two triangles share with a probability of 2^-64 */
+    const uint64_t key =
+        dem__scramble(dem__scramble((uint64_t)first + 1) + dem__scramble(middle + 1) * 3 + (uint64_t)last) | 1;
+    dem__slot *slot = dem__find_slot(s->slots, s->capacity, key);
+    if (slot->key) return 1;
+    slot->key = key;
+    return 0;
+}
+
+/* Keeps the triangles that have an area and are new; sums area and volume. */
+static inline void dem__keep_triangles(dem__workshop *s, dem_mesh *m, ptrdiff_t n, dem_stl_report *report) {
+    const dem_vec *vertex = (const dem_vec *)(const void *)m->vertex;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const int32_t t[3] = {m->triangle[3 * k], m->triangle[3 * k + 1], m->triangle[3 * k + 2]};
+        const dem_vec a = vertex[t[0]], b = vertex[t[1]], c = vertex[t[2]];
+        const int corners = t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+        dem_vec normal;
+        if (!corners || !dem__has_area(a, b, c, &normal)) {
+            report->degenerate++;
+            if (corners) memcpy(&s->next[3 * s->slivers++], t, sizeof t);
+            continue;
+        }
+        if (dem__is_duplicate(s, t)) {
+            report->duplicate++;
+            continue;
+        }
+        const dem_vec twice = dem__area(a, b, c), given = s->facets[k].normal;
+        const double length = dem__length(given);
+        if (dem__positive(length) && dem__dot(given, normal) < 0.5 * length) report->wrong_normals++;
+        report->area += 0.5 * dem__length(twice);
+        report->volume += dem__dot(dem__sub(a, report->low), twice) / 6.0;
+        memcpy(&m->triangle[3 * m->triangles++], t, sizeof t);
+    }
+}
+
+static inline void dem__count_edges(dem__workshop *s, const dem_mesh *m, dem_stl_report *report) {
+    for (ptrdiff_t k = 0; k < m->triangles; k++) dem__count_edges_of(s, &m->triangle[3 * k]);
+    dem__close_junctions(s);
+    for (size_t k = 0; k < s->capacity; k++) {
+        const int32_t f = s->slots[k].forward, b = s->slots[k].backward;
+        report->open_edges += f + b == 1;
+        report->nonmanifold += f + b > 2;
+        report->inconsistent += f + b == 2 && f != b;
+    }
+}
+
+/* Fills an empty mesh, whose arrays have room, and the report. */
+static inline void dem__make_mesh(dem_mesh *m, dem__workshop *s, double scale, double weld, dem_stl_report *report) {
+    const ptrdiff_t n = dem__keep_finite(s, scale, report);
+    if (n == 0) return;
+    const double size = dem__length(dem__sub(report->high, report->low));
+    s->weld = weld < size ? weld : size;
+    s->cell = 4.0 * s->weld;
+    memset(s->slots, 0, s->capacity * sizeof *s->slots);
+    for (ptrdiff_t k = 0; k < 3 * n; k++)
+        m->triangle[k] = dem__weld(s, (dem_vec *)(void *)m->vertex, &m->vertices, s->facets[k / 3].corner[k % 3]);
+    memset(s->slots, 0, s->capacity * sizeof *s->slots);
+    dem__keep_triangles(s, m, n, report);
+    memset(s->slots, 0, s->capacity * sizeof *s->slots);
+    dem__count_edges(s, m, report);
+}
+
+DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld,
+                                const dem_allocator *allocator, dem_mesh *mesh, dem_stl_report *report) {
+    const unsigned char *text = (const unsigned char *)bytes;
+    dem_stl_report found;
+    dem_allocator memory;
+    dem__workshop shop;
+    if (!mesh) return DEM_BAD_ARGUMENT;
+    memset(mesh, 0, sizeof *mesh);
+    memset(&found, 0, sizeof found);
+    memset(&shop, 0, sizeof shop);
+    if (report) *report = found;
+    if ((size > 0 && !bytes) || !dem__positive(scale) || !dem__not_negative(weld)) return DEM_BAD_ARGUMENT;
+    memory.fn = dem__default_allocator;
+    memory.user = NULL;
+    if (allocator) memory = *allocator;
+    if (!memory.fn) return DEM_BAD_ARGUMENT;
+
+    dem__count_facets(text, size, &found);
+    if (report) *report = found;
+    if (found.facets == 0) return DEM_BAD_DATA;
+    if (found.facets > INT32_MAX / 12) return DEM_TOO_MANY;
+    const size_t n = (size_t)found.facets;
+    shop.n = found.facets;
+    for (shop.capacity = 64; shop.capacity < 6 * n;) shop.capacity *= 2;
+    const size_t scratch = n * sizeof(dem__facet) + shop.capacity * sizeof(dem__slot) + 3 * n * sizeof(int32_t);
+    mesh->bytes = 3 * n * sizeof(dem_vec) + 3 * n * sizeof(int32_t);
+    mesh->allocator = memory;
+    mesh->block = memory.fn(memory.user, NULL, 0, mesh->bytes);
+    shop.facets = mesh->block ? (dem__facet *)memory.fn(memory.user, NULL, 0, scratch) : NULL;
+    if (!shop.facets) {
+        dem_free_mesh(mesh);
+        return DEM_OUT_OF_MEMORY;
+    }
+    shop.slots = (dem__slot *)(void *)(shop.facets + n);
+    shop.next = (int32_t *)(void *)(shop.slots + shop.capacity);
+    mesh->vertex = (double *)mesh->block;
+    mesh->triangle = (int32_t *)(void *)(mesh->vertex + 9 * n);
+    if (!found.binary) dem__read_text(text, size, shop.facets, &found);
+    for (size_t k = 0; k < n && found.binary; k++) dem__read_facet(text, k, &shop.facets[k]);
+    dem__make_mesh(mesh, &shop, scale, weld, &found);
+    memory.fn(memory.user, shop.facets, scratch, 0);
+    if (report) *report = found;
+    if (mesh->triangles > 0) return DEM_OK;
+    dem_free_mesh(mesh);
+    return DEM_BAD_DATA;
+}
+
+DEM_API void dem_free_mesh(dem_mesh *mesh) {
+    if (!mesh) return;
+    if (mesh->block) mesh->allocator.fn(mesh->allocator.user, mesh->block, mesh->bytes, 0);
+    memset(mesh, 0, sizeof *mesh);
+}
+
+/* ------------------------------------------------------------------------------------------------- >>walls/solid.h */
+/* Closed meshes: what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not
+   closed has no inside; in a closed one only points within round-off of the surface depend on how it is cut into
+   triangles. */
+
+/* Returns whether the line from p along +z crosses a triangle. Both triangles of an edge test it with its ends in the
+   same order, so that a line through an edge or a corner crosses the surface as often as one beside it. */
+static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
+    const dem_vec corner[3] = {a, b, c};
+    int inside = 0;
+    for (int e = 0; e < 3; e++) {
+        const dem_vec u = corner[e], v = corner[(e + 1) % 3];
+        const int low = u.y <= p.y;
+        if (low == (v.y <= p.y)) continue;
+        const dem_vec from = low ? u : v, to = low ? v : u;
+        inside ^= (to.x - from.x) * (p.y - from.y) > (p.x - from.x) * (to.y - from.y);
+    }
+    if (!inside) return 0;
+    const dem_vec n = dem__area(a, b, c);
+    return ((p.x - a.x) * n.x + (p.y - a.y) * n.y + (p.z - a.z) * n.z) * n.z < 0.0;
+}
+
+/* Returns whether p, in the wall's own frame, is inside a closed surface: a line from it crosses the surface an odd
+   number of times. */
+static inline int dem__is_inside_tree(const dem__tree *t, dem_vec p) {
+    int inside = 0;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (!(p.x >= node->low[0] && p.x <= node->high[0] && p.y >= node->low[1] && p.y <= node->high[1] &&
+              p.z <= node->high[2])) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            const int32_t *c = &t->corner[3 * k];
+            inside ^= dem__is_under(t->vertex[c[0]], t->vertex[c[1]], t->vertex[c[2]], p);
+        }
+    }
+    return inside;
+}
+
+/* Returns whether a point is inside a wall that is a solid body. */
+static inline int dem__is_inside_wall(const dem_wall *w, dem_vec x) {
+    return w->solid && dem__is_inside_tree(w->tree, dem__to_frame(w, dem__sub(x, w->position)));
+}
+
+static inline dem_vec dem__mesh_vertex(const dem_mesh *m, ptrdiff_t k, int corner) {
+    const double *x = &m->vertex[3 * (ptrdiff_t)m->triangle[3 * k + corner]];
+    return dem_vec3(x[0], x[1], x[2]);
+}
+
+static inline int dem__is_inside_mesh(const dem_mesh *m, dem_vec p) {
+    int inside = 0;
+    for (ptrdiff_t k = 0; k < m->triangles; k++)
+        inside ^= dem__is_under(dem__mesh_vertex(m, k, 0), dem__mesh_vertex(m, k, 1), dem__mesh_vertex(m, k, 2), p);
+    return inside;
+}
+
+/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, even with different
+   indices; triangles without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a triangle that
+   is there twice, DEM_TOO_MANY or DEM_OUT_OF_MEMORY. */
+static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_t triangles, const dem_vec *vertex,
+                                           const int32_t *corner) {
+    const size_t n = (size_t)triangles;
+    dem_stl_report report;
+    dem__workshop shop;
+    dem_mesh mesh;
+    int closed;
+    memset(&report, 0, sizeof report);
+    memset(&shop, 0, sizeof shop);
+    memset(&mesh, 0, sizeof mesh);
+    if (triangles > INT32_MAX / 12) return DEM_TOO_MANY;
+    shop.n = triangles;
+    for (shop.capacity = 64; shop.capacity < 6 * n;) shop.capacity *= 2;
+    const size_t bytes =
+        n * sizeof(dem__facet) + shop.capacity * sizeof(dem__slot) + 3 * n * sizeof(dem_vec) + 6 * n * sizeof(int32_t);
+    shop.facets = (dem__facet *)memory->fn(memory->user, NULL, 0, bytes);
+    if (!shop.facets) return DEM_OUT_OF_MEMORY;
+    shop.slots = (dem__slot *)(void *)(shop.facets + n);
+    mesh.vertex = (double *)(void *)(shop.slots + shop.capacity);
+    shop.next = (int32_t *)(void *)(mesh.vertex + 9 * n);
+    mesh.triangle = shop.next + 3 * n;
+    memset(shop.facets, 0, n * sizeof(dem__facet));
+    for (size_t k = 0; k < 3 * n; k++) shop.facets[k / 3].corner[k % 3] = vertex[corner[k]];
+    dem__make_mesh(&mesh, &shop, 1.0, 0.0, &report);
+    closed = mesh.triangles > 0 && report.duplicate == 0 && report.not_finite == 0;
+    for (size_t k = 0; k < shop.capacity && closed; k++)
+        closed = (shop.slots[k].forward + shop.slots[k].backward) % 2 == 0;
+    memory->fn(memory->user, shop.facets, bytes, 0);
+    return closed ? DEM_OK : DEM_BAD_ARGUMENT;
+}
+
+DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || !world->def.allocator.fn || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    dem_wall *w = &world->wall[wall];
+    if (solid) {
+        if (w->kind != DEM_MESH) return DEM_BAD_ARGUMENT;
+        const dem_status status =
+            dem__check_closed(&world->def.allocator, w->tree->triangles, w->tree->vertex, w->tree->corner);
+        if (status != DEM_OK) return status;
+    }
+    w->solid = solid != 0;
+    return DEM_OK;
+}
+
+/* Returns whether a mesh's numbers are valid; low, high: its bounding box. */
+static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
+    if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
+        m->triangles > INT32_MAX / 4)
+        return 0;
+    *low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), *high = dem__scale(-1.0, *low);
+    for (ptrdiff_t k = 0; k < 3 * m->triangles; k++) {
+        if (m->triangle[k] < 0 || m->triangle[k] >= m->vertices) return 0;
+    }
+    for (ptrdiff_t k = 0; k < 3 * m->vertices; k++) {
+        double *l = dem_axis_of(low, (int)(k % 3)), *h = dem_axis_of(high, (int)(k % 3)), x = m->vertex[k];
+        if (!(fabs(x) < 1e50)) return 0; /* so that squares of areas are finite */
+        *l = x < *l ? x : *l;
+        *h = x > *h ? x : *h;
+    }
+    return 1;
+}
+
+DEM_API dem_region dem_mesh_region(const dem_mesh *mesh) {
+    const dem_allocator memory = {dem__default_allocator, NULL};
+    dem_region region;
+    memset(&region, 0, sizeof region);
+    region.kind = DEM_REGION_MESH;
+    if (dem__is_mesh(mesh, &region.low, &region.high) &&
+        dem__check_closed(&memory, mesh->triangles, (const dem_vec *)(const void *)mesh->vertex, mesh->triangle) ==
+            DEM_OK)
+        region.mesh = mesh;
+    return region;
+}
+
+/* Returns the volume of a closed mesh [m3]; all its triangles may be turned either way. */
+static inline double dem__mesh_volume(const dem_mesh *m) {
+    const dem_vec from = dem__mesh_vertex(m, 0, 0);
+    double sum = 0.0;
+    for (ptrdiff_t k = 0; k < m->triangles; k++) {
+        const dem_vec a = dem__sub(dem__mesh_vertex(m, k, 0), from), b = dem__sub(dem__mesh_vertex(m, k, 1), from),
+                      c = dem__sub(dem__mesh_vertex(m, k, 2), from);
+        sum += dem__dot(a, dem__cross(b, c)) / 6.0;
+    }
+    return fabs(sum);
+}
+
+/* --------------------------------------------------------------------------------------------- >>regions/regions.h */
+/* Regions: their volumes, and whether a point is in one. */
+
+DEM_API dem_region dem_box_region(dem_vec low, dem_vec high) {
+    dem_region region;
+    memset(&region, 0, sizeof region);
+    region.kind = DEM_REGION_BOX;
+    region.low = low;
+    region.high = high;
+    return region;
+}
+DEM_API dem_region dem_cylinder_region(dem_vec bottom, dem_vec axis, double length, double radius) {
+    dem_region region;
+    memset(&region, 0, sizeof region);
+    region.kind = DEM_REGION_CYLINDER;
+    region.low = bottom;
+    region.axis = axis;
+    region.length = length;
+    region.radius = radius;
+    return region;
+}
+DEM_API dem_region dem_sphere_region(dem_vec centre, double radius) {
+    dem_region region;
+    memset(&region, 0, sizeof region);
+    region.kind = DEM_REGION_SPHERE;
+    region.low = centre;
+    region.radius = radius;
+    return region;
+}
+
+/* Returns whether a length of a region is 0, or large enough for its volume to be a number. */
+static inline int dem__is_extent(double v) { return v == 0.0 || (v >= 1e-100 && v <= 1e100); }
+
+static inline int dem__is_region(const dem_region *r) {
+    dem_vec unit;
+    if (!r || !dem__finite_vec(r->low)) return 0;
+    if (r->kind == DEM_REGION_MESH) return r->mesh != NULL;
+    if (r->kind == DEM_REGION_BOX)
+        return dem__finite_vec(r->high) && dem__is_extent(r->high.x - r->low.x) &&
+               dem__is_extent(r->high.y - r->low.y) && dem__is_extent(r->high.z - r->low.z);
+    if (!dem__is_extent(r->radius)) return 0;
+    if (r->kind == DEM_REGION_SPHERE) return 1;
+    return r->kind == DEM_REGION_CYLINDER && dem__finite_vec(r->axis) && dem__unit(r->axis, &unit) &&
+           dem__is_extent(r->length);
+}
+
+DEM_API double dem_region_volume(const dem_region *region) {
+    if (!dem__is_region(region)) return (double)NAN;
+    const dem_region *r = region;
+    if (r->kind == DEM_REGION_MESH) return dem__mesh_volume(r->mesh);
+    if (r->kind == DEM_REGION_BOX) return (r->high.x - r->low.x) * (r->high.y - r->low.y) * (r->high.z - r->low.z);
+    return RIDDLE_PI * r->radius * r->radius * (r->kind == DEM_REGION_SPHERE ? 4.0 / 3.0 * r->radius : r->length);
+}
+
+DEM_API int dem_region_holds(const dem_region *region, dem_vec point) {
+    const dem_region *r = region;
+    dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
+    if (!dem__is_region(r)) return 0;
+    const dem_vec d = dem__sub(point, r->low);
+    const int in_box = point.x >= r->low.x && point.x <= r->high.x && point.y >= r->low.y && point.y <= r->high.y &&
+                       point.z >= r->low.z && point.z <= r->high.z;
+    if (r->kind == DEM_REGION_BOX) return in_box;
+    if (r->kind == DEM_REGION_MESH) return in_box && dem__is_inside_mesh(r->mesh, point);
+    if (r->kind == DEM_REGION_SPHERE) return dem__dot(d, d) <= r->radius * r->radius;
+    dem__unit(r->axis, &unit);
+    const double along = dem__dot(d, unit);
+    return along >= 0.0 && along <= r->length && dem__dot(d, d) - along * along <= r->radius * r->radius;
+}
+
+/* Finds a box around a region. */
+static inline void dem__tree_bounds(const dem_region *r, dem_vec *low, dem_vec *high) {
+    dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
+    if (r->kind == DEM_REGION_CYLINDER) dem__unit(r->axis, &unit);
+    const int has_box = r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH;
+    for (int a = 0; a < 3; a++) {
+        const double at = dem_axis(r->low, a),
+                     end = has_box ? dem_axis(r->high, a) : at + r->length * dem_axis(unit, a);
+        const double out = has_box ? 0.0 : r->radius;
+        *dem_axis_of(low, a) = (at < end ? at : end) - out;
+        *dem_axis_of(high, a) = (at > end ? at : end) + out;
+    }
+}
+
+/* ---------------------------------------------------------------------------------------------- >>removal/remove.h */
+/* Particles that leave: by an exit, by dem_remove, or with a region. One that is gone is in no list, and one that has no
+   contact left is in flight. */
+
+/* Removes particle i from all lists. Its entries in the arrays are removed by a later rebuild. */
+static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
+    dem__pairs *pairs = &w->engine->pairs;
+    dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
+    w->alive[i] = DEM_LEAVING; /* so that the law can tell a removal from a rupture */
+    DEM__TELL(w, remove_particle, (w, i));
+    w->alive[i] = 0;
+    w->engine->bodies.dropped++;
+    dem__mark_to_check(w, i);
+    if (w->engine->run.needs_lists) return;
+    for (int32_t a = pairs->adjacent_start[i]; a < pairs->adjacent_start[i + 1]; a++) {
+        dem__stop_timer(&pairs->timers, pairs->adjacent[2 * a]);
+    }
+    for (int k = 0; k < w->walls; k++) dem__stop_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k);
+}
+
+/* Removes particle i, or all particles of its rigid body, from all lists. */
+static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) dem__detach_one(w, k);
+}
 
 /* Removes the force of ended contacts from the acceleration of particles that touch nothing any more. */
 static inline void dem__free_untouched(dem_world *w) {
@@ -7745,6 +8728,36 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
     dem__end_contacts_of_removed(w);
     w->engine->run.running = 0;
     return DEM_OK;
+}
+
+DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return -(ptrdiff_t)DEM_BUSY;
+    if (!w || !w->def.allocator.fn || capacity < 0) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    const ptrdiff_t n = capacity < w->passed_count ? capacity : w->passed_count, left = w->passed_count - n;
+    if (n == 0) return 0;
+    if (records) memcpy(records, w->passed, (size_t)n * sizeof *records);
+    memmove(w->passed, w->passed + n, (size_t)left * sizeof *records);
+    w->passed_count = left;
+    return n;
+}
+
+DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) {
+    if (dem__is_running(world)) return -(ptrdiff_t)DEM_BUSY;
+    dem_world *w = world;
+    ptrdiff_t removed = 0;
+    if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    w->engine->run.running = 1;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (r && r->first != i) continue;
+        if (!w->alive[i] || !dem_region_holds(region, r ? dem__body_position(w, r) : dem__in_box(w, dem__at(w, i, dem__now(w, i))))) continue;
+        dem__detach_particle(w, i);
+        removed++;
+    }
+    if (removed > 0) dem__end_contacts_of_removed(w);
+    w->engine->run.running = 0;
+    return removed;
 }
 
 /* --------------------------------------------------------------------------------------------- >>contacts/forces.h */
@@ -7838,7 +8851,7 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
     }
 }
 
-/* ------------------------------------------------------------------------------------------------ >>save/records.h */
+/* --------------------------------------------------------------------------------------------- >>records/records.h */
 /* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows
    bytes and memory, no physics. Relies on nothing; save/fields.h names what is saved, save/save.h and save/load.h use
    both. */
@@ -7939,7 +8952,7 @@ static inline int dem__find_record(const unsigned char *file, size_t at, size_t 
     return 0;
 }
 
-/* ------------------------------------------------------------------------------------------------- >>save/groups.h */
+/* ---------------------------------------------------------------------------------------------- >>records/groups.h */
 /* Groups of fields that have the same number of entries: writing and reading them, and hashes of numbers. */
 
 enum { DEM__FIELDS_MAX = 64 };
@@ -8816,7 +9829,7 @@ static inline void dem__check_bounds(dem_world *w) {
     if (2 * kept > w->count && w->step % 16 == 0) dem__list_active(w);
 }
 
-/* -------------------------------------------------------------------------------------------- >>search/due_tests.h */
+/* ------------------------------------------------------------------------------------------------- >>step/detect.h */
 /* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers.
    Promises: every contact that begins is found; a step that cannot be finished leaves no trace. */
 
@@ -11548,1179 +12561,6 @@ DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengt
     if (flat > 0.0) shape[2] *= riddle_exp(2.302585092994045684 * 0.4 * riddle_exp(0.2 * riddle_log(flat)));
 }
 
-/* -------------------------------------------------------------------------------------------------- >>walls/mesh.h */
-/* Adding meshes and boxes: the tree of a mesh's triangles. */
-
-/* Spreads 21 bits to every third bit of a Morton code. */
-static inline uint64_t dem__interleave(uint64_t v) {
-    v = (v | v << 32) & 0x1f00000000ffffu;
-    v = (v | v << 16) & 0x1f0000ff0000ffu;
-    v = (v | v << 8) & 0x100f00f00f00f00fu;
-    v = (v | v << 4) & 0x10c30c30c30c30c3u;
-    return (v | v << 2) & 0x1249249249249249u;
-}
-
-typedef struct dem__keyed {
-    uint64_t key;
-    int32_t index;
-} dem__keyed;
-/* Sorts by key, then index. temporary: room for n items. */
-static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptrdiff_t n) {
-    for (ptrdiff_t width = 1; width < n; width *= 2) {
-        for (ptrdiff_t low = 0; low < n; low += 2 * width) {
-            const ptrdiff_t mid = low + width < n ? low + width : n, high = mid + width < n ? mid + width : n;
-            for (ptrdiff_t a = low, b = mid, to = low; to < high; to++) {
-                const int left = a < mid && (b >= high || items[a].key < items[b].key ||
-                                             (items[a].key == items[b].key && items[a].index < items[b].index));
-                temporary[to] = left ? items[a++] : items[b++];
-            }
-        }
-        memcpy(items, temporary, (size_t)n * sizeof *items);
-    }
-}
-
-/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those
-   of each half. */
-static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
-    const int32_t at = t->nodes++;
-    dem__node *node = &t->node[at];
-    node->first = first;
-    node->count = end - first <= DEM__LEAF ? end - first : 0;
-    for (int a = 0; a < 3; a++) node->low[a] = HUGE_VAL, node->high[a] = -HUGE_VAL;
-    for (int32_t k = 3 * first; k < 3 * (first + node->count); k++) {
-        for (int a = 0; a < 3; a++) {
-            const double v = dem_axis(t->vertex[t->corner[k]], a);
-            node->low[a] = v < node->low[a] ? v : node->low[a];
-            node->high[a] = v > node->high[a] ? v : node->high[a];
-        }
-    }
-    if (node->count == 0) {
-        const int32_t middle = first + (end - first) / 2;
-        for (int side = 0; side < 2; side++) {
-            const int32_t child = t->nodes;
-            dem__grow_node(t, side ? middle : first, side ? end : middle);
-            for (int a = 0; a < 3; a++) {
-                const double low = t->node[child].low[a], high = t->node[child].high[a];
-                node->low[a] = low < node->low[a] ? low : node->low[a];
-                node->high[a] = high > node->high[a] ? high : node->high[a];
-            }
-        }
-    }
-    node->skip = t->nodes;
-}
-
-/* Returns an empty tree with room for the mesh; NULL when out of memory. */
-static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
-    const size_t v = (size_t)vertices, k = (size_t)triangles;
-    const size_t bytes =
-        sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
-    dem__tree *t = (dem__tree *)a->fn(a->user, NULL, 0, bytes);
-    if (!t) return NULL;
-    memset(t, 0, bytes);
-    t->bytes = bytes;
-    t->vertices = (int32_t)vertices;
-    t->vertex = (dem_vec *)(void *)(t + 1);
-    t->normal = t->vertex + v;
-    t->node = (dem__node *)(void *)(t->normal + k);
-    t->corner = (int32_t *)(void *)(t->node + k);
-    return t;
-}
-
-/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for
-   slivers. */
-static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
-    const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
-    const double x = dem__dot(ab, ab), y = dem__dot(bc, bc), z = dem__dot(ca, ca);
-    if (x >= y && x >= z) return dem__cross(bc, ca);
-    return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
-}
-
-/* Returns whether a triangle has an area that is not round-off of its corners; unit: its normal. */
-static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
-    const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
-    double longest = dem__dot(ab, ab);
-    longest = dem__dot(ac, ac) > longest ? dem__dot(ac, ac) : longest;
-    longest = dem__dot(bc, bc) > longest ? dem__dot(bc, bc) : longest;
-    return dem__length(n) > 1e-9 * longest && dem__unit(n, unit);
-}
-
-/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT
-   if there is none. */
-static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex,
-                                        ptrdiff_t triangles, const int32_t *corner, dem_status *status) {
-    const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
-    dem_vec low = vertex[0], high = vertex[0], normal;
-    ptrdiff_t n = 0;
-    for (ptrdiff_t v = 0; v < vertices; v++) {
-        for (int c = 0; c < 3; c++) {
-            double *l = dem_axis_of(&low, c), *h = dem_axis_of(&high, c), x = dem_axis(vertex[v], c);
-            *l = x < *l ? x : *l;
-            *h = x > *h ? x : *h;
-        }
-    }
-    *status = DEM_OUT_OF_MEMORY;
-    dem__keyed *items = (dem__keyed *)a->fn(a->user, NULL, 0, scratch);
-    if (!items) return NULL;
-    for (int32_t k = 0; k < (int32_t)triangles; k++) {
-        const dem_vec p[3] = {vertex[corner[3 * k]], vertex[corner[3 * k + 1]], vertex[corner[3 * k + 2]]};
-        if (!dem__has_area(p[0], p[1], p[2], &normal)) continue;
-        items[n].index = k;
-        items[n].key = 0;
-        for (int c = 0; c < 3; c++) {
-            const double from = dem_axis(low, c), span = dem_axis(high, c) - from;
-            const double x = (dem_axis(p[0], c) + dem_axis(p[1], c) + dem_axis(p[2], c)) / 3.0 - from;
-            items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0)
-                            << c;
-        }
-        n++;
-    }
-    dem__tree *t = n > 0 ? dem__plant(a, vertices, n) : NULL;
-    if (n == 0) *status = DEM_BAD_ARGUMENT;
-    if (t) {
-        dem__sort_keyed(items, items + n, n);
-        memcpy(t->vertex, vertex, (size_t)vertices * sizeof *vertex);
-        for (ptrdiff_t k = 0; k < n; k++) {
-            const int32_t *from = &corner[3 * items[k].index];
-            memcpy(&t->corner[3 * k], from, 3 * sizeof *from);
-            dem__has_area(vertex[from[0]], vertex[from[1]], vertex[from[2]], &t->normal[k]);
-        }
-        t->triangles = (int32_t)n, t->touch = dem__touch_mesh;
-        dem__grow_node(t, 0, (int32_t)n);
-        *status = DEM_OK;
-    }
-    a->fn(a->user, items, scratch, 0);
-    return t;
-}
-
-/* Counts one mesh more. */
-static inline void dem__count_mesh(dem_world *w) {
-    w->engine->walls.meshes++;
-    w->engine->walls.follow_meshes = dem__follow_meshes;
-}
-
-DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
-    if (dem__is_running(world)) return -(int)DEM_BUSY;
-    dem_world *w = world;
-    dem_wall wall;
-    memset(&wall, 0, sizeof wall);
-    if (!w || !w->def.allocator.fn || !mesh || material < 0 || material >= w->def.materials || !mesh->vertex ||
-        !mesh->triangle || mesh->vertices < 1 || mesh->triangles < 1 || mesh->vertices > INT32_MAX / 4 ||
-        mesh->triangles > INT32_MAX / 4)
-        return -(int)DEM_BAD_ARGUMENT;
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-    for (ptrdiff_t k = 0; k < 3 * mesh->triangles; k++) {
-        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices) return -(int)DEM_BAD_ARGUMENT;
-    }
-    for (ptrdiff_t k = 0; k < 3 * mesh->vertices; k++) {
-        const double x = mesh->vertex[k];
-        if (!(fabs(x) < 1e50)) return -(int)DEM_BAD_ARGUMENT; /* so that squares of areas are finite */
-        low[k % 3] = x < low[k % 3] ? x : low[k % 3];
-        high[k % 3] = x > high[k % 3] ? x : high[k % 3];
-    }
-    if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
-    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
-    wall.kind = DEM_MESH;
-    wall.material = material;
-    wall.asked.origin = dem_vec3(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]));
-    dem__frame(&wall, dem_vec3(0, 0, 1), dem_vec3(1, 0, 0));
-
-    const dem_allocator *a = &w->def.allocator;
-    const size_t bytes = (size_t)mesh->vertices * sizeof(dem_vec);
-    dem_status status = DEM_OUT_OF_MEMORY;
-    dem_vec *local = (dem_vec *)a->fn(a->user, NULL, 0, bytes);
-    for (ptrdiff_t k = 0; local && k < mesh->vertices; k++) {
-        const double *x = &mesh->vertex[3 * k];
-        local[k] = dem__sub(dem_vec3(x[0], x[1], x[2]), wall.asked.origin);
-    }
-    if (local) wall.tree = dem__make_tree(a, mesh->vertices, local, mesh->triangles, mesh->triangle, &status);
-    if (local) a->fn(a->user, local, bytes, 0);
-    if (wall.tree && !dem__make_touch_memory(w)) {
-        a->fn(a->user, wall.tree, wall.tree->bytes, 0);
-        wall.tree = NULL, status = DEM_OUT_OF_MEMORY;
-    }
-    if (!wall.tree) return -(int)status;
-    dem__count_mesh(w);
-    return dem__add_wall(w, &wall);
-}
-
-DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high) {
-    /* corner k: bit c chooses low or high of axis c */
-    int32_t faces[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
-                         2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
-    double corners[24];
-    dem_mesh mesh;
-    memset(&mesh, 0, sizeof mesh);
-    if (!(low.x < high.x && low.y < high.y && low.z < high.z)) return -(int)DEM_BAD_ARGUMENT;
-    for (int k = 0; k < 24; k++) corners[k] = (k / 3 >> k % 3 & 1) ? dem_axis(high, k % 3) : dem_axis(low, k % 3);
-    mesh.vertices = 8, mesh.vertex = corners;
-    mesh.triangles = 12, mesh.triangle = faces;
-    return dem_add_mesh(world, material, &mesh);
-}
-
-/* ---- STL ---- */
-
-/* A slot of a hash table with open addressing: a 64-bit key, 0 if empty, and a number. The capacity is a power of two.
- */
-typedef struct dem__slot {
-    uint64_t key;
-    int32_t value, forward, backward; /* edges: number of triangles that run along it each way */
-} dem__slot;
-
-/* --------------------------------------------------------------------------------------------------- >>walls/stl.h */
-/* Reading STL files: facets from bytes, corners welded. */
-
-static inline uint64_t dem__scramble(uint64_t z) {
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
-static inline dem__slot *dem__find_slot(dem__slot *slots, size_t capacity, uint64_t key) {
-    size_t at = (size_t)dem__scramble(key) & (capacity - 1);
-    while (slots[at].key != 0 && slots[at].key != key) at = (at + 1) & (capacity - 1);
-    return &slots[at];
-}
-
-/* A facet before welding. */
-typedef struct dem__facet {
-    dem_vec normal, corner[3];
-} dem__facet;
-
-static inline double dem__little_float(const unsigned char *byte) {
-    const uint32_t bits =
-        (uint32_t)byte[0] | (uint32_t)byte[1] << 8 | (uint32_t)byte[2] << 16 | (uint32_t)byte[3] << 24;
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return (double)value;
-}
-
-/* The number of facets that a binary file's header announces, and the number for which it has bytes. */
-typedef struct dem__binary_size {
-    size_t announced, present, rest; /* rest: bytes after the last whole facet */
-} dem__binary_size;
-static inline dem__binary_size dem__size_of_binary(const unsigned char *bytes, size_t size) {
-    dem__binary_size s;
-    s.announced = (size_t)((uint32_t)bytes[80] | (uint32_t)bytes[81] << 8 | (uint32_t)bytes[82] << 16 |
-                           (uint32_t)bytes[83] << 24);
-    s.present = (size - 84) / 50, s.rest = (size - 84) % 50;
-    return s;
-}
-
-/* Returns the number of facets to read: all that are present, or, if the header announces fewer and the file does not
-   end with a facet, those that it announces. */
-static inline size_t dem__facets_of_binary(const dem__binary_size *s) {
-    return s->announced < s->present && s->rest > 0 ? s->announced : s->present;
-}
-
-/* Counts what a binary file contains and what is missing. */
-static inline void dem__count_binary(const unsigned char *bytes, size_t size, dem_stl_report *report) {
-    const dem__binary_size s = dem__size_of_binary(bytes, size);
-    const size_t n = dem__facets_of_binary(&s), missing = s.announced > n ? s.announced - n : 0;
-    report->facets = (ptrdiff_t)n;
-    report->missing = missing < PTRDIFF_MAX ? (ptrdiff_t)missing : PTRDIFF_MAX;
-    report->unannounced = n > s.announced ? (ptrdiff_t)(n - s.announced) : 0;
-    report->surplus = missing > 0 ? 0 : (ptrdiff_t)(size - 84 - 50 * n);
-}
-
-/* Reads facet k of a binary file: normal, three corners, two bytes. */
-static inline void dem__read_facet(const unsigned char *bytes, size_t k, dem__facet *facet) {
-    for (int a = 0; a < 12; a++) {
-        dem_vec *to = a < 3 ? &facet->normal : &facet->corner[a / 3 - 1];
-        *dem_axis_of(to, a % 3) = dem__little_float(bytes + 84 + 50 * k + 4 * a);
-    }
-}
-
-/* Returns whether the bytes are coordinates: three in four facets have corners of 0 or between 1e-15 and 1e15. In other
-   data (compressed, other byte order, two bytes a letter) hardly any have. */
-static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) {
-    const dem__binary_size s = dem__size_of_binary(bytes, size);
-    const size_t n = dem__facets_of_binary(&s);
-    size_t good = 0;
-    for (size_t k = 0; k < n; k++) {
-        dem__facet f;
-        int fits = 1;
-        dem__read_facet(bytes, k, &f);
-        for (int c = 0; c < 9; c++) {
-            const double x = fabs(dem_axis(f.corner[c / 3], c % 3));
-            fits &= x == 0.0 || (x > 1e-15 && x < 1e15);
-        }
-        good += (size_t)fits;
-    }
-    return good > 0 && good >= n - n / 4;
-}
-
-/* Finds the next word of a text, which ends at a blank of any kind. Returns its length, 0 at the end. */
-static inline size_t dem__word(const unsigned char *bytes, size_t size, size_t *at) {
-    size_t length = 0;
-    while (*at < size && bytes[*at] <= ' ') ++*at;
-    while (*at + length < size && bytes[*at + length] > ' ') length++;
-    return length;
-}
-
-/* Returns whether a word is `name`, in small or capital letters. */
-static inline int dem__is_word(const unsigned char *bytes, size_t at, size_t length, const char *name) {
-    size_t k = 0;
-    for (; name[k]; k++) {
-        const unsigned char c = k < length ? bytes[at + k] : 0;
-        if ((c >= 'A' && c <= 'Z' ? c + 32 : c) != (unsigned char)name[k]) return 0;
-    }
-    return k == length;
-}
-
-/* Parses a decimal number, whatever the locale, to within an ulp or two. Returns NaN if it is none. */
-static inline double dem__number(const unsigned char *text, size_t length) {
-    size_t k = 0;
-    int digits = 0, point = 0, exponent = 0, down = 0;
-    uint64_t whole = 0; /* the first 18 digits */
-    const int minus = length > 0 && text[0] == '-';
-    if (length > 0 && (text[0] == '-' || text[0] == '+')) k++;
-    for (; k < length && ((text[k] >= '0' && text[k] <= '9') || (text[k] == '.' && !point)); k++) {
-        if (text[k] == '.') {
-            point = 1;
-            continue;
-        }
-        if (whole < 100000000000000000u) whole = 10u * whole + (uint64_t)(text[k] - '0'), exponent -= point;
-        else exponent += !point;
-        digits++;
-    }
-    if (digits && k < length &&
-        (text[k] == 'e' || text[k] == 'E' || text[k] == 'd' || text[k] == 'D')) { /* d: Fortran's */
-        int power = 0, any = 0;
-        k++;
-        if (k < length && (text[k] == '-' || text[k] == '+')) down = text[k++] == '-';
-        for (; k < length && text[k] >= '0' && text[k] <= '9'; k++, any = 1)
-            power = power < 10000 ? 10 * power + (text[k] - '0') : power;
-        if (!any) return (double)NAN;
-        exponent += down ? -power : power;
-    }
-    if (!digits || k != length) return (double)NAN;
-    double ten = 1.0, base = 10.0; /* exact up to 10^22 */
-    if (exponent < -400 || exponent > 400) exponent = exponent < 0 ? -400 : 400;
-    for (int e = exponent < 0 ? -exponent : exponent; e > 0; e >>= 1, base *= base) ten *= e & 1 ? base : 1.0;
-    const double value = whole == 0 ? 0.0 : (exponent < 0 ? (double)whole / ten : (double)whole * ten);
-    return minus ? -value : value;
-}
-
-/* ---- text ---- */
-
-enum { DEM__CORNERS_MAX = 64 }; /* of a facet; one with more counts as missing */
-
-/* A text that is being read, and the facet in progress. */
-typedef struct dem__stl_text {
-    const unsigned char *bytes;
-    size_t size, at;
-    dem__facet *out; /* where triangles are written; NULL: they are only counted */
-    ptrdiff_t triangles, polygons, missing;
-    int begun, ended; /* whether a line "solid", a line "endsolid" was read */
-    int inside, loops, corners, wanted,
-        bad; /* in a facet: loops and corners so far, numbers to come, whether it is malformed */
-    dem_vec normal, corner[DEM__CORNERS_MAX], number;
-} dem__stl_text;
-
-/* Returns whether a word begins with a name, as solid_name does. */
-static inline int dem__begins_with(const unsigned char *bytes, size_t at, size_t length, const char *name) {
-    const size_t n = strlen(name);
-    return length >= n && dem__is_word(bytes, at, n, name);
-}
-
-/* Skips the rest of a line, whose words are a name or a comment. If a facet ends there, the whole text is one line:
-   then skips only the word. */
-static inline void dem__skip_line(dem__stl_text *t, size_t length) {
-    size_t end = t->at + length, word;
-    while (end < t->size && t->bytes[end] != '\n' && t->bytes[end] != '\r') end++;
-    for (size_t at = t->at + length; (word = dem__word(t->bytes, end, &at)) > 0; at += word) {
-        if (!dem__is_word(t->bytes, at, word, "endfacet")) continue;
-        t->at += length;
-        return;
-    }
-    t->at = end;
-}
-
-/* Returns a corner from which a fan of triangles covers a polygon, -1 if there is none. */
-static inline int dem__fan_start(const dem_vec *corner, int n) {
-    dem_vec whole = dem_vec3(0.0, 0.0, 0.0);
-    for (int k = 1; k + 1 < n; k++)
-        whole = dem__add(whole, dem__cross(dem__sub(corner[k], corner[0]), dem__sub(corner[k + 1], corner[0])));
-    const double size = dem__dot(whole, whole);
-    if (n == 3 || size != size) return 0; /* coordinates that are not finite are counted later */
-    for (int start = 0; start < n; start++) {
-        int covers = 1;
-        for (int k = 1; k + 1 < n && covers; k++) {
-            const dem_vec a = corner[start], b = corner[(start + k) % n], c = corner[(start + k + 1) % n];
-            covers = dem__dot(dem__cross(dem__sub(b, a), dem__sub(c, a)), whole) >= -1e-9 * size;
-        }
-        if (covers) return start;
-    }
-    return -1;
-}
-
-/* Ends the facet in progress. Keeps its triangles if it is whole. */
-static inline void dem__end_facet(dem__stl_text *t) {
-    const int n = t->corners,
-              start = t->inside && !t->bad && t->wanted == 0 && n >= 3 ? dem__fan_start(t->corner, n) : -1;
-    if (!t->inside) return;
-    t->inside = 0;
-    if (start < 0) {
-        t->missing++;
-        return;
-    }
-    for (int k = 1; k + 1 < n; k++, t->triangles++) {
-        if (!t->out) continue;
-        dem__facet *f = &t->out[t->triangles];
-        f->normal = t->normal;
-        f->corner[0] = t->corner[start], f->corner[1] = t->corner[(start + k) % n],
-        f->corner[2] = t->corner[(start + k + 1) % n];
-    }
-    t->polygons += n > 3;
-}
-
-static inline void dem__begin_facet(dem__stl_text *t) {
-    dem__end_facet(t);
-    t->inside = 1;
-    t->loops = t->corners = t->wanted = t->bad = 0;
-    t->normal = dem_vec3(0.0, 0.0, 0.0);
-}
-
-/* Reads one word of a facet, which may be one of three numbers. */
-static inline void dem__read_word_of_facet(dem__stl_text *t, size_t length) {
-    const unsigned char *b = t->bytes;
-    if (dem__is_word(b, t->at, length, "normal")) t->bad |= t->wanted > 0 || t->corners > 0, t->wanted = 6;
-    else if (dem__is_word(b, t->at, length, "vertex"))
-        t->bad |= t->wanted > 0 || t->corners == DEM__CORNERS_MAX, t->wanted = 3;
-    else if (dem__is_word(b, t->at, length, "outer")) t->bad |= ++t->loops > 1; /* a hole in a face */
-    else if (dem__is_word(b, t->at, length, "loop") || dem__is_word(b, t->at, length, "endloop"))
-        t->bad |= t->wanted > 0;
-    else if (t->wanted > 0) {
-        *dem_axis_of(&t->number, (6 - t->wanted) % 3) = dem__number(b + t->at, length);
-        t->wanted--;
-        if (t->wanted == 3) t->normal = t->number, t->wanted = 0;
-        else if (t->wanted == 0 && !t->bad) t->corner[t->corners++] = t->number;
-    } else t->bad = 1;
-}
-
-/* Reads a text. A facet stands between "facet" and "endfacet", or the next "facet"; names and comments are ignored. */
-static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__facet *facets, dem_stl_report *report) {
-    dem__stl_text t;
-    memset(&t, 0, sizeof t);
-    t.bytes = bytes, t.size = size, t.out = facets;
-    t.at = size >= 3 && bytes[0] == 0xef && bytes[1] == 0xbb && bytes[2] == 0xbf ? 3 : 0; /* byte-order mark */
-    for (size_t length; (length = dem__word(bytes, size, &t.at)) > 0;) {
-        const size_t at = t.at;
-        if (bytes[at] == '#' || dem__begins_with(bytes, at, length, "//")) dem__skip_line(&t, length);
-        else if (dem__is_word(bytes, at, length, "facet")) dem__begin_facet(&t), t.ended = 0, t.at += length;
-        else if (dem__is_word(bytes, at, length, "endfacet"))
-            t.missing += !t.inside, dem__end_facet(&t), t.at += length;
-        else if (dem__begins_with(bytes, at, length, "endsolid") ||
-                 (!t.inside && dem__is_word(bytes, at, length, "end")))
-            dem__end_facet(&t), t.ended = 1, dem__skip_line(&t, length);
-        else if (t.inside) dem__read_word_of_facet(&t, length), t.at += length;
-        else if (dem__begins_with(bytes, at, length, "solid")) t.begun = 1, t.ended = 0, dem__skip_line(&t, length);
-        else t.at += length;
-    }
-    if (t.inside || (t.begun && !t.ended)) t.missing++; /* the file is cut off */
-    report->facets = t.triangles, report->missing = t.missing, report->polygons = t.polygons;
-}
-
-/* ---- what a file is ---- */
-
-enum { DEM__STL_UNKNOWN, DEM__STL_TEXT, DEM__STL_BINARY };
-
-/* Returns what kind of file it is, from all bytes, because headers may be wrong. A text has hardly any control
-   characters; a binary file has the length that its count gives. Where these two disagree, the numbers must look like
-   coordinates. */
-static inline int dem__kind_of_stl(const unsigned char *bytes, size_t size) {
-    dem_stl_report found;
-    size_t controls = 0;
-    int whole = 0;
-    memset(&found, 0, sizeof found);
-    for (size_t k = 0; k < size; k++) controls += bytes[k] < ' ' && !(bytes[k] >= '\t' && bytes[k] <= '\r');
-    const int is_text = controls <= size / 20;
-    if (size >= 84) {
-        const dem__binary_size s = dem__size_of_binary(bytes, size);
-        whole = s.present > 0 && s.present == s.announced && s.rest == 0;
-    }
-    if (is_text && !whole) return DEM__STL_TEXT;
-    if (whole || is_text || (size >= 84 && dem__has_coordinates(bytes, size))) {
-        if (is_text) dem__read_text(bytes, size, NULL, &found);
-        return found.facets > 0 ? DEM__STL_TEXT : DEM__STL_BINARY;
-    }
-    dem__read_text(bytes, size, NULL, &found); /* padded with zeros, or damaged */
-    return found.facets > 0 ? DEM__STL_TEXT : DEM__STL_UNKNOWN;
-}
-
-static inline void dem__count_facets(const unsigned char *bytes, size_t size, dem_stl_report *report) {
-    const int kind = dem__kind_of_stl(bytes, size);
-    report->binary = kind == DEM__STL_BINARY;
-    if (kind == DEM__STL_BINARY) dem__count_binary(bytes, size, report);
-    if (kind == DEM__STL_TEXT) dem__read_text(bytes, size, NULL, report);
-}
-
-/* ---------------------------------------------------------------------------------------------- >>walls/stl_mesh.h */
-/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated.
- */
-
-/* ---- from facets to a mesh ---- */
-
-/* Working memory for making a mesh. */
-typedef struct dem__workshop {
-    dem__facet *facets;
-    ptrdiff_t n;
-    dem__slot *slots; /* `capacity` of them */
-    size_t capacity;
-    int32_t *next; /* 3 n: the next vertex of a cell; later the corners of triangles without area */
-    ptrdiff_t slivers;
-    double weld,
-        cell; /* distance up to which corners are one [m]; size of a grid cell [m], 0: only equal coordinates are one */
-} dem__workshop;
-
-static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *cell) {
-    uint64_t key = 0, bits;
-    for (int a = 0; a < 3; a++) {
-        const double v = (s->cell > 0.0 ? floor(cell[a] / s->cell) : cell[a]) + 0.0; /* no -0 */
-        memcpy(&bits, &v, sizeof bits);
-        key = dem__scramble(key * 3 + bits + 1);
-    }
-    return key | 1;
-}
-
-/* Returns the vertex at a place: an earlier one if there is one within `weld`, otherwise a new one. Vertices are
-   chained from the cells of a grid, which are four times as wide as `weld`: few fit into one cell. */
-static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
-    for (int side = 0; side < (s->cell > 0.0 ? 8 : 1); side++) {
-        double place[3];
-        int seen = 0;
-        for (int a = 0; a < 3; a++) {
-            const double low = dem_axis(p, a) - s->weld, high = dem_axis(p, a) + s->weld;
-            place[a] = side >> a & 1 ? high : low;
-            seen |= (side >> a & 1) && s->cell > 0.0 &&
-                    floor(low / s->cell) == floor(high / s->cell); /* one cell for both sides */
-        }
-        if (seen) continue;
-        const dem__slot *slot = dem__find_slot(s->slots, s->capacity, dem__key_of_cell(s, place));
-        for (int32_t v = slot->key ? slot->value : -1; v >= 0; v = s->next[v]) {
-            if (dem__length(dem__sub(vertex[v], p)) <= s->weld) return v;
-        }
-    }
-    const int32_t fresh = (int32_t)(*count)++;
-    const double own[3] = {p.x, p.y, p.z};
-    const uint64_t key = dem__key_of_cell(s, own);
-    dem__slot *slot = dem__find_slot(s->slots, s->capacity, key);
-    vertex[fresh] = p;
-    s->next[fresh] = slot->key ? slot->value : -1;
-    slot->key = key;
-    slot->value = fresh;
-    return fresh;
-}
-
-static inline dem__slot *dem__stl_edge(dem__workshop *s, int32_t a, int32_t b) {
-    const uint64_t low = (uint64_t)(a < b ? a : b), high = (uint64_t)(a < b ? b : a);
-    dem__slot *slot = dem__find_slot(s->slots, s->capacity, low << 32 | high);
-    slot->key = low << 32 | high; /* never 0, as a < b */
-    return slot;
-}
-
-/* Counts the three edges of a triangle. */
-static inline void dem__count_edges_of(dem__workshop *s, const int32_t *t) {
-    for (int e = 0; e < 3; e++) {
-        const int32_t a = t[e], b = t[(e + 1) % 3];
-        dem__slot *slot = dem__stl_edge(s, a, b);
-        if (a < b) slot->forward++;
-        else slot->backward++;
-    }
-}
-
-/* Returns how many edges of a triangle have one other triangle, which runs the other way. */
-static inline int dem__closes(dem__workshop *s, const int32_t *t) {
-    int closed = 0;
-    for (int e = 0; e < 3; e++) {
-        const dem__slot *slot = dem__stl_edge(s, t[e], t[(e + 1) % 3]);
-        const int32_t along = t[e] < t[(e + 1) % 3] ? slot->forward : slot->backward;
-        closed += along == 0 && slot->forward + slot->backward == 1;
-    }
-    return closed;
-}
-
-/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with the triangles without area.
-   In a fan of these one closes after the other; sixteen passes, forward and backward in turn, suffice for any order
-   that a program writes. */
-static inline void dem__close_junctions(dem__workshop *s) {
-    int changed = 1;
-    for (int pass = 0; pass < 16 && changed; pass++) {
-        changed = 0;
-        for (ptrdiff_t k = 0; k < s->slivers; k++) {
-            int32_t *t = &s->next[3 * (pass % 2 ? s->slivers - 1 - k : k)];
-            if (t[0] < 0 || dem__closes(s, t) < 2) continue;
-            dem__count_edges_of(s, t);
-            t[0] = -1;
-            changed = 1;
-        }
-    }
-}
-
-/* Scales the facets and drops those that are not finite. Returns the number that is left; the report gets their
-   bounding box. */
-static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl_report *report) {
-    dem_vec low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
-    ptrdiff_t kept = 0;
-    for (ptrdiff_t k = 0; k < s->n; k++) {
-        dem__facet f = s->facets[k];
-        int finite = 1;
-        for (int c = 0; c < 9; c++) {
-            double *x = dem_axis_of(&f.corner[c / 3], c % 3);
-            *x *= scale;
-            finite &= fabs(*x) < 1e50;
-        }
-        report->not_finite += !finite;
-        if (!finite) continue;
-        s->facets[kept++] = f;
-        for (int c = 0; c < 9; c++) {
-            double *l = dem_axis_of(&low, c % 3), *h = dem_axis_of(&high, c % 3), x = dem_axis(f.corner[c / 3], c % 3);
-            *l = x < *l ? x : *l;
-            *h = x > *h ? x : *h;
-        }
-    }
-    if (kept > 0) report->low = low, report->high = high;
-    return kept;
-}
-
-/* Returns whether a triangle with the same three corners, in any order, came before. */
-static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
-    const int32_t first = t[0] < t[1] ? (t[0] < t[2] ? t[0] : t[2]) : (t[1] < t[2] ? t[1] : t[2]);
-    const int32_t last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);
-    const uint64_t middle = (uint64_t)t[0] + (uint64_t)t[1] + (uint64_t)t[2] - (uint64_t)first - (uint64_t)last;
-    /* a key of three numbers, which two triangles share with a probability of 2^-64 */
-    const uint64_t key =
-        dem__scramble(dem__scramble((uint64_t)first + 1) + dem__scramble(middle + 1) * 3 + (uint64_t)last) | 1;
-    dem__slot *slot = dem__find_slot(s->slots, s->capacity, key);
-    if (slot->key) return 1;
-    slot->key = key;
-    return 0;
-}
-
-/* Keeps the triangles that have an area and are new; sums area and volume. */
-static inline void dem__keep_triangles(dem__workshop *s, dem_mesh *m, ptrdiff_t n, dem_stl_report *report) {
-    const dem_vec *vertex = (const dem_vec *)(const void *)m->vertex;
-    for (ptrdiff_t k = 0; k < n; k++) {
-        const int32_t t[3] = {m->triangle[3 * k], m->triangle[3 * k + 1], m->triangle[3 * k + 2]};
-        const dem_vec a = vertex[t[0]], b = vertex[t[1]], c = vertex[t[2]];
-        const int corners = t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
-        dem_vec normal;
-        if (!corners || !dem__has_area(a, b, c, &normal)) {
-            report->degenerate++;
-            if (corners) memcpy(&s->next[3 * s->slivers++], t, sizeof t);
-            continue;
-        }
-        if (dem__is_duplicate(s, t)) {
-            report->duplicate++;
-            continue;
-        }
-        const dem_vec twice = dem__area(a, b, c), given = s->facets[k].normal;
-        const double length = dem__length(given);
-        if (dem__positive(length) && dem__dot(given, normal) < 0.5 * length) report->wrong_normals++;
-        report->area += 0.5 * dem__length(twice);
-        report->volume += dem__dot(dem__sub(a, report->low), twice) / 6.0;
-        memcpy(&m->triangle[3 * m->triangles++], t, sizeof t);
-    }
-}
-
-static inline void dem__count_edges(dem__workshop *s, const dem_mesh *m, dem_stl_report *report) {
-    for (ptrdiff_t k = 0; k < m->triangles; k++) dem__count_edges_of(s, &m->triangle[3 * k]);
-    dem__close_junctions(s);
-    for (size_t k = 0; k < s->capacity; k++) {
-        const int32_t f = s->slots[k].forward, b = s->slots[k].backward;
-        report->open_edges += f + b == 1;
-        report->nonmanifold += f + b > 2;
-        report->inconsistent += f + b == 2 && f != b;
-    }
-}
-
-/* Fills an empty mesh, whose arrays have room, and the report. */
-static inline void dem__make_mesh(dem_mesh *m, dem__workshop *s, double scale, double weld, dem_stl_report *report) {
-    const ptrdiff_t n = dem__keep_finite(s, scale, report);
-    if (n == 0) return;
-    const double size = dem__length(dem__sub(report->high, report->low));
-    s->weld = weld < size ? weld : size;
-    s->cell = 4.0 * s->weld;
-    memset(s->slots, 0, s->capacity * sizeof *s->slots);
-    for (ptrdiff_t k = 0; k < 3 * n; k++)
-        m->triangle[k] = dem__weld(s, (dem_vec *)(void *)m->vertex, &m->vertices, s->facets[k / 3].corner[k % 3]);
-    memset(s->slots, 0, s->capacity * sizeof *s->slots);
-    dem__keep_triangles(s, m, n, report);
-    memset(s->slots, 0, s->capacity * sizeof *s->slots);
-    dem__count_edges(s, m, report);
-}
-
-DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld,
-                                const dem_allocator *allocator, dem_mesh *mesh, dem_stl_report *report) {
-    const unsigned char *text = (const unsigned char *)bytes;
-    dem_stl_report found;
-    dem_allocator memory;
-    dem__workshop shop;
-    if (!mesh) return DEM_BAD_ARGUMENT;
-    memset(mesh, 0, sizeof *mesh);
-    memset(&found, 0, sizeof found);
-    memset(&shop, 0, sizeof shop);
-    if (report) *report = found;
-    if ((size > 0 && !bytes) || !dem__positive(scale) || !dem__not_negative(weld)) return DEM_BAD_ARGUMENT;
-    memory.fn = dem__default_allocator;
-    memory.user = NULL;
-    if (allocator) memory = *allocator;
-    if (!memory.fn) return DEM_BAD_ARGUMENT;
-
-    dem__count_facets(text, size, &found);
-    if (report) *report = found;
-    if (found.facets == 0) return DEM_BAD_DATA;
-    if (found.facets > INT32_MAX / 12) return DEM_TOO_MANY;
-    const size_t n = (size_t)found.facets;
-    shop.n = found.facets;
-    for (shop.capacity = 64; shop.capacity < 6 * n;) shop.capacity *= 2;
-    const size_t scratch = n * sizeof(dem__facet) + shop.capacity * sizeof(dem__slot) + 3 * n * sizeof(int32_t);
-    mesh->bytes = 3 * n * sizeof(dem_vec) + 3 * n * sizeof(int32_t);
-    mesh->allocator = memory;
-    mesh->block = memory.fn(memory.user, NULL, 0, mesh->bytes);
-    shop.facets = mesh->block ? (dem__facet *)memory.fn(memory.user, NULL, 0, scratch) : NULL;
-    if (!shop.facets) {
-        dem_free_mesh(mesh);
-        return DEM_OUT_OF_MEMORY;
-    }
-    shop.slots = (dem__slot *)(void *)(shop.facets + n);
-    shop.next = (int32_t *)(void *)(shop.slots + shop.capacity);
-    mesh->vertex = (double *)mesh->block;
-    mesh->triangle = (int32_t *)(void *)(mesh->vertex + 9 * n);
-    if (!found.binary) dem__read_text(text, size, shop.facets, &found);
-    for (size_t k = 0; k < n && found.binary; k++) dem__read_facet(text, k, &shop.facets[k]);
-    dem__make_mesh(mesh, &shop, scale, weld, &found);
-    memory.fn(memory.user, shop.facets, scratch, 0);
-    if (report) *report = found;
-    if (mesh->triangles > 0) return DEM_OK;
-    dem_free_mesh(mesh);
-    return DEM_BAD_DATA;
-}
-
-DEM_API void dem_free_mesh(dem_mesh *mesh) {
-    if (!mesh) return;
-    if (mesh->block) mesh->allocator.fn(mesh->allocator.user, mesh->block, mesh->bytes, 0);
-    memset(mesh, 0, sizeof *mesh);
-}
-
-/* ------------------------------------------------------------------------------------------------- >>walls/solid.h */
-/* Closed meshes: what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not
-   closed has no inside; in a closed one only points within round-off of the surface depend on how it is cut into
-   triangles. */
-
-/* Returns whether the line from p along +z crosses a triangle. Both triangles of an edge test it with its ends in the
-   same order, so that a line through an edge or a corner crosses the surface as often as one beside it. */
-static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
-    const dem_vec corner[3] = {a, b, c};
-    int inside = 0;
-    for (int e = 0; e < 3; e++) {
-        const dem_vec u = corner[e], v = corner[(e + 1) % 3];
-        const int low = u.y <= p.y;
-        if (low == (v.y <= p.y)) continue;
-        const dem_vec from = low ? u : v, to = low ? v : u;
-        inside ^= (to.x - from.x) * (p.y - from.y) > (p.x - from.x) * (to.y - from.y);
-    }
-    if (!inside) return 0;
-    const dem_vec n = dem__area(a, b, c);
-    return ((p.x - a.x) * n.x + (p.y - a.y) * n.y + (p.z - a.z) * n.z) * n.z < 0.0;
-}
-
-/* Returns whether p, in the wall's own frame, is inside a closed surface: a line from it crosses the surface an odd
-   number of times. */
-static inline int dem__is_inside_tree(const dem__tree *t, dem_vec p) {
-    int inside = 0;
-    for (int32_t b = 0; b < t->nodes;) {
-        const dem__node *node = &t->node[b];
-        if (!(p.x >= node->low[0] && p.x <= node->high[0] && p.y >= node->low[1] && p.y <= node->high[1] &&
-              p.z <= node->high[2])) {
-            b = node->skip;
-            continue;
-        }
-        b++;
-        for (int32_t k = node->first; k < node->first + node->count; k++) {
-            const int32_t *c = &t->corner[3 * k];
-            inside ^= dem__is_under(t->vertex[c[0]], t->vertex[c[1]], t->vertex[c[2]], p);
-        }
-    }
-    return inside;
-}
-
-/* Returns whether a point is inside a wall that is a solid body. */
-static inline int dem__is_inside_wall(const dem_wall *w, dem_vec x) {
-    return w->solid && dem__is_inside_tree(w->tree, dem__to_frame(w, dem__sub(x, w->position)));
-}
-
-static inline dem_vec dem__mesh_vertex(const dem_mesh *m, ptrdiff_t k, int corner) {
-    const double *x = &m->vertex[3 * (ptrdiff_t)m->triangle[3 * k + corner]];
-    return dem_vec3(x[0], x[1], x[2]);
-}
-
-static inline int dem__is_inside_mesh(const dem_mesh *m, dem_vec p) {
-    int inside = 0;
-    for (ptrdiff_t k = 0; k < m->triangles; k++)
-        inside ^= dem__is_under(dem__mesh_vertex(m, k, 0), dem__mesh_vertex(m, k, 1), dem__mesh_vertex(m, k, 2), p);
-    return inside;
-}
-
-/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, even with different
-   indices; triangles without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a triangle that
-   is there twice, DEM_TOO_MANY or DEM_OUT_OF_MEMORY. */
-static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_t triangles, const dem_vec *vertex,
-                                           const int32_t *corner) {
-    const size_t n = (size_t)triangles;
-    dem_stl_report report;
-    dem__workshop shop;
-    dem_mesh mesh;
-    int closed;
-    memset(&report, 0, sizeof report);
-    memset(&shop, 0, sizeof shop);
-    memset(&mesh, 0, sizeof mesh);
-    if (triangles > INT32_MAX / 12) return DEM_TOO_MANY;
-    shop.n = triangles;
-    for (shop.capacity = 64; shop.capacity < 6 * n;) shop.capacity *= 2;
-    const size_t bytes =
-        n * sizeof(dem__facet) + shop.capacity * sizeof(dem__slot) + 3 * n * sizeof(dem_vec) + 6 * n * sizeof(int32_t);
-    shop.facets = (dem__facet *)memory->fn(memory->user, NULL, 0, bytes);
-    if (!shop.facets) return DEM_OUT_OF_MEMORY;
-    shop.slots = (dem__slot *)(void *)(shop.facets + n);
-    mesh.vertex = (double *)(void *)(shop.slots + shop.capacity);
-    shop.next = (int32_t *)(void *)(mesh.vertex + 9 * n);
-    mesh.triangle = shop.next + 3 * n;
-    memset(shop.facets, 0, n * sizeof(dem__facet));
-    for (size_t k = 0; k < 3 * n; k++) shop.facets[k / 3].corner[k % 3] = vertex[corner[k]];
-    dem__make_mesh(&mesh, &shop, 1.0, 0.0, &report);
-    closed = mesh.triangles > 0 && report.duplicate == 0 && report.not_finite == 0;
-    for (size_t k = 0; k < shop.capacity && closed; k++)
-        closed = (shop.slots[k].forward + shop.slots[k].backward) % 2 == 0;
-    memory->fn(memory->user, shop.facets, bytes, 0);
-    return closed ? DEM_OK : DEM_BAD_ARGUMENT;
-}
-
-DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || !world->def.allocator.fn || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
-    dem_wall *w = &world->wall[wall];
-    if (solid) {
-        if (w->kind != DEM_MESH) return DEM_BAD_ARGUMENT;
-        const dem_status status =
-            dem__check_closed(&world->def.allocator, w->tree->triangles, w->tree->vertex, w->tree->corner);
-        if (status != DEM_OK) return status;
-    }
-    w->solid = solid != 0;
-    return DEM_OK;
-}
-
-/* Returns whether a mesh's numbers are valid; low, high: its bounding box. */
-static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
-    if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
-        m->triangles > INT32_MAX / 4)
-        return 0;
-    *low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), *high = dem__scale(-1.0, *low);
-    for (ptrdiff_t k = 0; k < 3 * m->triangles; k++) {
-        if (m->triangle[k] < 0 || m->triangle[k] >= m->vertices) return 0;
-    }
-    for (ptrdiff_t k = 0; k < 3 * m->vertices; k++) {
-        double *l = dem_axis_of(low, (int)(k % 3)), *h = dem_axis_of(high, (int)(k % 3)), x = m->vertex[k];
-        if (!(fabs(x) < 1e50)) return 0; /* so that squares of areas are finite */
-        *l = x < *l ? x : *l;
-        *h = x > *h ? x : *h;
-    }
-    return 1;
-}
-
-DEM_API dem_region dem_mesh_region(const dem_mesh *mesh) {
-    const dem_allocator memory = {dem__default_allocator, NULL};
-    dem_region region;
-    memset(&region, 0, sizeof region);
-    region.kind = DEM_REGION_MESH;
-    if (dem__is_mesh(mesh, &region.low, &region.high) &&
-        dem__check_closed(&memory, mesh->triangles, (const dem_vec *)(const void *)mesh->vertex, mesh->triangle) ==
-            DEM_OK)
-        region.mesh = mesh;
-    return region;
-}
-
-/* Returns the volume of a closed mesh [m3]; all its triangles may be turned either way. */
-static inline double dem__mesh_volume(const dem_mesh *m) {
-    const dem_vec from = dem__mesh_vertex(m, 0, 0);
-    double sum = 0.0;
-    for (ptrdiff_t k = 0; k < m->triangles; k++) {
-        const dem_vec a = dem__sub(dem__mesh_vertex(m, k, 0), from), b = dem__sub(dem__mesh_vertex(m, k, 1), from),
-                      c = dem__sub(dem__mesh_vertex(m, k, 2), from);
-        sum += dem__dot(a, dem__cross(b, c)) / 6.0;
-    }
-    return fabs(sum);
-}
-
-/* -------------------------------------------------------------------------------------------------- >>feed/sizes.h */
-/* Regions and size distributions: pure functions, and the checks of a source. */
-
-DEM_API dem_region dem_box_region(dem_vec low, dem_vec high) {
-    dem_region region;
-    memset(&region, 0, sizeof region);
-    region.kind = DEM_REGION_BOX;
-    region.low = low;
-    region.high = high;
-    return region;
-}
-DEM_API dem_region dem_cylinder_region(dem_vec bottom, dem_vec axis, double length, double radius) {
-    dem_region region;
-    memset(&region, 0, sizeof region);
-    region.kind = DEM_REGION_CYLINDER;
-    region.low = bottom;
-    region.axis = axis;
-    region.length = length;
-    region.radius = radius;
-    return region;
-}
-DEM_API dem_region dem_sphere_region(dem_vec centre, double radius) {
-    dem_region region;
-    memset(&region, 0, sizeof region);
-    region.kind = DEM_REGION_SPHERE;
-    region.low = centre;
-    region.radius = radius;
-    return region;
-}
-
-/* Returns whether a length of a region is 0, or large enough for its volume to be a number. */
-static inline int dem__is_extent(double v) { return v == 0.0 || (v >= 1e-100 && v <= 1e100); }
-
-static inline int dem__is_region(const dem_region *r) {
-    dem_vec unit;
-    if (!r || !dem__finite_vec(r->low)) return 0;
-    if (r->kind == DEM_REGION_MESH) return r->mesh != NULL;
-    if (r->kind == DEM_REGION_BOX)
-        return dem__finite_vec(r->high) && dem__is_extent(r->high.x - r->low.x) &&
-               dem__is_extent(r->high.y - r->low.y) && dem__is_extent(r->high.z - r->low.z);
-    if (!dem__is_extent(r->radius)) return 0;
-    if (r->kind == DEM_REGION_SPHERE) return 1;
-    return r->kind == DEM_REGION_CYLINDER && dem__finite_vec(r->axis) && dem__unit(r->axis, &unit) &&
-           dem__is_extent(r->length);
-}
-
-DEM_API double dem_region_volume(const dem_region *region) {
-    if (!dem__is_region(region)) return (double)NAN;
-    const dem_region *r = region;
-    if (r->kind == DEM_REGION_MESH) return dem__mesh_volume(r->mesh);
-    if (r->kind == DEM_REGION_BOX) return (r->high.x - r->low.x) * (r->high.y - r->low.y) * (r->high.z - r->low.z);
-    return RIDDLE_PI * r->radius * r->radius * (r->kind == DEM_REGION_SPHERE ? 4.0 / 3.0 * r->radius : r->length);
-}
-
-DEM_API int dem_region_holds(const dem_region *region, dem_vec point) {
-    const dem_region *r = region;
-    dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
-    if (!dem__is_region(r)) return 0;
-    const dem_vec d = dem__sub(point, r->low);
-    const int in_box = point.x >= r->low.x && point.x <= r->high.x && point.y >= r->low.y && point.y <= r->high.y &&
-                       point.z >= r->low.z && point.z <= r->high.z;
-    if (r->kind == DEM_REGION_BOX) return in_box;
-    if (r->kind == DEM_REGION_MESH) return in_box && dem__is_inside_mesh(r->mesh, point);
-    if (r->kind == DEM_REGION_SPHERE) return dem__dot(d, d) <= r->radius * r->radius;
-    dem__unit(r->axis, &unit);
-    const double along = dem__dot(d, unit);
-    return along >= 0.0 && along <= r->length && dem__dot(d, d) - along * along <= r->radius * r->radius;
-}
-
-/* Finds a box around a region. */
-static inline void dem__tree_bounds(const dem_region *r, dem_vec *low, dem_vec *high) {
-    dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
-    if (r->kind == DEM_REGION_CYLINDER) dem__unit(r->axis, &unit);
-    const int has_box = r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH;
-    for (int a = 0; a < 3; a++) {
-        const double at = dem_axis(r->low, a),
-                     end = has_box ? dem_axis(r->high, a) : at + r->length * dem_axis(unit, a);
-        const double out = has_box ? 0.0 : r->radius;
-        *dem_axis_of(low, a) = (at < end ? at : end) - out;
-        *dem_axis_of(high, a) = (at > end ? at : end) + out;
-    }
-}
-
-/* Draws a number from [0, 1) by splitmix64. */
-static inline double dem__uniform(uint64_t *random) {
-    uint64_t z = *random += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
-static inline dem_sizes dem__sizes(dem_size_kind kind, double scale, double spread, double smallest, double largest,
-                                   int by_mass) {
-    dem_sizes s;
-    memset(&s, 0, sizeof s);
-    s.kind = kind;
-    s.by_mass = by_mass != 0;
-    s.scale = scale;
-    s.spread = spread;
-    s.smallest = smallest;
-    s.largest = largest;
-    return s;
-}
-DEM_API dem_sizes dem_one_size(double diameter) {
-    const double share = 1.0;
-    return dem_size_list(1, &diameter, &share, 0);
-}
-DEM_API dem_sizes dem_size_list(int n, const double *diameter, const double *share, int by_mass) {
-    dem_sizes s = dem__sizes(DEM_SIZES_LIST, 0.0, 0.0, 0.0, 0.0, by_mass);
-    s.count = n;
-    for (int k = 0; diameter && share && k < n && k < DEM_SIZES_MAX; k++)
-        s.diameter[k] = diameter[k], s.share[k] = share[k];
-    return s;
-}
-DEM_API dem_sizes dem_uniform_sizes(double smallest, double largest, int by_mass) {
-    return dem__sizes(DEM_SIZES_UNIFORM, 0.0, 0.0, smallest, largest, by_mass);
-}
-DEM_API dem_sizes dem_lognormal_sizes(double median, double spread, double smallest, double largest, int by_mass) {
-    return dem__sizes(DEM_SIZES_LOGNORMAL, median, spread, smallest, largest, by_mass);
-}
-DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double smallest, double largest, int by_mass) {
-    return dem__sizes(DEM_SIZES_ROSIN_RAMMLER, scale, exponent, smallest, largest, by_mass);
-}
-
-/* Returns the logarithm of the share per ln d at d = scale e^y, but for a constant. It is concave in y for every
-   distribution. */
-static inline double dem__log_share(const dem_sizes *s, double y) {
-    if (s->kind == DEM_SIZES_LOGNORMAL) return -0.5 * y * y / (s->spread * s->spread);
-    return s->kind == DEM_SIZES_ROSIN_RAMMLER ? s->spread * y - riddle_exp(s->spread * y) : y;
-}
-/* Returns the same for the number of spheres. */
-static inline double dem__log_number(const dem_sizes *s, double y) {
-    const double f = dem__log_share(s, y);
-    return s->by_mass ? f - 3.0 * y : f;
-}
-
-/* Returns an end of the interval of ln d: the cut, or, nearer to the peak, where the density is e^-60 of that at the
-   peak. Nothing is drawn beyond, and the pieces of the rest are so fine that one draw in ten is accepted. */
-static inline double dem__tail(const dem_sizes *s, double end, double peak) {
-    const double least = dem__log_number(s, peak) - 60.0;
-    double inside = peak;
-    if (!(dem__log_number(s, end) < least)) return end;
-    for (int k = 0; k < 60; k++) {
-        const double middle = 0.5 * (end + inside);
-        if (dem__log_number(s, middle) < least) end = middle;
-        else inside = middle;
-    }
-    return end;
-}
-
-/* Returns whether a size distribution is valid; smallest, largest: its diameters. */
-static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *largest) {
-    *smallest = s->smallest, *largest = s->largest;
-    if (s->kind == DEM_SIZES_LIST) {
-        double sum = 0.0;
-        if (s->count < 1 || s->count > DEM_SIZES_MAX) return 0;
-        *smallest = *largest = s->diameter[0];
-        for (int k = 0; k < s->count; k++) {
-            if (!dem__positive(s->diameter[k]) || !dem__not_negative(s->share[k])) return 0;
-            sum += s->share[k];
-            *smallest = s->diameter[k] < *smallest ? s->diameter[k] : *smallest;
-            *largest = s->diameter[k] > *largest ? s->diameter[k] : *largest;
-        }
-        return dem__positive(sum) && *largest <= 1e6 * *smallest;
-    }
-    if (!dem__positive(s->smallest) || !(s->largest >= s->smallest && s->largest <= 1e6 * s->smallest) ||
-        !dem__finite(s->largest))
-        return 0;
-    if (s->kind == DEM_SIZES_UNIFORM) return 1;
-    if (!dem__positive(s->scale)) return 0;
-    if (s->kind == DEM_SIZES_LOGNORMAL
-            ? !(s->spread >= 1e-3 && s->spread <= 5.0)
-            : s->kind != DEM_SIZES_ROSIN_RAMMLER || !(s->spread >= 0.1 && s->spread <= 100.0))
-        return 0;
-    /* the largest density between the cuts is at least 1e-20 of the peak's, which is at the scale: otherwise a unit is
-       wrong */
-    const double nearest = riddle_log(dem__clamp(s->scale, s->smallest, s->largest) / s->scale);
-    return dem__log_share(s, nearest) - dem__log_share(s, 0.0) > -46.0;
-}
-
-/* Draws a diameter by rejection. The interval of ln d is cut into pieces; the bound of each is the largest density in
-   it. The place of the peak is known in closed form. */
-static inline double dem__draw_continuous(const dem_sizes *s, uint64_t *random) {
-    enum { PIECES = 32, TRIES = 10000 };
-    const double scale = s->kind == DEM_SIZES_UNIFORM ? s->largest : s->scale, lost = s->by_mass ? 3.0 : 0.0;
-    double low = riddle_log(s->smallest / scale), high = riddle_log(s->largest / scale);
-    double peak = s->by_mass ? -HUGE_VAL : HUGE_VAL, bound[PIECES], total = 0.0;
-    if (s->kind == DEM_SIZES_LOGNORMAL) peak = -lost * s->spread * s->spread;
-    if (s->kind == DEM_SIZES_ROSIN_RAMMLER)
-        peak = s->spread > lost ? riddle_log1p(-lost / s->spread) / s->spread : -HUGE_VAL;
-    peak = dem__clamp(peak, low, high);
-    low = dem__tail(s, low, peak), high = dem__tail(s, high, peak);
-    const double width = (high - low) / (double)PIECES, top = dem__log_number(s, peak);
-    for (int k = 0; k < PIECES; k++) {
-        bound[k] = riddle_exp(dem__log_number(s, dem__clamp(peak, low + k * width, low + (k + 1) * width)) - top);
-        total += bound[k];
-    }
-    for (int tries = 0; tries < TRIES; tries++) {
-        double place = total * dem__uniform(random);
-        int k = 0;
-        while (k < PIECES - 1 && place >= bound[k]) place -= bound[k++];
-        const double y = low + (k + dem__uniform(random)) * width;
-        if (dem__uniform(random) * bound[k] < riddle_exp(dem__log_number(s, y) - top))
-            return dem__clamp(scale * riddle_exp(y), s->smallest, s->largest);
-    }
-    return (double)NAN; /* with a probability below 1e-400 */
-}
-
-DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random) {
-    double smallest, largest, weight[DEM_SIZES_MAX], sum = 0.0;
-    const dem_sizes *s = sizes;
-    if (!s || !random || !dem__are_sizes(s, &smallest, &largest)) return (double)NAN;
-    if (s->kind != DEM_SIZES_LIST) return dem__draw_continuous(s, random);
-    for (int k = 0; k < s->count; k++) {
-        const double ratio = smallest / s->diameter[k];
-        weight[k] = s->by_mass ? s->share[k] * ratio * ratio * ratio : s->share[k];
-        sum += weight[k];
-    }
-    double place = sum * dem__uniform(random);
-    int k = 0;
-    while (k < s->count - 1 && place >= weight[k]) place -= weight[k++];
-    while (k > 0 && weight[k] == 0.0) k--; /* rounding of the sum may lead past the last diameter that has a share */
-    return s->diameter[k];
-}
-
-DEM_API dem_feed dem_default_feed(void) {
-    dem_feed feed;
-    memset(&feed, 0, sizeof feed);
-    feed.region = dem_box_region(dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.1, 0.1, 0.1));
-    feed.sizes = dem_one_size(1e-3);
-    feed.tries = 1000;
-    feed.random = 1;
-    return feed;
-}
-
-/* ------------------------------------------------------------------------------------- >>particles/remove_region.h */
-/* Taking out the records of what passed exits, and the particles in a region. Owns nothing; relies on regions and on
-   the removal of a particle. */
-
-DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity) {
-    dem_world *w = world;
-    if (dem__is_running(w)) return -(ptrdiff_t)DEM_BUSY;
-    if (!w || !w->def.allocator.fn || capacity < 0) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
-    const ptrdiff_t n = capacity < w->passed_count ? capacity : w->passed_count, left = w->passed_count - n;
-    if (n == 0) return 0;
-    if (records) memcpy(records, w->passed, (size_t)n * sizeof *records);
-    memmove(w->passed, w->passed + n, (size_t)left * sizeof *records);
-    w->passed_count = left;
-    return n;
-}
-
-DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) {
-    if (dem__is_running(world)) return -(ptrdiff_t)DEM_BUSY;
-    dem_world *w = world;
-    ptrdiff_t removed = 0;
-    if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
-    w->engine->run.running = 1;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem__rigid *r = dem__rigid_of(w, i);
-        if (r && r->first != i) continue;
-        if (!w->alive[i] || !dem_region_holds(region, r ? dem__body_position(w, r) : dem_position(w, i))) continue;
-        dem__detach_particle(w, i);
-        removed++;
-    }
-    if (removed > 0) dem__end_contacts_of_removed(w);
-    w->engine->run.running = 0;
-    return removed;
-}
-
 /* ------------------------------------------------------------------------------------------------- >>bodies/save.h */
 /* Rigid bodies in a saved world. */
 
@@ -13033,6 +12873,161 @@ DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump
         dem__add_body(w, &def);
     }
     return DEM_OK;
+}
+
+/* -------------------------------------------------------------------------------------------------- >>feed/sizes.h */
+/* Size distributions: pure functions, and the checks of a source. */
+
+/* Draws a number from [0, 1) by splitmix64. */
+static inline double dem__uniform(uint64_t *random) {
+    uint64_t z = *random += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static inline dem_sizes dem__sizes(dem_size_kind kind, double scale, double spread, double smallest, double largest,
+                                   int by_mass) {
+    dem_sizes s;
+    memset(&s, 0, sizeof s);
+    s.kind = kind;
+    s.by_mass = by_mass != 0;
+    s.scale = scale;
+    s.spread = spread;
+    s.smallest = smallest;
+    s.largest = largest;
+    return s;
+}
+DEM_API dem_sizes dem_one_size(double diameter) {
+    const double share = 1.0;
+    return dem_size_list(1, &diameter, &share, 0);
+}
+DEM_API dem_sizes dem_size_list(int n, const double *diameter, const double *share, int by_mass) {
+    dem_sizes s = dem__sizes(DEM_SIZES_LIST, 0.0, 0.0, 0.0, 0.0, by_mass);
+    s.count = n;
+    for (int k = 0; diameter && share && k < n && k < DEM_SIZES_MAX; k++)
+        s.diameter[k] = diameter[k], s.share[k] = share[k];
+    return s;
+}
+DEM_API dem_sizes dem_uniform_sizes(double smallest, double largest, int by_mass) {
+    return dem__sizes(DEM_SIZES_UNIFORM, 0.0, 0.0, smallest, largest, by_mass);
+}
+DEM_API dem_sizes dem_lognormal_sizes(double median, double spread, double smallest, double largest, int by_mass) {
+    return dem__sizes(DEM_SIZES_LOGNORMAL, median, spread, smallest, largest, by_mass);
+}
+DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double smallest, double largest, int by_mass) {
+    return dem__sizes(DEM_SIZES_ROSIN_RAMMLER, scale, exponent, smallest, largest, by_mass);
+}
+
+/* Returns the logarithm of the share per ln d at d = scale e^y, but for a constant. It is concave in y for every
+   distribution. */
+static inline double dem__log_share(const dem_sizes *s, double y) {
+    if (s->kind == DEM_SIZES_LOGNORMAL) return -0.5 * y * y / (s->spread * s->spread);
+    return s->kind == DEM_SIZES_ROSIN_RAMMLER ? s->spread * y - riddle_exp(s->spread * y) : y;
+}
+/* Returns the same for the number of spheres. */
+static inline double dem__log_number(const dem_sizes *s, double y) {
+    const double f = dem__log_share(s, y);
+    return s->by_mass ? f - 3.0 * y : f;
+}
+
+/* Returns an end of the interval of ln d: the cut, or, nearer to the peak, where the density is e^-60 of that at the
+   peak. Nothing is drawn beyond, and the pieces of the rest are so fine that one draw in ten is accepted. */
+static inline double dem__tail(const dem_sizes *s, double end, double peak) {
+    const double least = dem__log_number(s, peak) - 60.0;
+    double inside = peak;
+    if (!(dem__log_number(s, end) < least)) return end;
+    for (int k = 0; k < 60; k++) {
+        const double middle = 0.5 * (end + inside);
+        if (dem__log_number(s, middle) < least) end = middle;
+        else inside = middle;
+    }
+    return end;
+}
+
+/* Returns whether a size distribution is valid; smallest, largest: its diameters. */
+static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *largest) {
+    *smallest = s->smallest, *largest = s->largest;
+    if (s->kind == DEM_SIZES_LIST) {
+        double sum = 0.0;
+        if (s->count < 1 || s->count > DEM_SIZES_MAX) return 0;
+        *smallest = *largest = s->diameter[0];
+        for (int k = 0; k < s->count; k++) {
+            if (!dem__positive(s->diameter[k]) || !dem__not_negative(s->share[k])) return 0;
+            sum += s->share[k];
+            *smallest = s->diameter[k] < *smallest ? s->diameter[k] : *smallest;
+            *largest = s->diameter[k] > *largest ? s->diameter[k] : *largest;
+        }
+        return dem__positive(sum) && *largest <= 1e6 * *smallest;
+    }
+    if (!dem__positive(s->smallest) || !(s->largest >= s->smallest && s->largest <= 1e6 * s->smallest) ||
+        !dem__finite(s->largest))
+        return 0;
+    if (s->kind == DEM_SIZES_UNIFORM) return 1;
+    if (!dem__positive(s->scale)) return 0;
+    if (s->kind == DEM_SIZES_LOGNORMAL
+            ? !(s->spread >= 1e-3 && s->spread <= 5.0)
+            : s->kind != DEM_SIZES_ROSIN_RAMMLER || !(s->spread >= 0.1 && s->spread <= 100.0))
+        return 0;
+    /* the largest density between the cuts is at least 1e-20 of the peak's, which is at the scale: otherwise a unit is
+       wrong */
+    const double nearest = riddle_log(dem__clamp(s->scale, s->smallest, s->largest) / s->scale);
+    return dem__log_share(s, nearest) - dem__log_share(s, 0.0) > -46.0;
+}
+
+/* Draws a diameter by rejection. The interval of ln d is cut into pieces; the bound of each is the largest density in
+   it. The place of the peak is known in closed form. */
+static inline double dem__draw_continuous(const dem_sizes *s, uint64_t *random) {
+    enum { PIECES = 32, TRIES = 10000 };
+    const double scale = s->kind == DEM_SIZES_UNIFORM ? s->largest : s->scale, lost = s->by_mass ? 3.0 : 0.0;
+    double low = riddle_log(s->smallest / scale), high = riddle_log(s->largest / scale);
+    double peak = s->by_mass ? -HUGE_VAL : HUGE_VAL, bound[PIECES], total = 0.0;
+    if (s->kind == DEM_SIZES_LOGNORMAL) peak = -lost * s->spread * s->spread;
+    if (s->kind == DEM_SIZES_ROSIN_RAMMLER)
+        peak = s->spread > lost ? riddle_log1p(-lost / s->spread) / s->spread : -HUGE_VAL;
+    peak = dem__clamp(peak, low, high);
+    low = dem__tail(s, low, peak), high = dem__tail(s, high, peak);
+    const double width = (high - low) / (double)PIECES, top = dem__log_number(s, peak);
+    for (int k = 0; k < PIECES; k++) {
+        bound[k] = riddle_exp(dem__log_number(s, dem__clamp(peak, low + k * width, low + (k + 1) * width)) - top);
+        total += bound[k];
+    }
+    for (int tries = 0; tries < TRIES; tries++) {
+        double place = total * dem__uniform(random);
+        int k = 0;
+        while (k < PIECES - 1 && place >= bound[k]) place -= bound[k++];
+        const double y = low + (k + dem__uniform(random)) * width;
+        if (dem__uniform(random) * bound[k] < riddle_exp(dem__log_number(s, y) - top))
+            return dem__clamp(scale * riddle_exp(y), s->smallest, s->largest);
+    }
+    return (double)NAN; /* with a probability below 1e-400 */
+}
+
+DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random) {
+    double smallest, largest, weight[DEM_SIZES_MAX], sum = 0.0;
+    const dem_sizes *s = sizes;
+    if (!s || !random || !dem__are_sizes(s, &smallest, &largest)) return (double)NAN;
+    if (s->kind != DEM_SIZES_LIST) return dem__draw_continuous(s, random);
+    for (int k = 0; k < s->count; k++) {
+        const double ratio = smallest / s->diameter[k];
+        weight[k] = s->by_mass ? s->share[k] * ratio * ratio * ratio : s->share[k];
+        sum += weight[k];
+    }
+    double place = sum * dem__uniform(random);
+    int k = 0;
+    while (k < s->count - 1 && place >= weight[k]) place -= weight[k++];
+    while (k > 0 && weight[k] == 0.0) k--; /* rounding of the sum may lead past the last diameter that has a share */
+    return s->diameter[k];
+}
+
+DEM_API dem_feed dem_default_feed(void) {
+    dem_feed feed;
+    memset(&feed, 0, sizeof feed);
+    feed.region = dem_box_region(dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.1, 0.1, 0.1));
+    feed.sizes = dem_one_size(1e-3);
+    feed.tries = 1000;
+    feed.random = 1;
+    return feed;
 }
 
 /* --------------------------------------------------------------------------------------------------- >>feed/room.h */

@@ -82,7 +82,7 @@ extern "C" {
 #include "gas/flights.h"
 #include "bodies/clump_shape.h"
 #include "gas/gas.h"
-#include "particles/remove_region.h"
+#include "removal/remove.h"
 #include "measure/mixing.h"
 #include "save/save.h"
 #include "save/load.h"

@@ -8,7 +8,7 @@
    the particle's centre. dem__rigid_of(w, i) returns the body of particle i. Its orientation at the end of the present
    step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
 #pragma once
-#include "../search/due_tests.h"
+#include "../step/detect.h"
 #include "../step/integrate.h"
 
 /* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter

@@ -1,6 +1,6 @@
 /* Rigid bodies in a saved world. */
 #pragma once
-#include "../save/groups.h"
+#include "../records/groups.h"
 #include "rigid.h"
 
 /* Lists the fields of rigid bodies present. bodies.rigid_of follows from `first` and `pieces`. */

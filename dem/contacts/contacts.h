@@ -4,7 +4,14 @@
 #include "../walls/kinds.h"
 #include "laws.h"
 #include "kernel.h"
-#include "../particles/detach.h"
+
+/* Calls the law's hook for a contact or a link that has ended. */
+static inline void dem__report_end(dem_world *w, const dem_law *law, int32_t k) {
+    if (!law || !law->ended) return;
+    w->engine->run.ending = 1;
+    law->ended(w, k, w->user);
+    w->engine->run.ending = 0;
+}
 
 /* Returns whether the caller ended the contact of i and j: by changing the wall, or by fixing particles. */
 static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {

@@ -1,7 +1,7 @@
 /* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. */
 #pragma once
 #include "../step/integrate.h"
-#include "../save/groups.h"
+#include "../records/groups.h"
 #include "field.h"
 
 /* Runs a task of the kernel for a part of a list of particles. */

@@ -1,7 +1,7 @@
 /* The energy ledger as a feature of a world: when it begins, pauses and goes on, its balance, and what a save keeps. */
 #pragma once
 #include "../contacts/forces.h"
-#include "../save/groups.h"
+#include "../records/groups.h"
 #include "losses.h"
 #include "../particles/active.h"
 

@@ -1,6 +1,6 @@
 /* The links of each particle, in lists: a link is in those of both of its bodies. */
 #pragma once
-#include "../particles/detach.h"
+#include "../removal/remove.h"
 
 /* Lists the arrays of links. Returns their number. */
 static inline int dem__link_arrays(dem_world *w, dem__array *list) {

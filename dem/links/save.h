@@ -1,6 +1,6 @@
 /* Links in a saved world. */
 #pragma once
-#include "../save/groups.h"
+#include "../records/groups.h"
 #include "list.h"
 #include "work.h"
 

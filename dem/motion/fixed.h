@@ -1,7 +1,7 @@
 /* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h;
    every part that turns forces into motion calls dem__is_fixed(). */
 #pragma once
-#include "../save/groups.h"
+#include "../records/groups.h"
 #include "state.h"
 
 static inline int dem__list_arrays_of_fixed(dem_world *w, dem__array *list) {

@@ -1,6 +1,6 @@
 /* Shapes in a saved world: their fields, and whether loaded ones are sound. */
 #pragma once
-#include "../save/groups.h"
+#include "../records/groups.h"
 
 static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     const size_t s = sizeof *c;

@@ -1,6 +1,6 @@
 /* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none. */
 #pragma once
-#include "groups.h"
+#include "../records/groups.h"
 
 /* Lists single numbers of the world. */
 static inline void dem__world_fields(dem_world *w, dem__group *g) {

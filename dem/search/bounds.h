@@ -4,6 +4,19 @@
 #include "../base/parallel.h"
 #include "timers.h"
 
+/* Marks an active particle for dem__check_bounds. */
+DEM_INLINE void dem__mark_one(dem_world *w, ptrdiff_t i) {
+    dem__bodies *bodies = &w->engine->bodies;
+    if (bodies->activity[i] != 1) return;
+    bodies->activity[i] = 2;
+    bodies->to_check[bodies->to_check_count++] = (int32_t)i;
+}
+/* Marks particle i, or all particles of its rigid body. */
+DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) dem__mark_one(w, k);
+}
+
 /* Returns a limit of the change of velocity by an acceleration in one step [m/s]; the sum of components needs no root.
  */
 DEM_INLINE double dem__most_change(double dt, dem_vec pull) {

@@ -1,11 +1,11 @@
 /* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world
    can be read, saved and freed. */
 #pragma once
-#include "../particles/remove.h"
+#include "../removal/remove.h"
 #include "../contacts/forces.h"
 #include "../ledger/ledger.h"
 #include "integrate.h"
-#include "../search/due_tests.h"
+#include "detect.h"
 #include "../particles/active.h"
 
 /* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip,
