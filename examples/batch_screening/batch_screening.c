@@ -107,6 +107,23 @@ static void write_averages(const study *st, const averages *a, const char *name)
     riddle_io_close(curves);
 }
 
+/* What the seeds of a variant give together. */
+static void json_numbers(json *j, const study *st, int v) {
+    for (int k = 0; k < NUMBERS; k++) {
+        if (number_join[k] == ALONE || (number_join[k] >= WET_LARGEST && !(st->variants[v].set.moisture > 0.0)))
+            continue;
+        double sum = 0.0, mean = 0.0, most = result_of(st, v, 0)->number[k]; /* NaN stays */
+        if (number_join[k] == WET_EACH) json_array_begin(j, number_name[k]);
+        for (int q = 0; q < st->seeds; q++) {
+            const double x = result_of(st, v, q)->number[k];
+            sum += x, mean += x / st->seeds, most = x > most ? x : most;
+            if (number_join[k] == WET_EACH) json_number(j, NULL, x);
+        }
+        if (number_join[k] == WET_EACH) json_array_end(j);
+        else json_number(j, number_name[k], number_join[k] == SUM ? sum : number_join[k] == WET_MEAN ? mean : most);
+    }
+}
+
 /* Settings and averages of a variant, as members of the object that is open. */
 static void json_variant(json *j, const study *st, int v, const averages *a) {
     static const char *const scene[] = {"screen", "closed-plate", "thin-layer"};
@@ -123,7 +140,7 @@ static void json_variant(json *j, const study *st, int v, const averages *a) {
     json_string(j, "outlet", s->outlet ? "wall" : "delay");
     json_number(j, "outlet_delay_s", s->outlet_delay);
     json_string(j, "side_wall", s->walls ? "pvc" : "steel");
-    json_number(j, "dt_s", first->dt);
+    json_number(j, "dt_s", first->number[TIME_STEP]);
     json_integer(j, "seeds", st->seeds);
     json_array(j, "time_s", a->time, st->samples);
     if (s->scene == SCENE_CLOSED_PLATE) {
@@ -141,26 +158,7 @@ static void json_variant(json *j, const study *st, int v, const averages *a) {
         json_array(j, "free_fraction", a->mean[FREE], st->samples);
         json_array(j, "occupied_fraction", a->mean[OCCUPIED], st->samples);
     }
-    double steps = 0.0, particle_steps = 0.0, contact_steps = 0.0, energy = 0.0, liquid = 0.0, bridges = 0.0, ruptures = 0.0;
-    for (int q = 0; q < st->seeds; q++) {
-        const result *r = result_of(st, v, q);
-        steps += r->steps, particle_steps += r->particle_steps, contact_steps += r->contact_steps;
-        energy = r->energy_error > energy ? r->energy_error : energy;
-        liquid = fmax(liquid, r->liquid_error);
-        bridges += r->bridges_mean / st->seeds, ruptures += r->ruptures / st->seeds;
-    }
-    json_number(j, "steps", steps);
-    json_number(j, "particle_steps", particle_steps);
-    json_number(j, "contact_steps", contact_steps);
-    json_number(j, "energy_error_rel", isnan(first->energy_error) ? (double)NAN : energy);
-    if (s->moisture > 0.0) {
-        json_number(j, "liquid_error_rel", liquid);
-        json_number(j, "bridges_mean", bridges);
-        json_number(j, "ruptures", ruptures);
-        json_array_begin(j, "liquid_passed_kg");
-        for (int q = 0; q < st->seeds; q++) json_number(j, NULL, result_of(st, v, q)->liquid_passed);
-        json_array_end(j);
-    }
+    json_numbers(j, st, v);
 }
 
 static void report_one(const study *st, double wall) {
@@ -185,13 +183,15 @@ static void report_one(const study *st, double wall) {
     if (!plate)
         common_print("mean time in the top layer: small %.2f s, near-mesh %.2f s\n", measure_of(st, 0, top_layer(SMALL)).mean,
                      measure_of(st, 0, top_layer(NEAR_MESH)).mean);
-    common_print("%.3g steps of %.3g us, %.3g particle-steps, %.3g contact-steps a seed; %.1f s in all\n", r->steps, 1e6 * r->dt,
-                 r->particle_steps, r->contact_steps, wall);
+    common_print("%.3g steps of %.3g us, %.3g particle-steps, %.3g contact-steps a seed; %.1f s in all\n",
+                 r->number[STEPS], 1e6 * r->number[TIME_STEP], r->number[PARTICLE_STEPS], r->number[CONTACT_STEPS],
+                 wall);
     if (s->moisture > 0.0)
-        common_print("liquid conserved to %.1e; %.0f bridges on average, %.0f ruptures (first seed)\n", r->liquid_error, r->bridges_mean,
-                     r->ruptures);
-    if (!isnan(r->energy_error))
-        common_print("energy ledger closes to %.1e of work, released potential and initial energy\n", r->energy_error);
+        common_print("liquid conserved to %.1e; %.0f bridges on average, %.0f ruptures (first seed)\n",
+                     r->number[LIQUID_ERROR], r->number[BRIDGES], r->number[RUPTURES]);
+    if (!isnan(r->number[ENERGY_ERROR]))
+        common_print("energy ledger closes to %.1e of work, released potential and initial energy\n",
+                     r->number[ENERGY_ERROR]);
     draw(st, &a);
     write_averages(st, &a, plate ? "h_star.csv" : "retained.csv");
     json *j = json_open(st->self->json);
