@@ -756,7 +756,6 @@ typedef struct wish {
     int number, seeds; /* number: of the case */
     bool no_frames, film, no_energy, all_cases, vary, compare, sensitivity, resume;
 } wish;
-enum { CASE, AMPLITUDE, FREQUENCY, MOISTURE, TIME, DROP, OUTLET, MASS }; /* the first of the options */
 
 static wish default_wish(void) {
     wish w = {0};
@@ -772,38 +771,41 @@ static study_kind kind_of(const wish *w) {
 }
 
 /* Refuses what does not go together. */
-static void check_wish(const program *self, const option *options, const wish *w) {
-    const bool motion = options[AMPLITUDE].given || options[FREQUENCY].given, of_screen = w->set.scene == SCENE_SCREEN;
-    if (options[CASE].given && motion) program_refuse(self, "case", NULL, "not together with --amplitude-mm or --frequency-hz");
+static void check_wish(const program *self, const wish *w) {
+    const bool motion = is_given(self, "amplitude-mm") || is_given(self, "frequency-hz"),
+               of_screen = w->set.scene == SCENE_SCREEN;
+    if (is_given(self, "case") && motion)
+        program_refuse(self, "case", NULL, "not together with --amplitude-mm or --frequency-hz");
     if (w->all_cases + w->vary + w->compare + w->sensitivity > 1)
         program_refuse(self, "all-cases, --vary, --compare-moisture, --sensitivity", NULL, "only one of them");
     if (w->resume && kind_of(w) == STUDY_ONE) program_refuse(self, "resume", NULL, "only with a study of several runs");
-    if (w->all_cases && (options[CASE].given || motion || options[MOISTURE].given))
+    if (w->all_cases && (is_given(self, "case") || motion || is_given(self, "moisture")))
         program_refuse(self, "all-cases", NULL, "not together with a case, an amplitude, a frequency or a moisture");
     if (w->set.outlet && !of_screen) program_refuse(self, "outlet", "wall", "only with --scene screen");
-    if (w->set.outlet && options[OUTLET].given) program_refuse(self, "outlet", "wall", "not together with --outlet-delay");
+    if (w->set.outlet && is_given(self, "outlet-delay"))
+        program_refuse(self, "outlet", "wall", "not together with --outlet-delay");
     if (!of_screen && (w->all_cases || w->compare || w->sensitivity)) program_refuse(self, "scene", NULL, "this study is of the screen");
 }
 
 /* Completes the settings: options that were not given get the defaults of their scene and study. */
-static void complete_settings(const program *self, const option *options, wish *w) {
+static void complete_settings(const program *self, wish *w) {
     const study_kind kind = kind_of(w);
     settings *s = &w->set;
     choose_case(s, w->number);
-    if (options[AMPLITUDE].given || options[FREQUENCY].given)
+    if (is_given(self, "amplitude-mm") || is_given(self, "frequency-hz"))
         s->case_number = 0, s->amplitude = 1e-3 * w->amplitude_mm, s->frequency = w->frequency_hz;
-    if (options[MOISTURE].given) s->moisture = w->moisture, s->case_number = 0;
-    if (s->scene != SCENE_SCREEN && !options[DROP].given) w->drop_mm = 0.0;
-    if (s->scene == SCENE_CLOSED_PLATE && !options[TIME].given) s->time = 10.0;
-    if ((s->scene == SCENE_THIN_LAYER || w->compare) && !options[TIME].given) s->time = 5.0;
+    if (is_given(self, "moisture")) s->moisture = w->moisture, s->case_number = 0;
+    if (s->scene != SCENE_SCREEN && !is_given(self, "drop-mm")) w->drop_mm = 0.0;
+    if (s->scene == SCENE_CLOSED_PLATE && !is_given(self, "time")) s->time = 10.0;
+    if ((s->scene == SCENE_THIN_LAYER || w->compare) && !is_given(self, "time")) s->time = 5.0;
     if (s->scene == SCENE_THIN_LAYER) { /* passage counts when a centre is below the mesh plane */
-        if (!options[OUTLET].given) s->outlet_delay = 0.0;
+        if (!is_given(self, "outlet-delay")) s->outlet_delay = 0.0;
         s->exit_depth = 0.0;
         s->mass *= 0.25;
     }
     if (s->outlet) s->outlet_delay = 0.0;
     if (w->sensitivity) s->time = 10.0;
-    if (self->quick && !options[TIME].given && !w->sensitivity)
+    if (self->quick && !is_given(self, "time") && !w->sensitivity)
         s->time = kind == STUDY_ONE ? 1.5 : 1.2; /* long enough that most small ones pass */
     if (self->quick) s->mass = fmin(s->mass, kind == STUDY_ONE ? 0.3 : 0.03);
     s->screen_diameter = 1e-3 * w->diameter_mm;
@@ -875,8 +877,8 @@ int main(int argc, char **argv) {
         program_start("batch_screening",
                       "Glass spheres of 5, 7 and 10 mm on a vibrated sieve with 8 mm apertures, dry or wet (Elskamp & Kruggel-Emden 2019).",
                       options, sizeof options / sizeof *options, argc, argv);
-    check_wish(&self, options, &w);
-    complete_settings(&self, options, &w);
+    check_wish(&self, &w);
+    complete_settings(&self, &w);
     st.kind = kind_of(&w);
     st.seeds = w.seeds;
     st.seed = self.seed * 1000003u;
