@@ -460,14 +460,18 @@ typedef struct classifier_fit_result {
                            best alpha is 0 (Molerus & Hoffmann) */
     double rms;         /* of T [-] */
     double dof;         /* degrees of freedom: points minus parameters that are not at a border */
-    double student;     /* a 95 % range is value +- student * sd: Student's t of dof, or 1.96 with sd given */
+    double student; /* Student's t of dof, or 1.96 with sd given: a 95 % range of size and slope is value +- student * sd; NaN with a free
+                           hook, whose deviations give no range */
+    /* 95 % ranges from the profile of the sum of squares: they hold near a bypass of 0 and with a hook, too. hook_high infinite: the points
+       are as well without a hook; hook_low 0: without a bypass. 0 to infinite (bypass 1): left open. Equal where not free. */
+    double size_low, size_high, slope_low, slope_high, bypass_low, bypass_high, hook_low, hook_high;
     int iterations;
 } classifier_fit_result;
 /* Fits a curve by least squares (Levenberg-Marquardt in ln size, ln slope, logit bypass, ln hook) to n measured points x[n] [m] > 0, t[n];
    sd[n] > 0, the largest at most 1e6 times the smallest, or NULL (all equal). A parameter whose best value lies at its border is fixed
    there and the others are fitted again; a hook is sought from between each two sizes. Needs more distinct sizes than free parameters
-   (CLASSIFIER_TOO_FEW), values on both sides of one half, and T that rises with x so that no constant fits as well (CLASSIFIER_OUTSIDE: the
-   points leave the cut size open). */
+   (CLASSIFIER_TOO_FEW), values on both sides of one half (with a bypass: of the middle between it and 1), and T that rises with x so that
+   no constant fits as well (CLASSIFIER_OUTSIDE: the points leave the cut size open). */
 CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
                                                 const double *sd, int n, classifier_fit_result *result);
 
@@ -483,8 +487,10 @@ typedef struct classifier_balance_result {
     double chi_squared;                   /* sum of (adjustment / sd)^2: about `freedom` if the sds are honest */
     int freedom;
 } classifier_balance_result;
-/* Finds the least adjustment that makes feed = c coarse + (1 - c) fine hold in every class with all three still adding up to 1; c with it.
-   Outputs (caller's, [classes], each may be NULL): t and its sd, the reconciled distributions. Classes without feed have t NaN. */
+/* Finds the least adjustment that makes feed = c coarse + (1 - c) fine hold in every class with all three still adding up to 1 and no share
+   below 0 (T from 0 to 1); c with it.
+   Outputs (caller's, [classes], each may be NULL): t and its sd (where T is 0 or 1 that of an unbounded T), the reconciled
+   distributions. Classes without feed have t NaN. */
 CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_data *data, double *t, double *t_sd, double *feed,
                                                       double *coarse, double *fine, classifier_balance_result *result);
 
@@ -2677,43 +2683,12 @@ static inline void classifier__fit_take(classifier__fit_try *best, const classif
     if (other->squares < best->squares * (1.0 - 1e-12)) *best = *other;
 }
 
-/* Finds the best curve with a bypass, starting from the least T of the points and from small ones; a result at the bound counts as no
-   bypass. */
-static inline void classifier__fit_bypass(classifier__fit_try *best, const classifier__fit_data *d, double floor_t) {
-    const double starts[3] = {floor_t, 0.01, 0.1};
-    const classifier__fit_try none = *best;
-    for (int k = 0; k < 3; k++) {
-        classifier__fit_try f = classifier__fit_begin(&none, true, false, riddle_log(starts[k] / (1.0 - starts[k])), 0.0);
-        classifier__descend(&f, d);
-        f.iterations += best->iterations;
-        if (f.p[2] > -16.0) classifier__fit_take(best, &f); /* below 1e-7: the border */
-    }
-}
-
 /* Returns the least of the sizes above x; HUGE_VAL if there is none. */
 static inline double classifier__size_above(const classifier__fit_data *d, double x) {
     double above = HUGE_VAL;
     for (int j = 0; j < d->n; j++)
         if (d->x[j] > x && d->x[j] < above) above = d->x[j];
     return above;
-}
-
-/* Finds the best curve with a hook. The sum of squares has a kink at every size, so there is one start between each two. A result at the
-   bound counts as no hook. */
-static inline void classifier__fit_hook(classifier__fit_try *best, const classifier__fit_data *d, double floor_t) {
-    const classifier__fit_try without = *best;
-    const double floors[2] = {floor_t, 0.1};
-    for (int i = 0; i < d->n; i++) {
-        const double above = classifier__size_above(d, d->x[i]);
-        if (!(above < HUGE_VAL)) continue;
-        for (int k = 0; k < 2; k++) {
-            classifier__fit_try f = classifier__fit_begin(&without, true, true, riddle_log(floors[k] / (1.0 - floors[k])),
-                                                          0.5 * (riddle_log(d->x[i]) + riddle_log(above)));
-            classifier__descend(&f, d);
-            f.iterations += best->iterations;
-            if (f.p[2] > -16.0) classifier__fit_take(best, &f);
-        }
-    }
 }
 
 /* Takes a step between two sizes where that is better: the border of infinite slope, which a descent from a gentle slope may miss. */
@@ -2747,11 +2722,11 @@ static inline void classifier__fit_from_grid(classifier__fit_try *best, const cl
     if (best->like.law != CLASSIFIER_MOLERUS_HOFFMANN) return;
     for (int i = 0; i < d->n; i++) least = d->x[i] < least ? d->x[i] : least, most = d->x[i] > most ? d->x[i] : most;
     const double from = riddle_log(0.2 * least), way = riddle_log(5.0 * most) - from;
-    for (int k = 0; k < (bypass ? 8 : 4); k++) {
+    for (int k = 0; k < (bypass ? 12 : 4); k++) {
         classifier__fit_try start = *best;
         start.squares = HUGE_VAL;
         for (int i = 0; i < 24; i++) {
-            classifier__fit_try f = classifier__fit_begin(best, k >= 4, false, -2.0, 0.0);
+            classifier__fit_try f = classifier__fit_begin(best, k >= 4, false, k < 8 ? -2.0 : 1.0, 0.0);
             f.p[0] = i == 0 ? from - 14.0 : from + way * i / 23.0, f.p[1] = slopes[k % 4]; /* the first: far below all, T = 1 */
             f.squares = classifier__try_squares(&f, f.p, d, NULL, NULL);
             if (f.squares < start.squares) start = f;
@@ -2798,25 +2773,26 @@ static inline bool classifier__fit_accepts(const classifier__fit_data *d) {
     return !d->sd || (least > 1e-100 && most < 1e100 && most <= 1e6 * least);
 }
 
-/* Sets the start of a fit: the size by interpolation at T = one half, the slope as the best of a few. Returns false if the points are not
-   on both sides of one half. */
-static inline bool classifier__fit_start(classifier__fit_try *f, classifier_curve_law law, const classifier__fit_data *d, double *floor_t) {
-    double least = HUGE_VAL, most = 0.0, at_low = 0.0, at_high = HUGE_VAL, t_low = 0.0, t_high = 1.0, best = HUGE_VAL, first = 0.0;
+/* Sets the start of a fit with this bypass, or with none (0): the size by interpolation where T without the bypass is one half, the slope
+   as the best of a few. Returns false if the points are not on both sides of that. */
+static inline bool classifier__fit_start(classifier__fit_try *f, classifier_curve_law law, const classifier__fit_data *d, double bypass) {
+    const double half = 0.5 * (1.0 + bypass);
+    double at_low = 0.0, at_high = HUGE_VAL, t_low = 0.0, t_high = 1.0, best = HUGE_VAL, first = 0.0;
+    bool is_below = false, is_above = false;
     for (int i = 0; i < d->n; i++) {
-        if (d->t[i] < least) least = d->t[i];
-        if (d->t[i] > most) most = d->t[i];
-        if (d->t[i] < 0.5 && d->x[i] > at_low) at_low = d->x[i], t_low = d->t[i];
+        is_below |= d->t[i]<half, is_above |= d->t[i]> half;
+        if (d->t[i] < half && d->x[i] > at_low) at_low = d->x[i], t_low = d->t[i];
     }
     for (int i = 0; i < d->n; i++)
-        if (d->t[i] >= 0.5 && d->x[i] > at_low && d->x[i] < at_high) at_high = d->x[i], t_high = d->t[i];
-    if (!(least < 0.5 && most > 0.5)) return false;
+        if (d->t[i] >= half && d->x[i] > at_low && d->x[i] < at_high) at_high = d->x[i], t_high = d->t[i];
+    f->squares = HUGE_VAL;
+    f->like = classifier_curve_of(law, 1.0, 1.0);
+    if (!(is_below && is_above)) return false;
     double size = at_low;
     if (at_high < HUGE_VAL)
-        size = riddle_exp(riddle_log(at_low) + (0.5 - t_low) / (t_high - t_low) * (riddle_log(at_high) - riddle_log(at_low)));
-    *floor_t = least > 0.01 ? least : 0.01;
-    f->like = classifier_curve_of(law, size, 1.0);
+        size = riddle_exp(riddle_log(at_low) + (half - t_low) / (t_high - t_low) * (riddle_log(at_high) - riddle_log(at_low)));
     f->p[0] = riddle_log(size);
-    *f = classifier__fit_begin(f, false, false, 0.0, 0.0);
+    *f = classifier__fit_begin(f, bypass > 0.0, false, bypass > 0.0 ? riddle_log(bypass / (1.0 - bypass)) : 0.0, 0.0);
     for (int i = 0; i < 12; i++) {
         f->p[1] = riddle_log(0.5) + 0.35 * i;
         double squares = classifier__try_squares(f, f->p, d, NULL, NULL);
@@ -2824,6 +2800,49 @@ static inline bool classifier__fit_start(classifier__fit_try *f, classifier_curv
     }
     f->p[1] = first;
     return true;
+}
+
+/* Finds the best curve with a bypass, starting from the least T of the points and from smaller ones; a result at the bound counts as no
+   bypass. */
+static inline void classifier__fit_bypass(classifier__fit_try *best, const classifier__fit_data *d, double floor_t) {
+    const double starts[4] = {floor_t, 0.01, 0.1, 0.8 * floor_t};
+    const int iterations = best->iterations;
+    for (int k = 0; k < 4; k++) {
+        classifier__fit_try f;
+        memset(&f, 0, sizeof f);
+        if (!classifier__fit_start(&f, best->like.law, d, starts[k])) continue;
+        classifier__descend(&f, d);
+        f.iterations += iterations;
+        if (f.p[2] > -16.0) classifier__fit_take(best, &f); /* below 1e-7: the border */
+    }
+}
+
+/* Finds the best curve with a hook. The sum of squares has a kink at every size, so there are starts between each two: from the best curve
+   so far, and from the least T and the T of the smallest size as bypass. A result at the bound counts as no hook. */
+static inline void classifier__fit_hook(classifier__fit_try *best, const classifier__fit_data *d, double floor_t) {
+    classifier__fit_try start[3];
+    const int iterations = best->iterations;
+    int smallest = 0;
+    bool is_start[3] = {true, false, false};
+    for (int i = 0; i < d->n; i++) smallest = d->x[i] < d->x[smallest] ? i : smallest;
+    const double t = d->t[smallest], floors[3] = {floor_t, floor_t, t > 0.1 ? (t < 0.99 ? t : 0.99) : 0.1};
+    start[0] = *best;
+    for (int k = 1; k < 3; k++) {
+        memset(&start[k], 0, sizeof start[k]);
+        is_start[k] = classifier__fit_start(&start[k], best->like.law, d, k == 1 ? floor_t : 0.0);
+    }
+    for (int i = 0; i < d->n; i++) {
+        const double above = classifier__size_above(d, d->x[i]);
+        if (!(above < HUGE_VAL)) continue;
+        for (int k = 0; k < 3; k++) {
+            if (!is_start[k]) continue;
+            classifier__fit_try f = classifier__fit_begin(&start[k], true, true, riddle_log(floors[k] / (1.0 - floors[k])),
+                                                          0.5 * (riddle_log(d->x[i]) + riddle_log(above)));
+            classifier__descend(&f, d);
+            f.iterations += iterations;
+            if (f.p[2] > -16.0) classifier__fit_take(best, &f);
+        }
+    }
 }
 
 /* Returns whether parameter k is free and may grow by `way` at the same cut size without a change of T at the points, as the slope of a
@@ -2860,24 +2879,232 @@ static inline void classifier__fit_deviations(const classifier__fit_try *f, cons
     result->hook_sd = c->hook_size < HUGE_VAL ? c->hook_size * deviation[3] : 0.0;
 }
 
+/* Ranges of a curve with a bypass: the values that it has in all curves whose sum of squares is below a bound. A hook is held at each of
+   many sizes, because the sum has a kink at every measured size; size, slope and bypass then make it nearly a quadratic, whose ends are
+   known. The bypass enters linearly and may be negative on the way; where it would be, the curve without one counts. */
+typedef struct classifier__held {
+    classifier_curve like;
+    double p[3], squares, inverse[3][3]; /* ln size, ln slope (alpha itself), bypass */
+    double per_size;                     /* 1 / size of the hook [1/m]; 0: the bypass is the same for all sizes */
+    int n_free;                          /* 2: no bypass */
+    bool is_known;                       /* inverse of the normal matrix */
+} classifier__held;
+
+static inline classifier_curve classifier__held_curve(const classifier__held *f, const double *p) {
+    classifier_curve c = f->like;
+    c.size = riddle_exp(p[0]);
+    c.slope = f->like.law == CLASSIFIER_MOLERUS_HOFFMANN ? p[1] : riddle_exp(p[1]);
+    return c;
+}
+
+/* An alpha below 0 is outside the law, but the slopes at 0 need both sides. */
+static inline double classifier__held_value(const classifier_curve *c, double x) {
+    const double z = x / c->size * (x / c->size);
+    if (c->law != CLASSIFIER_MOLERUS_HOFFMANN || !(c->slope < 0.0)) return classifier__curve_clean(c, x);
+    return 1.0 / (1.0 + riddle_exp(c->slope * (1.0 - z)) / z);
+}
+
+static inline double classifier__held_squares(const classifier__held *f, const double *p, const classifier__fit_data *d,
+                                              double normal[4][4], double *gradient) {
+    const double step = 1e-5;
+    classifier_curve c = classifier__held_curve(f, p), near[2][2];
+    double sum = 0.0;
+    for (int k = 0; normal && k < 4; k++) {
+        double q[3] = {p[0], p[1], p[2]};
+        q[k / 2] += k % 2 ? step : -step;
+        near[k / 2][k % 2] = classifier__held_curve(f, q);
+    }
+    for (int k = 0; normal && k < 3; k++) {
+        gradient[k] = 0.0;
+        for (int j = 0; j < 3; j++) normal[k][j] = 0.0;
+    }
+    for (int i = 0; i < d->n; i++) {
+        const double weight = d->sd ? 1.0 / d->sd[i] : 1.0, x = d->x[i], share = x * f->per_size < 1.0 ? 1.0 - x * f->per_size : 0.0,
+                     passes = f->n_free > 2 ? 1.0 - p[2] * share : 1.0, clean = classifier__held_value(&c, x),
+                     r = (d->t[i] - (1.0 - passes * (1.0 - clean))) * weight;
+        double by[3];
+        sum += r * r;
+        if (!normal) continue;
+        for (int k = 0; k < 2; k++)
+            by[k] = weight * passes * (classifier__held_value(&near[k][1], x) - classifier__held_value(&near[k][0], x)) / (2.0 * step);
+        by[2] = weight * share * (1.0 - clean);
+        for (int k = 0; k < f->n_free; k++) {
+            gradient[k] += by[k] * r;
+            for (int j = 0; j <= k; j++) normal[k][j] += by[k] * by[j];
+        }
+    }
+    return sum;
+}
+
+/* Finds the best curve from f->p, and the inverse of its normal matrix. */
+static inline void classifier__held_fit(classifier__held *f, const classifier__fit_data *d) {
+    double normal[4][4], gradient[4], damping = 1e-4;
+    f->squares = classifier__held_squares(f, f->p, d, normal, gradient);
+    for (int round = 0; round < 40; round++) {
+        double a[4][4], step[4] = {0.0, 0.0, 0.0, 0.0}, q[3], length = 0.0;
+        for (int k = 0; k < f->n_free; k++) {
+            step[k] = gradient[k];
+            for (int j = 0; j <= k; j++) a[k][j] = normal[k][j] * (j == k ? 1.0 + damping : 1.0) + (j == k ? 1e-300 : 0.0);
+        }
+        const bool solved = classifier__solve_spd(a, step, f->n_free);
+        for (int k = 0; k < f->n_free; k++) length = fabs(step[k]) > length ? fabs(step[k]) : length;
+        for (int k = 0; k < 3; k++) q[k] = f->p[k] + (length > 1.0 ? step[k] / length : step[k]);
+        const double now = solved && length < HUGE_VAL ? classifier__held_squares(f, q, d, NULL, NULL) : HUGE_VAL;
+        if (now < f->squares) {
+            const bool arrived = f->squares - now <= 1e-9 * f->squares;
+            for (int k = 0; k < 3; k++) f->p[k] = q[k];
+            f->squares = classifier__held_squares(f, f->p, d, normal, gradient);
+            damping *= 0.1;
+            if (arrived) break;
+        } else if ((damping *= 10.0) > 1e6 || length < 1e-7) {
+            break;
+        }
+    }
+    f->is_known = true;
+    for (int k = 0; k < f->n_free && f->is_known; k++) {
+        double a[4][4], column[4] = {0.0, 0.0, 0.0, 0.0};
+        column[k] = 1.0;
+        for (int i = 0; i < f->n_free; i++)
+            for (int j = 0; j <= i; j++) a[i][j] = normal[i][j];
+        f->is_known = classifier__solve_spd(a, column, f->n_free) && column[k] > 0.0;
+        for (int i = 0; i < f->n_free; i++) f->inverse[k][i] = column[i];
+    }
+}
+
+/* Widens low[3], high[3] by all curves about f that lie below the bound. Returns whether there is one. */
+static inline bool classifier__held_widen(const classifier__held *f, double bound, double *low, double *high) {
+    const double room = bound - f->squares;
+    if (!(room >= 0.0)) return false;
+    bool is_any = !f->is_known;
+    for (int k = 0; k < 3 && !f->is_known; k++) low[k] = -HUGE_VAL, high[k] = HUGE_VAL; /* a step: the points leave it open */
+    if (is_any) return true;
+    for (int k = 0; k < f->n_free; k++) {
+        for (int side = -1; side <= 1; side++) {
+            const double way = side * sqrt(room / f->inverse[k][k]), bypass = f->n_free > 2 ? f->p[2] + way * f->inverse[k][2] : 0.0;
+            if (!(bypass >= 0.0 && bypass <= 1.0)) continue;
+            const double p[3] = {f->p[0] + way * f->inverse[k][0], f->p[1] + way * f->inverse[k][1], bypass};
+            for (int j = 0; j < 3; j++) {
+                if (p[j] < low[j]) low[j] = p[j];
+                if (p[j] > high[j]) high[j] = p[j];
+            }
+            is_any = true;
+        }
+    }
+    return is_any;
+}
+
+typedef struct classifier__ranges {
+    double low[3], high[3], bound, most_per_size; /* 1 / the smallest size: a hook there has no bypass left */
+    bool is_without;                              /* a curve without a bypass is below the bound, and so is one with any hook */
+    classifier__held last;                        /* the curve that the next search starts from */
+} classifier__ranges;
+
+/* Widens the ranges by the curves with a hook of 1 / per_size. Returns whether there are any below the bound. */
+static inline bool classifier__ranges_at(classifier__ranges *r, const classifier__held *best, const classifier__fit_data *d,
+                                         double per_size) {
+    bool is_in = r->is_without;
+    if (!(per_size < r->most_per_size)) return is_in;
+    for (int k = 0; k < 2; k++) { /* from the last one, and from the best of all */
+        classifier__held f = k == 0 ? r->last : *best;
+        f.per_size = per_size;
+        classifier__held_fit(&f, d);
+        if (k == 0 || f.squares < r->last.squares) r->last = f;
+        if (!classifier__held_widen(&f, r->bound, r->low, r->high)) continue;
+        is_in = true;
+        break;
+    }
+    return is_in;
+}
+
+/* Finds the end of the accepted hooks between one that is accepted and one that is not. */
+static inline double classifier__ranges_end(classifier__ranges *r, const classifier__held *best, const classifier__fit_data *d, double in,
+                                            double out) {
+    for (int k = 0; k < 8; k++) {
+        const double middle = 0.5 * (in + out);
+        if (classifier__ranges_at(r, best, d, middle)) in = middle;
+        else out = middle;
+    }
+    return in;
+}
+
+/* Returns the next of the hooks that part the search: those at the sizes, and the best one. */
+static inline double classifier__ranges_next(const classifier__fit_data *d, double best, double at) {
+    double next = best > at ? best : HUGE_VAL;
+    for (int i = 0; i < d->n; i++)
+        if (1.0 / d->x[i] > at && 1.0 / d->x[i] < next) next = 1.0 / d->x[i];
+    return next;
+}
+
+/* Sets the ranges of a fit. A sum of squares up to the bound is accepted. */
+static inline void classifier__fit_ranges(const classifier__fit_try *f, const classifier__fit_data *d, bool bypass, bool hook, double bound,
+                                          classifier_fit_result *result) {
+    const classifier_curve *c = &result->curve;
+    const bool is_alpha = c->law == CLASSIFIER_MOLERUS_HOFFMANN;
+    classifier__held best;
+    classifier__ranges r;
+    memset(&best, 0, sizeof best);
+    best.like = classifier_curve_of(c->law, 1.0, 1.0);
+    best.p[0] = f->p[0], best.p[1] = is_alpha ? c->slope : f->p[1], best.p[2] = c->bypass;
+    best.n_free = 3;
+    r.bound = bound, r.last = best, r.most_per_size = 0.0;
+    for (int i = 0; i < d->n; i++) r.most_per_size = 1.0 / d->x[i] > r.most_per_size ? 1.0 / d->x[i] : r.most_per_size;
+    for (int k = 0; k < 3; k++) r.low[k] = r.high[k] = best.p[k];
+    classifier__held without = best;
+    without.n_free = 2;
+    classifier__held_fit(&without, d);
+    r.is_without = classifier__held_widen(&without, bound, r.low, r.high);
+    bool is_in = bypass && classifier__ranges_at(&r, &best, d, 0.0);
+    if (hook) { /* from none to ever smaller ones, four between each two sizes */
+        double at = 0.0, before = 0.0, low = c->hook_size, high = is_in ? HUGE_VAL : 0.0;
+        for (double next; (next = classifier__ranges_next(d, 1.0 / c->hook_size, at)) < HUGE_VAL;) {
+            for (int k = 1; k <= 4; k++) {
+                const double now = k < 4 ? at + 0.25 * k * (next - at) : next;
+                const bool was_in = is_in;
+                is_in = classifier__ranges_at(&r, &best, d, now);
+                if (is_in && !(high > 0.0)) high = 1.0 / classifier__ranges_end(&r, &best, d, now, before);
+                if (was_in && !is_in) low = 1.0 / classifier__ranges_end(&r, &best, d, before, now);
+                before = now;
+            }
+            at = next;
+        }
+        if (is_in) low = 0.0;
+        result->hook_low = low < c->hook_size ? low : c->hook_size; /* else by rounding, where points lie on the curve */
+        result->hook_high = high > c->hook_size ? high : c->hook_size;
+    }
+    result->size_low = riddle_exp(r.low[0]), result->size_high = riddle_exp(r.high[0]);
+    result->slope_low = is_alpha ? (r.low[1] > 0.0 ? r.low[1] : 0.0) : riddle_exp(r.low[1]);
+    result->slope_high = is_alpha ? r.high[1] : riddle_exp(r.high[1]);
+    result->bypass_low = r.low[2] > 0.0 ? r.low[2] : 0.0, result->bypass_high = r.high[2] < 1.0 ? r.high[2] : 1.0;
+    if (!bypass) result->bypass_low = result->bypass_high = 0.0;
+    if (!hook) result->hook_low = result->hook_high = HUGE_VAL;
+    if (!(result->size_sd < HUGE_VAL)) result->size_low = 0.0, result->size_high = HUGE_VAL;
+    if (!(result->slope_sd < HUGE_VAL)) result->slope_low = 0.0, result->slope_high = HUGE_VAL;
+}
+
 CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
                                                 const double *sd, int n, classifier_fit_result *result) {
     const classifier__fit_data d = {x, t, sd, n};
     const bool hook = (free_parameters & CLASSIFIER_FREE_HOOK) != 0, bypass = hook || (free_parameters & CLASSIFIER_FREE_BYPASS) != 0;
     const int wanted = 2 + (bypass ? 1 : 0) + (hook ? 1 : 0);
     classifier__fit_try best;
-    double floor_t;
+    double floor_t = 0.99;
     if (!result) return CLASSIFIER_BAD_ARGUMENT;
     memset(result, 0, sizeof *result);
     result->curve = classifier_curve_of(law, classifier__nan(), classifier__nan());
     result->curve.bypass = result->curve.hook_size = result->rms = result->student = result->dof = classifier__nan();
     result->size_sd = result->slope_sd = result->bypass_sd = result->hook_sd = classifier__nan();
+    result->size_low = result->size_high = result->slope_low = result->slope_high = classifier__nan();
+    result->bypass_low = result->bypass_high = result->hook_low = result->hook_high = classifier__nan();
     if (!classifier__fit_accepts(&d)) return CLASSIFIER_BAD_ARGUMENT;
     if (classifier__distinct(x, n, wanted + 1) <= wanted) return CLASSIFIER_TOO_FEW;
     memset(&best, 0, sizeof best);
-    if (!classifier__fit_start(&best, law, &d, &floor_t)) return CLASSIFIER_OUTSIDE;
-    classifier__descend(&best, &d);
+    for (int i = 0; i < n; i++)
+        if (t[i] < floor_t) floor_t = t[i];
+    if (!(floor_t > 0.01)) floor_t = 0.01;
+    if (classifier__fit_start(&best, law, &d, 0.0)) classifier__descend(&best, &d);
+    else if (!bypass) return CLASSIFIER_OUTSIDE;
     if (bypass) classifier__fit_bypass(&best, &d, floor_t);
+    if (!(best.squares < HUGE_VAL)) return CLASSIFIER_OUTSIDE;
     classifier__fit_steps(&best, &d, bypass);
     classifier__fit_from_grid(&best, &d, bypass);
     if (classifier__is_flat(&best, &d)) return CLASSIFIER_OUTSIDE;
@@ -2895,6 +3122,10 @@ CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsign
     result->dof = n - best.n_free;
     result->student = sd ? 1.959963984540054 : classifier__student(n - best.n_free + 1);
     classifier__fit_deviations(&best, &d, result);
+    const double least = classifier__try_squares(&best, best.p, &d, NULL, NULL), free = n - wanted,
+                 t95 = sd ? 1.959963984540054 : classifier__student(n - wanted + 1);
+    classifier__fit_ranges(&best, &d, bypass, hook, least + t95 * t95 * (sd ? 1.0 : least / free), result);
+    if (hook) result->student = classifier__nan();
     result->rms = sqrt(classifier__fit_squares(&best.like, best.p, best.free, best.n_free, x, t, NULL, n, NULL, NULL) / n);
     result->iterations = best.iterations;
     return CLASSIFIER_OK;
@@ -2904,57 +3135,90 @@ CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsign
 
 /* For a split c the balance of a class misses r = f - c g - (1 - c) h, with variance s. With the variances ff, gg, hh of the three shares
    the least adjustment has the multiplier lambda = (r + c gg mu + (1 - c) hh nu) / s in each class, mu and nu such that coarse and fine
-   (and so feed) still add up to 1. */
+   (and so feed) still add up to 1. No share may fall below 0: one that would is held there, and the class is adjusted without it. */
 typedef struct classifier__balance {
     const classifier_balance_data *data;
     double c, mu, nu;
 } classifier__balance;
+typedef struct classifier__adjusted {
+    double f, g, h, lambda;
+    double by_mu, by_nu, by_both; /* how far g falls with mu, h with nu, and each with the other multiplier */
+} classifier__adjusted;
 
-static inline double classifier__multiplier(const classifier__balance *b, int i) {
+static inline classifier__adjusted classifier__adjust(const classifier__balance *b, int i) {
     const classifier_balance_data *d = b->data;
-    double c = b->c, e = 1.0 - c, ff = d->feed_sd[i] * d->feed_sd[i], gg = d->coarse_sd[i] * d->coarse_sd[i],
-           hh = d->fine_sd[i] * d->fine_sd[i];
-    double r = d->feed[i] - c * d->coarse[i] - e * d->fine[i];
-    return (r + c * gg * b->mu + e * hh * b->nu) / (ff + c * c * gg + e * e * hh);
+    const double c = b->c, e = 1.0 - c, ff = d->feed_sd[i] * d->feed_sd[i], gg = d->coarse_sd[i] * d->coarse_sd[i],
+                 hh = d->fine_sd[i] * d->fine_sd[i];
+    classifier__adjusted a = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    for (int hold = 0; hold < 4; hold++) { /* nothing, coarse, fine, both: just one of them is the least */
+        const double G = hold & 1 ? 0.0 : d->coarse[i], H = hold & 2 ? 0.0 : d->fine[i], vg = hold & 1 ? 0.0 : gg, vh = hold & 2 ? 0.0 : hh;
+        const double s = ff + c * c * vg + e * e * vh;
+        a.lambda = (d->feed[i] - c * G - e * H + c * vg * b->mu + e * vh * b->nu) / s;
+        a.f = d->feed[i] - ff * a.lambda;
+        a.g = G + vg * (c * a.lambda - b->mu);
+        a.h = H + vh * (e * a.lambda - b->nu);
+        a.by_mu = vg * (ff + e * e * vh) / s; /* vg - c^2 vg^2 / s */
+        a.by_nu = vh * (ff + c * c * vg) / s;
+        a.by_both = -c * e * vg * vh / s;
+        const bool holds_rightly = (!(hold & 1) || d->coarse[i] + gg * (c * a.lambda - b->mu) <= 0.0) &&
+                                   (!(hold & 2) || d->fine[i] + hh * (e * a.lambda - b->nu) <= 0.0);
+        if (a.g >= 0.0 && a.h >= 0.0 && holds_rightly) break;
+    }
+    return a;
 }
 
-/* Solves mu, nu for the split c; returns chi squared */
+/* Sums what the adjustment adds to coarse and fine, and how these sums fall with mu and nu. */
+static inline void classifier__surplus(const classifier__balance *b, double sum[2], double fall[3]) {
+    sum[0] = sum[1] = fall[0] = fall[1] = fall[2] = 0.0;
+    for (int i = 0; i < b->data->classes; i++) {
+        const classifier__adjusted a = classifier__adjust(b, i);
+        sum[0] += a.g - b->data->coarse[i], sum[1] += a.h - b->data->fine[i];
+        fall[0] += a.by_mu, fall[1] += a.by_nu, fall[2] += a.by_both;
+    }
+}
+
+/* Solves mu, nu for the split c; returns chi squared. Newton's method; one step suffices where no share is held. */
 static inline double classifier__balance_at(classifier__balance *b, double c) {
     const classifier_balance_data *d = b->data;
-    double e = 1.0 - c, a11 = 0.0, a12 = 0.0, a22 = 0.0, b1 = 0.0, b2 = 0.0;
-    for (int i = 0; i < d->classes; i++) {
-        double ff = d->feed_sd[i] * d->feed_sd[i], gg = d->coarse_sd[i] * d->coarse_sd[i], hh = d->fine_sd[i] * d->fine_sd[i],
-               s = ff + c * c * gg + e * e * hh;
-        double r = d->feed[i] - c * d->coarse[i] - e * d->fine[i];
-        a11 += gg * (ff + e * e * hh) / s; /* sum of gg - c^2 gg^2 / s */
-        a22 += hh * (ff + c * c * gg) / s;
-        a12 -= c * e * gg * hh / s;
-        b1 += c * gg * r / s; /* sum of the adjustments without mu, nu */
-        b2 += e * hh * r / s;
+    double sum[2], fall[3], chi = 0.0;
+    b->c = c, b->mu = b->nu = 0.0;
+    classifier__surplus(b, sum, fall);
+    for (int round = 0; round < 100 && fabs(sum[0]) + fabs(sum[1]) > 1e-16 * d->classes; round++) {
+        const classifier__balance from = *b;
+        const double det = fall[0] * fall[1] - fall[2] * fall[2];
+        double way[2] = {sum[0], sum[1]}, left = HUGE_VAL;
+        if (det > 0.0) {
+            way[0] = (sum[0] * fall[1] - sum[1] * fall[2]) / det;
+            way[1] = (sum[1] * fall[0] - sum[0] * fall[2]) / det;
+        }
+        const double was = way[0] * sum[0] + way[1] * sum[1];
+        for (double share = 1.0; share > 1e-6; share *= 0.5) {
+            b->mu = from.mu + share * way[0], b->nu = from.nu + share * way[1];
+            classifier__surplus(b, sum, fall);
+            left = fabs(way[0] * sum[0] + way[1] * sum[1]);
+            if (left <= 0.9 * fabs(was)) break;
+        }
+        if (!(left <= 0.9 * fabs(was))) break; /* rounding */
     }
-    double det = a11 * a22 - a12 * a12;
-    b->c = c;
-    b->mu = (b1 * a22 - b2 * a12) / det;
-    b->nu = (b2 * a11 - b1 * a12) / det;
-    double chi = 0.0;
     for (int i = 0; i < d->classes; i++) {
-        double lambda = classifier__multiplier(b, i), df = d->feed_sd[i] * lambda, dg = d->coarse_sd[i] * (c * lambda - b->mu),
-               dh = d->fine_sd[i] * (e * lambda - b->nu);
+        const classifier__adjusted a = classifier__adjust(b, i);
+        const double df = (a.f - d->feed[i]) / d->feed_sd[i], dg = (a.g - d->coarse[i]) / d->coarse_sd[i],
+                     dh = (a.h - d->fine[i]) / d->fine_sd[i];
         chi += df * df + dg * dg + dh * dh;
     }
     if (d->coarse_share_sd > 0.0) chi += (c - d->coarse_share) * (c - d->coarse_share) / (d->coarse_share_sd * d->coarse_share_sd);
     return chi;
 }
 
-/* Returns Half of d(chi squared)/dc by the envelope theorem: minus the sum of multiplier * (reconciled coarse - reconciled fine) */
+/* Returns half of d(chi squared)/dc by the envelope theorem: minus the sum of multiplier * (reconciled coarse - reconciled fine) */
 static inline double classifier__balance_slope(double c, const void *user) {
     classifier__balance b = *(const classifier__balance *)user;
     const classifier_balance_data *d = b.data;
     double slope = d->coarse_share_sd > 0.0 ? (c - d->coarse_share) / (d->coarse_share_sd * d->coarse_share_sd) : 0.0;
     (void)classifier__balance_at(&b, c);
     for (int i = 0; i < d->classes; i++) {
-        double lambda = classifier__multiplier(&b, i), gg = d->coarse_sd[i] * d->coarse_sd[i], hh = d->fine_sd[i] * d->fine_sd[i];
-        slope -= lambda * (d->coarse[i] + gg * (c * lambda - b.mu) - d->fine[i] - hh * ((1.0 - c) * lambda - b.nu));
+        const classifier__adjusted a = classifier__adjust(&b, i);
+        slope -= a.lambda * (a.g - a.h);
     }
     return slope;
 }
@@ -3006,15 +3270,16 @@ static inline classifier_status classifier__reconcile(const classifier_balance_d
     for (int i = 0; i < d.classes; i++) {
         double ff = d.feed_sd[i] * d.feed_sd[i], gg = d.coarse_sd[i] * d.coarse_sd[i], hh = d.fine_sd[i] * d.fine_sd[i],
                s = ff + c * c * gg + e * e * hh;
-        double lambda = classifier__multiplier(&b, i);
-        double f = d.feed[i] - ff * lambda, g = d.coarse[i] + gg * (c * lambda - b.mu), k = d.fine[i] + hh * (e * lambda - b.nu);
+        const classifier__adjusted a = classifier__adjust(&b, i);
+        const double g = a.g, f = c * g + e * a.h; /* = a.f but for rounding, so that T is a share */
         if (feed) feed[i] = f;
         if (coarse) coarse[i] = g;
-        if (fine) fine[i] = k;
+        if (fine) fine[i] = a.h;
         double value = f > 0.0 ? c * g / f : classifier__nan();
         if (t) t[i] = value;
         if (!t_sd) continue;
-        /* T = c g / f: covariance of the adjusted f and g at fixed c, and how both move with c */
+        /* T = c g / f: covariance of the adjusted f and g at fixed c, and how both move with c; of a share that is held at 0, as if it
+           were not, for its measurement is no better than the others */
         double vff = ff - ff * ff / s, vgg = gg - c * c * gg * gg / s, vfg = c * ff * gg / s, jf = -value / f, jg = c / f,
                turn = d.coarse[i] - d.fine[i];
         double dc = g / f + jf * ff * turn / s - jg * c * gg * turn / s;

@@ -417,19 +417,21 @@ typedef enum filtration_weave {
     FILTRATION_TWILL_WEAVE  /* 2/2 twill: over two, under two: repeats after 4 wires */
 } filtration_weave;
 
-/* Woven wire cloth in a plane z = centre, of round wires at x, y = (i + 1/2) pitch, pitch = wire + opening. At crossings their axes are
-   wire / 2 above or below the plane; between crossings on the same side they are straight, between two sides half a cosine wave. A section
-   perpendicular to the sloping axis is a circle. Warp wires lie along y, above the weft at crossing (i, j) where (i + j) mod 4 < 2 (twill)
-   or (i + j) mod 2 = 0 (plain). */
+/* Woven wire cloth in a plane z = centre, of round wires at x, y = offset + (i + 1/2) pitch, pitch = wire + opening. At crossings their
+   axes are wire / 2 above or below the plane; between crossings on the same side they are straight, between two sides half a cosine wave. A
+   section perpendicular to the sloping axis is a circle. Warp wires lie along y, above the weft at crossing (i, j) where (i + j) mod 4 < 2
+   (twill) or (i + j) mod 2 = 0 (plain). */
 typedef struct filtration_cloth {
     double wire;    /* diameter [m] > 0 */
     double opening; /* between two wires [m] > 0 */
     filtration_weave weave;
     double centre; /* z of the plane [m] */
     double reach;  /* distances above this may be returned too small [m] > 0; at least the largest sphere's radius */
+    double offset[2]; /* by which the weave is shifted along x, y [m]; finite. Coarse voxels see another cloth at each place */
 } filtration_cloth;
 
-/* Makes a cloth with a reach of 4 wires. BAD_ARGUMENT: wire or opening not > 0 and finite, centre not finite, unknown weave. */
+/* Makes a cloth with a reach of 4 wires and no offset. BAD_ARGUMENT: wire or opening not > 0 and finite, centre not finite, unknown
+   weave. */
 FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, double wire, double opening, filtration_weave weave,
                                                        double centre);
 /* Returns the length after which the cloth repeats along x and y [m]; a periodic box is a multiple of it. */
@@ -1709,7 +1711,8 @@ FILTRATION_API const char *filtration_outside_text(unsigned flag) {
 
 /* Finds the sign change of the distance along a link by regula falsi, which halves the weight of an end that stays (Dowell and Jarratt
    1971). */
-FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const double fluid[3], const double in_solid[3]) {
+FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const double fluid[3],
+                                           const double in_solid[3]) {
     double low = 0.0, high = 1.0, point[3];
     if (!solid || !solid->distance || !fluid || !in_solid) return (double)NAN;
     double at_low = solid->distance(solid->self, fluid), at_high = solid->distance(solid->self, in_solid);
@@ -1736,13 +1739,14 @@ FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const 
 
 /* ---- woven cloth ---- */
 
-FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, double wire, double opening, filtration_weave weave,
-                                                       double centre) {
+FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, double wire, double opening,
+                                                       filtration_weave weave, double centre) {
     if (!cloth || !(wire > 0.0 && opening > 0.0 && filtration__is_finite(wire) && filtration__is_finite(opening)) ||
-        !(wire + opening < 1e100 && fabs(centre) < 1e100) || (weave != FILTRATION_PLAIN_WEAVE && weave != FILTRATION_TWILL_WEAVE))
+        !(wire + opening < 1e100 && fabs(centre) < 1e100) ||
+        (weave != FILTRATION_PLAIN_WEAVE && weave != FILTRATION_TWILL_WEAVE))
         return FILTRATION_BAD_ARGUMENT;
     cloth->wire = wire, cloth->opening = opening, cloth->weave = weave, cloth->centre = centre;
-    cloth->reach = 4.0 * wire;
+    cloth->reach = 4.0 * wire, cloth->offset[0] = cloth->offset[1] = 0.0;
     return FILTRATION_OK;
 }
 
@@ -1753,12 +1757,15 @@ static inline double filtration__cloth_side(const filtration_cloth *cloth, int w
 }
 
 /* Returns the height of a wire's axis above the plane at the place s along it, and its first two derivatives. */
-static inline double filtration__cloth_axis(const filtration_cloth *cloth, int warp, int own, double s, double *first, double *second) {
-    const double pitch = cloth->wire + cloth->opening, place = s / pitch - 0.5, crossing = floor(place), amplitude = 0.5 * cloth->wire;
+static inline double filtration__cloth_axis(const filtration_cloth *cloth, int warp, int own, double s, double *first,
+                                            double *second) {
+    const double pitch = cloth->wire + cloth->opening, place = s / pitch - 0.5, crossing = floor(place),
+                 amplitude = 0.5 * cloth->wire;
     const double here = filtration__cloth_side(cloth, warp, own, (int)crossing);
     *first = *second = 0.0;
     if (filtration__cloth_side(cloth, warp, own, (int)crossing + 1) == here) return here * amplitude;
-    const double turn = RIDDLE_PI / pitch, angle = RIDDLE_PI * (place - crossing), height = here * amplitude * riddle_cos(angle);
+    const double turn = RIDDLE_PI / pitch, angle = RIDDLE_PI * (place - crossing),
+                 height = here * amplitude * riddle_cos(angle);
     *first = -here * amplitude * turn * riddle_sin(angle);
     *second = -height * turn * turn;
     return height;
@@ -1766,8 +1773,8 @@ static inline double filtration__cloth_axis(const filtration_cloth *cloth, int w
 
 /* Returns the square of the distance from a point to the axis of a wire at the place s along it, and half of its first and second
    derivatives by s. aside, along, z: the point relative to the wire's middle line. */
-static inline double filtration__axis_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
-                                               double s, double *slope, double *curve) {
+static inline double filtration__axis_distance(const filtration_cloth *cloth, int warp, int own, double aside,
+                                               double along, double z, double s, double *slope, double *curve) {
     double first, second;
     const double away = z - filtration__cloth_axis(cloth, warp, own, s, &first, &second), way = s - along;
     *slope = way - away * first;
@@ -1776,15 +1783,16 @@ static inline double filtration__axis_distance(const filtration_cloth *cloth, in
 }
 
 /* Moves a place s along a wire's axis, whose squared distance is `least`, to the nearest one by Newton's method. */
-static inline void filtration__nearest_place(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
-                                             double *s, double *least) {
+static inline void filtration__nearest_place(const filtration_cloth *cloth, int warp, int own, double aside,
+                                             double along, double z, double *s, double *least) {
     double slope, curve, ignored[2];
     for (int i = 0; i < 20; i++) {
         const double before = *least;
         filtration__axis_distance(cloth, warp, own, aside, along, z, *s, &slope, &curve);
         double move = curve > 0.1 ? -slope / curve : -slope;
         for (int half = 0; half < 8; half++, move *= 0.5) {
-            const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, *s + move, &ignored[0], &ignored[1]);
+            const double square =
+                filtration__axis_distance(cloth, warp, own, aside, along, z, *s + move, &ignored[0], &ignored[1]);
             if (!(square < *least)) continue;
             *least = square, *s += move;
             break;
@@ -1794,7 +1802,8 @@ static inline void filtration__nearest_place(const filtration_cloth *cloth, int 
 }
 
 /* Returns the distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined. */
-static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z) {
+static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside,
+                                               double along, double z) {
     double slope, curve, best = along;
     double least = filtration__axis_distance(cloth, warp, own, aside, along, z, along, &slope, &curve);
     const double reach = sqrt(least), step = (cloth->wire + cloth->opening) / 8.0;
@@ -1810,8 +1819,8 @@ static inline double filtration__wire_distance(const filtration_cloth *cloth, in
 
 /* Returns the distance to the nearest wire of one direction. across: the place across the wires; along: along them. A wire is no nearer
    than its axis is, seen from above. */
-static inline double filtration__wires_distance(const filtration_cloth *cloth, int warp, double across, double along, double z,
-                                                double nearest) {
+static inline double filtration__wires_distance(const filtration_cloth *cloth, int warp, double across, double along,
+                                                double z, double nearest) {
     const double pitch = cloth->wire + cloth->opening, radius = 0.5 * cloth->wire;
     const int middle = (int)floor(across / pitch);
     const int reaching = (int)(cloth->reach / pitch) + 2;
@@ -1828,12 +1837,13 @@ static inline double filtration__wires_distance(const filtration_cloth *cloth, i
 FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, const double point[3]) {
     if (!cloth || !point) return (double)NAN;
     const double z = point[2] - cloth->centre, above = fabs(z) - cloth->wire, pitch = cloth->wire + cloth->opening;
-    const double far = fabs(point[0]) > fabs(point[1]) ? fabs(point[0]) : fabs(point[1]);
+    const double x = point[0] - cloth->offset[0], y = point[1] - cloth->offset[1];
+    const double far = fabs(x) > fabs(y) ? fabs(x) : fabs(y);
     if (!(far < 1e9 * pitch && pitch < 1e100 && fabs(z) < 1e100 && cloth->reach <= 4.0 * pitch))
         return (double)NAN; /* more wires than integers count, or a cloth that filtration_cloth_make did not make */
     if (above > cloth->reach) return above;
-    const double nearest = filtration__wires_distance(cloth, 1, point[0], point[1], z, cloth->reach);
-    return filtration__wires_distance(cloth, 0, point[1], point[0], z, nearest);
+    const double nearest = filtration__wires_distance(cloth, 1, x, y, z, cloth->reach);
+    return filtration__wires_distance(cloth, 0, y, x, z, nearest);
 }
 
 static inline double filtration__cloth_at(const void *self, const double point[3]) {
@@ -1842,10 +1852,13 @@ static inline double filtration__cloth_at(const void *self, const double point[3
 
 /* Lists the places of a wire that are near to a sphere: at each place where its axis comes no nearer on either side. A wire in a bend may
    touch a sphere twice. */
-static inline int filtration__wire_touch(const filtration_cloth *cloth, int warp, int own, const double centre[3], double radius,
-                                         double reach, int most, filtration_near *near) {
-    const double along = centre[warp ? 1 : 0], aside = centre[warp ? 0 : 1] - (own + 0.5) * (cloth->wire + cloth->opening);
-    const double z = centre[2] - cloth->centre, limit = radius + reach + 0.5 * cloth->wire, span = limit * limit - aside * aside;
+static inline int filtration__wire_touch(const filtration_cloth *cloth, int warp, int own, const double centre[3],
+                                         double radius, double reach, int most, filtration_near *near) {
+    const double along = centre[warp ? 1 : 0] - cloth->offset[warp ? 1 : 0];
+    const double aside =
+        centre[warp ? 0 : 1] - cloth->offset[warp ? 0 : 1] - (own + 0.5) * (cloth->wire + cloth->opening);
+    const double z = centre[2] - cloth->centre, limit = radius + reach + 0.5 * cloth->wire,
+                 span = limit * limit - aside * aside;
     double slope, curve, square[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
     int found = 0;
     if (!(span > 0.0)) return 0;
@@ -1853,7 +1866,8 @@ static inline int filtration__wire_touch(const filtration_cloth *cloth, int warp
     const int samples = (int)(half / (cloth->wire + cloth->opening) * 8.0) + 4;
     for (int i = -samples; i <= samples + 1 && found < most; i++) {
         square[0] = square[1], square[1] = square[2];
-        square[2] = filtration__axis_distance(cloth, warp, own, aside, along, z, along + half * i / samples, &slope, &curve);
+        square[2] =
+            filtration__axis_distance(cloth, warp, own, aside, along, z, along + half * i / samples, &slope, &curve);
         if (i == -samples || !(square[1] <= square[0] && square[1] < square[2])) continue;
         double s = along + half * (i - 1) / samples, least = square[1];
         filtration__nearest_place(cloth, warp, own, aside, along, z, &s, &least);
@@ -1867,13 +1881,15 @@ static inline int filtration__wire_touch(const filtration_cloth *cloth, int warp
     return found;
 }
 
-static int filtration__cloth_touch(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near) {
+static int filtration__cloth_touch(const void *self, const double centre[3], double radius, double reach, int most,
+                                   filtration_near *near) {
     const filtration_cloth *cloth = (const filtration_cloth *)self;
     const double pitch = cloth->wire + cloth->opening, wide = radius + reach + 0.5 * cloth->wire;
     int found = 0;
     if (!(fabs(centre[2] - cloth->centre) < wide + 0.5 * cloth->wire)) return 0;
     for (int warp = 0; warp < 2; warp++) {
-        const double across = centre[warp ? 0 : 1];
+        const double across = centre[warp ? 0 : 1] - cloth->offset[warp ? 0 : 1];
+        if (!(fabs(across) + wide < 1e9 * pitch)) return 0;
         const int first = (int)floor((across - wide) / pitch), last = (int)floor((across + wide) / pitch);
         for (int own = first; own <= last; own++)
             found += filtration__wire_touch(cloth, warp, own, centre, radius, reach, most - found, near + found);
@@ -1897,7 +1913,8 @@ typedef struct filtration__bed_entry {
 /* Returns the distance from a point to the axis of a fibre, or to the centre of a sphere (b NULL), and the way there. */
 static inline double filtration__axis_way(const double point[3], const double *a, const double *b, double way[3]) {
     double along = 0.0, length = 0.0, square = 0.0;
-    for (int k = 0; k < 3 && b; k++) along += (point[k] - a[k]) * (b[k] - a[k]), length += (b[k] - a[k]) * (b[k] - a[k]);
+    for (int k = 0; k < 3 && b; k++)
+        along += (point[k] - a[k]) * (b[k] - a[k]), length += (b[k] - a[k]) * (b[k] - a[k]);
     double share = length > 0.0 ? along / length : 0.0;
     if (share < 0.0) share = 0.0;
     if (share > 1.0) share = 1.0;
@@ -1910,11 +1927,13 @@ static inline double filtration__axis_way(const double point[3], const double *a
 }
 
 /* Finds the range of cells that object i, moved by an image, can be near to. Returns 0 if there are none. */
-static inline int filtration__bed_range(const filtration_bed *bed, ptrdiff_t i, const int image[3], int from[3], int to[3]) {
+static inline int filtration__bed_range(const filtration_bed *bed, ptrdiff_t i, const int image[3], int from[3],
+                                        int to[3]) {
     for (int k = 0; k < 3; k++) {
         const double a = bed->a[3 * i + k], b = bed->b ? bed->b[3 * i + k] : a, wide = bed->radius[i] + bed->reach;
         const double cell = bed->box[k] / bed->cells[k];
-        const double low = (a < b ? a : b) - wide + image[k] * bed->box[k], high = (a > b ? a : b) + wide + image[k] * bed->box[k];
+        const double low = (a < b ? a : b) - wide + image[k] * bed->box[k],
+                     high = (a > b ? a : b) + wide + image[k] * bed->box[k];
         if (high < 0.0 || low > bed->box[k]) return 0;
         from[k] = low > 0.0 ? (int)(low / cell) : 0;
         to[k] = high < bed->box[k] ? (int)(high / cell) : bed->cells[k] - 1;
@@ -1965,7 +1984,8 @@ static inline size_t filtration__bed_cells(const filtration_bed *bed) {
 
 FILTRATION_API void filtration_bed_free(filtration_bed *bed) {
     if (!bed) return;
-    if (bed->start) filtration__resize(&bed->memory, bed->start, (filtration__bed_cells(bed) + 1) * sizeof *bed->start, 0);
+    if (bed->start)
+        filtration__resize(&bed->memory, bed->start, (filtration__bed_cells(bed) + 1) * sizeof *bed->start, 0);
     if (bed->entry) filtration__resize(&bed->memory, bed->entry, bed->entries * sizeof *bed->entry, 0);
     memset(bed, 0, sizeof *bed);
 }
@@ -1985,8 +2005,8 @@ static inline int filtration__bed_is_good(const filtration_bed *bed) {
 }
 
 FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdiff_t n, const double *a, const double *b,
-                                                     const double *radius, const double box[3], const int periodic[3], double reach,
-                                                     const filtration_memory *memory) {
+                                                     const double *radius, const double box[3], const int periodic[3],
+                                                     double reach, const filtration_memory *memory) {
     if (!bed) return FILTRATION_BAD_ARGUMENT;
     memset(bed, 0, sizeof *bed);
     if (!box || !periodic) return FILTRATION_BAD_ARGUMENT;
@@ -1998,7 +2018,8 @@ FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdif
         return FILTRATION_BAD_ARGUMENT;
     }
     const double edge = riddle_cbrt(box[0]) * riddle_cbrt(box[1]) * riddle_cbrt(box[2]) / riddle_cbrt((double)n + 1.0);
-    for (int k = 0; k < 3; k++) bed->cells[k] = box[k] / edge < 1.0 ? 1 : box[k] / edge < 64.0 ? (int)(box[k] / edge) : 64;
+    for (int k = 0; k < 3; k++)
+        bed->cells[k] = box[k] / edge < 1.0 ? 1 : box[k] / edge < 64.0 ? (int)(box[k] / edge) : 64;
     const size_t cells = filtration__bed_cells(bed);
     bed->start = (size_t *)filtration__resize(&bed->memory, NULL, 0, (cells + 1) * sizeof *bed->start);
     if (!bed->start) {
@@ -2033,8 +2054,8 @@ static inline size_t filtration__bed_cell(const filtration_bed *bed, const doubl
 }
 
 /* Returns the distance from a point (inside the box) to the surface of an object of a cell, and the way to its axis. */
-static inline double filtration__bed_way(const filtration_bed *bed, const filtration__bed_entry *entry, const double inside[3],
-                                         double way[3]) {
+static inline double filtration__bed_way(const filtration_bed *bed, const filtration__bed_entry *entry,
+                                         const double inside[3], double way[3]) {
     double moved[3];
     for (int k = 0; k < 3; k++) moved[k] = inside[k] - entry->image[k] * bed->box[k];
     const double *b = bed->b ? bed->b + 3 * entry->index : NULL;
@@ -2053,14 +2074,16 @@ FILTRATION_API double filtration_bed_distance(const filtration_bed *bed, const d
     return nearest;
 }
 
-static int filtration__bed_touch(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near) {
+static int filtration__bed_touch(const void *self, const double centre[3], double radius, double reach, int most,
+                                 filtration_near *near) {
     const filtration_bed *bed = (const filtration_bed *)self;
     double inside[3], way[3];
     int found = 0;
     if (!bed->entry) return 0;
     const size_t c = filtration__bed_cell(bed, centre, inside);
     for (size_t e = bed->start[c]; e < bed->start[c + 1] && found < most; e++) {
-        const double distance = filtration__bed_way(bed, &bed->entry[e], inside, way), axis = distance + bed->radius[bed->entry[e].index];
+        const double distance = filtration__bed_way(bed, &bed->entry[e], inside, way),
+                     axis = distance + bed->radius[bed->entry[e].index];
         if (!(distance - radius < reach) || !(axis > 0.0)) continue;
         near[found].gap = distance - radius;
         for (int k = 0; k < 3; k++) near[found].normal[k] = way[k] / axis;
@@ -2119,7 +2142,8 @@ FILTRATION_API double filtration_image_distance(const filtration_image *m, const
     }
     const int own = filtration__cube_is_solid(m, home);
     double nearest = m->reach;
-    for (int ring = 0; ring <= m->reach && ring - 1.0 < nearest; ring++) /* shells of cubes, until the next one is farther away than the
+    for (int ring = 0; ring <= m->reach && ring - 1.0 < nearest;
+         ring++) /* shells of cubes, until the next one is farther away than the
                                                                             nearest found */
         for (c[2] = home[2] - ring; c[2] <= home[2] + ring; c[2]++)
             for (c[1] = home[1] - ring; c[1] <= home[1] + ring; c[1]++) {
@@ -4270,9 +4294,10 @@ FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, 
 
 /* ==== >>motion ==== */
 
-FILTRATION_API double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity, double cutoff,
-                                                   double least) {
-    if (!(r1 > 0.0 && r2 > 0.0 && viscosity > 0.0 && cutoff > 0.0 && least > 0.0 && gap == gap && closing == closing)) return (double)NAN;
+FILTRATION_API double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity,
+                                                   double cutoff, double least) {
+    if (!(r1 > 0.0 && r2 > 0.0 && viscosity > 0.0 && cutoff > 0.0 && least > 0.0 && gap == gap && closing == closing))
+        return (double)NAN;
     double r = r2 < HUGE_VAL ? r1 * r2 / (r1 + r2) : r1, h = gap > least ? gap : least;
     return h < cutoff ? 6.0 * RIDDLE_PI * viscosity * r * r * (1.0 / h - 1.0 / cutoff) * closing : 0.0;
 }
@@ -4322,10 +4347,12 @@ static inline double filtration__damping(double restitution) {
     return -log_e / sqrt(log_e * log_e + RIDDLE_PI * RIDDLE_PI);
 }
 
-FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *def, double dt, double radius, double speed) {
+FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *def, double dt, double radius,
+                                                   double speed) {
     if (!def || !(dt > 0.0 && radius > 0.0 && speed > 0.0)) return (double)NAN;
     double m = 0.5 * 4.0 / 3.0 * RIDDLE_PI * radius * radius * radius * def->density, r = 0.5 * radius;
-    double time = 2.87 * riddle_pow(m * m / (r * def->modulus * def->modulus * speed), 0.2); /* Hertz: E* in place of E/(1 - nu^2) */
+    double time = 2.87 * riddle_pow(m * m / (r * def->modulus * def->modulus * speed),
+                                    0.2); /* Hertz: E* in place of E/(1 - nu^2) */
     return time / (dt / def->sub_steps);
 }
 
@@ -4336,33 +4363,37 @@ typedef struct filtration__touch {
     double force[3];                     /* on the first [N] */
 } filtration__touch;
 
-/* Computes the force along the normal: Hertz with Tsuji's damping (which pulls at the end of a contact: a push clipped at 0 would need another
-   damping for the same restitution); returns it without lubrication, which is implicit in the closing velocity. */
-static inline double filtration__touch_normal(const filtration_motion_def *def, const filtration_fluid *fluid, double h, double damping,
-                                              double closing, filtration__touch *t) {
+/* Computes the force along the normal: Hertz with Tsuji's damping, which pulls at the end of a contact (a push clipped at 0 would need
+   another damping for the same restitution). Returns it without lubrication, which is implicit in the closing velocity. */
+static inline double filtration__touch_normal(const filtration_motion_def *def, const filtration_fluid *fluid, double h,
+                                              double damping, double closing, filtration__touch *t) {
     double push = 0.0, film = 0.0;
     if (t->gap < 0.0) {
         const double r = t->r2 < HUGE_VAL ? t->r1 * t->r2 / (t->r1 + t->r2) : t->r1, root = sqrt(-r * t->gap);
         const double stiffness = 2.0 * def->modulus * root;
-        push = -2.0 / 3.0 * stiffness * t->gap + 2.0 * 0.91287092917527686 * damping * sqrt(stiffness * t->mass) * closing;
+        push =
+            -2.0 / 3.0 * stiffness * t->gap + 2.0 * 0.91287092917527686 * damping * sqrt(stiffness * t->mass) * closing;
     }
     if (def->lubrication) {
         const double least = def->least_gap * 2.0 * t->r1, cutoff = fluid->def.voxel * (2.0 / 3.0);
-        const double rate = filtration_lubrication_force(t->r1, t->r2, t->gap, 1.0, fluid->def.viscosity, cutoff, least);
+        const double rate =
+            filtration_lubrication_force(t->r1, t->r2, t->gap, 1.0, fluid->def.viscosity, cutoff, least);
         film = rate * closing / (1.0 + rate * h / t->mass);
     }
     for (int a = 0; a < 3; a++) t->force[a] = -(push + film) * t->normal[a];
     return push;
 }
 
-/* Computes the force of a contact: along the normal, or the friction (Coulomb's, which at most stops sliding within a sub-step). Friction comes
-   after all normal forces, so that it sees no velocity that another contact takes away: spheres come to rest. */
-static inline void filtration__touch_force(const filtration_motion_def *def, const filtration_fluid *fluid, double h, double damping,
-                                           int friction, filtration__touch *t) {
-    const double closing = filtration__dot(t->velocity, t->normal), push = filtration__touch_normal(def, fluid, h, damping, closing, t);
+/* Computes the force of a contact: along the normal, or the friction (Coulomb's, which at most stops sliding within a sub-step). Friction
+   comes after all normal forces, so that it sees no velocity that another contact takes away: spheres come to rest. */
+static inline void filtration__touch_force(const filtration_motion_def *def, const filtration_fluid *fluid, double h,
+                                           double damping, int friction, filtration__touch *t) {
+    const double closing = filtration__dot(t->velocity, t->normal),
+                 push = filtration__touch_normal(def, fluid, h, damping, closing, t);
     double slide = 0.0, tangential[3];
     if (!friction) return;
-    for (int a = 0; a < 3; a++) tangential[a] = t->velocity[a] - closing * t->normal[a], slide += tangential[a] * tangential[a];
+    for (int a = 0; a < 3; a++)
+        tangential[a] = t->velocity[a] - closing * t->normal[a], slide += tangential[a] * tangential[a];
     slide = sqrt(slide);
     const double cap = t->mass * slide / ((def->spin ? 3.5 : 1.0) * h), most = def->friction * push;
     const double grip = most < cap ? most : cap;
@@ -4370,7 +4401,8 @@ static inline void filtration__touch_force(const filtration_motion_def *def, con
 }
 
 /* Computes the velocity of the surface of sphere n towards `normal`. */
-static inline void filtration__rim_velocity(const filtration_spheres *s, ptrdiff_t n, const double normal[3], double sign, double u[3]) {
+static inline void filtration__rim_velocity(const filtration_spheres *s, ptrdiff_t n, const double normal[3],
+                                            double sign, double u[3]) {
     const double *v = s->velocity + 3 * n, *w = s->spin + 3 * n;
     double r = sign * s->radius[n];
     u[0] = v[0] + r * (w[1] * normal[2] - w[2] * normal[1]);
@@ -4383,22 +4415,26 @@ static inline double filtration__sphere_mass(const filtration_motion_def *def, d
 }
 
 /* Kicks sphere n by a force at its surface point towards `normal`. */
-static inline void filtration__kick(const filtration_motion_def *def, filtration_spheres *s, ptrdiff_t n, const double normal[3],
-                                    double sign, const double force[3], double h, double *contact) {
+static inline void filtration__kick(const filtration_motion_def *def, filtration_spheres *s, ptrdiff_t n,
+                                    const double normal[3], double sign, const double force[3], double h,
+                                    double *contact) {
     double m = filtration__sphere_mass(def, s->radius[n]), turn = h * sign / (0.4 * m * s->radius[n]);
     for (int a = 0; a < 3; a++) {
         if (!def->fixed_axes[a]) s->velocity[3 * n + a] += force[a] * h / m;
         if (contact) contact[3 * n + a] += force[a] / def->sub_steps;
-        if (def->spin) s->spin[3 * n + a] += turn * (normal[(a + 1) % 3] * force[(a + 2) % 3] - normal[(a + 2) % 3] * force[(a + 1) % 3]);
+        if (def->spin)
+            s->spin[3 * n + a] +=
+                turn * (normal[(a + 1) % 3] * force[(a + 2) % 3] - normal[(a + 2) % 3] * force[(a + 1) % 3]);
     }
 }
 
 /* Applies the contact of sphere n with sphere k, or with a wall (k < 0) whose gap and normal are in t. */
-static inline void filtration__collide_pair(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                            ptrdiff_t n, ptrdiff_t k, double h, double damping, int friction, filtration__touch *t,
-                                            double *contact) {
+static inline void filtration__collide_pair(const filtration_motion_def *def, const filtration_fluid *fluid,
+                                            filtration_spheres *s, ptrdiff_t n, ptrdiff_t k, double h, double damping,
+                                            int friction, filtration__touch *t, double *contact) {
     double u[3] = {0, 0, 0}, back[3];
-    double m1 = filtration__sphere_mass(def, s->radius[n]), m2 = k >= 0 ? filtration__sphere_mass(def, s->radius[k]) : 0.0;
+    double m1 = filtration__sphere_mass(def, s->radius[n]),
+           m2 = k >= 0 ? filtration__sphere_mass(def, s->radius[k]) : 0.0;
     t->r1 = s->radius[n], t->r2 = k >= 0 ? s->radius[k] : HUGE_VAL, t->mass = k >= 0 ? m1 * m2 / (m1 + m2) : m1;
     filtration__rim_velocity(s, n, t->normal, 1.0, t->velocity);
     if (k >= 0) filtration__rim_velocity(s, k, t->normal, -1.0, u);
@@ -4412,8 +4448,8 @@ static inline void filtration__collide_pair(const filtration_motion_def *def, co
 #define FILTRATION__TOUCHES 32 /* most places at which a sphere touches the solid */
 
 /* Finds the nearest place of a solid by differences of its distance. Returns their number, 0 or 1. */
-static inline int filtration__touch_nearest(const filtration_solid *solid, const double centre[3], double radius, double reach, double step,
-                                            filtration_near *near) {
+static inline int filtration__touch_nearest(const filtration_solid *solid, const double centre[3], double radius,
+                                            double reach, double step, filtration_near *near) {
     double length = 0.0;
     near->gap = solid->distance(solid->self, centre) - radius;
     if (!(near->gap < reach)) return 0;
@@ -4430,8 +4466,8 @@ static inline int filtration__touch_nearest(const filtration_solid *solid, const
     return length > 0.0;
 }
 
-static inline int filtration__touch_solid(const filtration_fluid *fluid, const double centre[3], double radius, double reach,
-                                          filtration_near *near) {
+static inline int filtration__touch_solid(const filtration_fluid *fluid, const double centre[3], double radius,
+                                          double reach, filtration_near *near) {
     const filtration_solid *solid = &fluid->def.solid;
     double box[3], p[3];
     for (int a = 0; a < 3; a++) {
@@ -4443,8 +4479,9 @@ static inline int filtration__touch_solid(const filtration_fluid *fluid, const d
     return n < 0 ? 0 : n < FILTRATION__TOUCHES ? n : FILTRATION__TOUCHES;
 }
 
-static inline void filtration__touch_walls(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                           ptrdiff_t n, double h, double damping, double reach, int friction, double *contact) {
+static inline void filtration__touch_walls(const filtration_motion_def *def, const filtration_fluid *fluid,
+                                           filtration_spheres *s, ptrdiff_t n, double h, double damping, double reach,
+                                           int friction, double *contact) {
     filtration__touch t;
     const double *x = s->centre + 3 * n;
     filtration_near near[FILTRATION__TOUCHES];
@@ -4465,8 +4502,9 @@ static inline void filtration__touch_walls(const filtration_motion_def *def, con
     }
 }
 
-static inline void filtration__touch_pairs(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                           ptrdiff_t n, double h, double damping, double reach, int friction, double *contact) {
+static inline void filtration__touch_pairs(const filtration_motion_def *def, const filtration_fluid *fluid,
+                                           filtration_spheres *s, ptrdiff_t n, double h, double damping, double reach,
+                                           int friction, double *contact) {
     for (ptrdiff_t k = n + 1; k < s->n; k++) {
         filtration__touch t;
         double dd = 0.0, sum = s->radius[n] + s->radius[k];
@@ -4486,27 +4524,31 @@ static inline void filtration__touch_pairs(const filtration_motion_def *def, con
 }
 
 /* Applies weight less buoyancy and the fluid's force and torque for a time h. */
-static inline void filtration__push(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s, ptrdiff_t n,
-                                    double share, double h) {
+static inline void filtration__push(const filtration_motion_def *def, const filtration_fluid *fluid,
+                                    filtration_spheres *s, ptrdiff_t n, double share, double h) {
     double r = s->radius[n], m = filtration__sphere_mass(def, r), light = 1.0 - fluid->def.density / def->density;
     for (int a = 0; a < 3; a++) {
-        if (!def->fixed_axes[a]) s->velocity[3 * n + a] += h * (light * def->gravity[a] + share * s->force[3 * n + a] / m);
+        if (!def->fixed_axes[a])
+            s->velocity[3 * n + a] += h * (light * def->gravity[a] + share * s->force[3 * n + a] / m);
         if (def->spin) s->spin[3 * n + a] += h * share * s->torque[3 * n + a] / (0.4 * m * r * r);
     }
 }
 
 /* Returns whether the numbers of sphere n are in range, and with them the speed that weight, fluid and films give it. */
-static inline int filtration__can_move(const filtration_motion_def *def, const filtration_fluid *fluid, const filtration_spheres *s,
-                                       ptrdiff_t n, double share) {
+static inline int filtration__can_move(const filtration_motion_def *def, const filtration_fluid *fluid,
+                                       const filtration_spheres *s, ptrdiff_t n, double share) {
     const double r = s->radius[n], m = filtration__sphere_mass(def, r), light = 1.0 - fluid->def.density / def->density;
-    const double film =
-        filtration_lubrication_force(r, HUGE_VAL, 0.0, 1.0, fluid->def.viscosity, fluid->def.voxel * (2.0 / 3.0), def->least_gap * 2.0 * r);
+    const double film = filtration_lubrication_force(r, HUGE_VAL, 0.0, 1.0, fluid->def.viscosity,
+                                                     fluid->def.voxel * (2.0 / 3.0), def->least_gap * 2.0 * r);
     if (r == 0.0) return 1;
-    if (!(r > 0.0 && m > 1e-100 && m < 1e100) || (def->lubrication && !filtration__is_finite(film * fluid->dt / m))) return 0;
+    if (!(r > 0.0 && m > 1e-100 && m < 1e100) || (def->lubrication && !filtration__is_finite(film * fluid->dt / m)))
+        return 0;
     for (int a = 0; a < 3; a++) {
-        const double pushed = s->velocity[3 * n + a] + fluid->dt * (light * def->gravity[a] + share * s->force[3 * n + a] / m);
+        const double pushed =
+            s->velocity[3 * n + a] + fluid->dt * (light * def->gravity[a] + share * s->force[3 * n + a] / m);
         const double turned = s->spin[3 * n + a] + fluid->dt * share * s->torque[3 * n + a] / (0.4 * m * r * r);
-        if (!(fabs(s->centre[3 * n + a]) < 1e100 && fabs(pushed) < 1e100 && fabs(turned * r) < 1e100)) return 0; /* squares are finite */
+        if (!(fabs(s->centre[3 * n + a]) < 1e100 && fabs(pushed) < 1e100 && fabs(turned * r) < 1e100))
+            return 0; /* squares are finite */
     }
     return 1;
 }
@@ -4522,8 +4564,10 @@ static inline int filtration__has_moved(const filtration_spheres *s, ptrdiff_t n
 FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid,
                                                  filtration_spheres *spheres, double share, double *contact) {
     if (filtration_motion_check_def(def, NULL) != FILTRATION_OK) return FILTRATION_BAD_DEF;
-    if (!fluid || !fluid->lattice || !spheres || spheres->n < 0 || !(share > 0.0 && share < HUGE_VAL)) return FILTRATION_BAD_ARGUMENT;
-    if (spheres->n > 0 && !(spheres->centre && spheres->velocity && spheres->spin && spheres->radius && spheres->force && spheres->torque))
+    if (!fluid || !fluid->lattice || !spheres || spheres->n < 0 || !(share > 0.0 && share < HUGE_VAL))
+        return FILTRATION_BAD_ARGUMENT;
+    if (spheres->n > 0 && !(spheres->centre && spheres->velocity && spheres->spin && spheres->radius &&
+                            spheres->force && spheres->torque))
         return FILTRATION_BAD_ARGUMENT;
     for (ptrdiff_t n = 0; n < spheres->n; n++)
         if (!filtration__can_move(def, fluid, spheres, n, share)) return FILTRATION_BAD_ARGUMENT;
@@ -4544,7 +4588,8 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
             }
         for (ptrdiff_t n = 0; n < spheres->n; n++)
             for (int a = 0; a < 3; a++)
-                if (spheres->radius[n] > 0.0 && !def->fixed_axes[a]) spheres->centre[3 * n + a] += h * spheres->velocity[3 * n + a];
+                if (spheres->radius[n] > 0.0 && !def->fixed_axes[a])
+                    spheres->centre[3 * n + a] += h * spheres->velocity[3 * n + a];
         for (ptrdiff_t n = 0; n < spheres->n; n++)
             if (spheres->radius[n] > 0.0 && !filtration__has_moved(spheres, n, contact)) return FILTRATION_TOO_FAST;
     }

@@ -30,59 +30,59 @@ static const double speeds[] = {3000.0, 9000.0, 15000.0};
 /* ---- input ---- */
 
 static void refuse_file(const program *self, const char *name, const char *path, const char *reason) {
-    char text[400];
+    char text[700];
     snprintf(text, sizeof text, "a usable CSV file (%s)", reason);
     program_refuse(self, name, path, text);
 }
 
-static csv_data read_columns(const program *self, const char *name, const char *path, const char *const *columns, int n) {
-    csv_data data;
-    char message[300];
-    if (csv_read(path, &data, message, sizeof message)) refuse_file(self, name, path, message);
-    for (int i = 0; i < n; i++)
-        if (csv_column(&data, columns[i]) < 0) {
-            snprintf(message, sizeof message, "no column '%s'", columns[i]);
-            refuse_file(self, name, path, message);
-        }
+/* A table with these columns; leaves where it is none. */
+static sheet read_table(const program *self, const char *name, const char *path, sheet_column *columns, int n) {
+    sheet data;
+    char message[600];
+    if (sheet_read(path, columns, n, &data, message, sizeof message)) refuse_file(self, name, path, message);
     if (data.rows > MOST_ROWS) refuse_file(self, name, path, "more than 200 rows");
+    common_print("%s\n", data.how);
     return data;
 }
 
 /* low,high,share -> distribution; classes must follow each other without gaps */
-static void read_distribution(const program *self, const char *name, const char *path, double unit, classifier_distribution *d) {
+static void read_distribution(const program *self, const char *name, const char *path, char dimension, classifier_distribution *d) {
     if (!path) return;
-    csv_data data = read_columns(self, name, path, (const char *const[]){"low", "high", "share"}, 3);
+    sheet_column c[3] = {sheet_want("low", dimension, true), sheet_want("high", dimension, true), sheet_want("share", '%', true)};
+    sheet data = read_table(self, name, path, c, 3);
+    const double degrees = dimension == 'W' && c[0].factor == 1.0 ? RIDDLE_PI / 180.0 : 1.0; /* angles without a unit are in degrees */
     double edge[MOST_ROWS + 1] = {0.0}, share[MOST_ROWS] = {0.0};
     for (int i = 0; i < data.rows; i++) {
-        double low = unit * csv_value(&data, i, "low");
+        double low = degrees * c[0].value[i];
         if (i > 0 && !(fabs(low - edge[i]) <= 1e-9 * fabs(low)))
             refuse_file(self, name, path, "a class does not begin where the last one ends");
         edge[i] = low;
-        edge[i + 1] = unit * csv_value(&data, i, "high");
-        share[i] = csv_value(&data, i, "share");
+        edge[i + 1] = degrees * c[1].value[i];
+        share[i] = c[2].value[i];
     }
     classifier_status status = classifier_histogram(edge, share, data.rows, d);
     if (status != CLASSIFIER_OK) refuse_file(self, name, path, classifier_status_text(status));
-    csv_free(&data);
+    sheet_free(&data);
 }
 
 static void read_contacts(const program *self, const char *path, classifier_contacts *c) {
     if (!path) return;
-    csv_data data = read_columns(self, "contact-counts", path, (const char *const[]){"contacts", "share"}, 2);
+    sheet_column column[2] = {sheet_want("contacts", '#', true), sheet_want("share", '%', true)};
+    sheet data = read_table(self, "contact-counts", path, column, 2);
     c->law = CLASSIFIER_COUNTED;
     for (int i = 0; i < CLASSIFIER_BINS; i++) c->share[i] = 0.0;
     c->counts = 0;
     for (int i = 0; i < data.rows; i++) {
-        double n = csv_value(&data, i, "contacts");
+        double n = column[0].value[i];
         if (!(n >= 0.0 && n < CLASSIFIER_BINS && n == floor(n)))
             refuse_file(self, "contact-counts", path, "contacts are whole numbers from 0 to 63");
-        c->share[(int)n] += csv_value(&data, i, "share");
+        c->share[(int)n] += column[1].value[i];
         if ((int)n >= c->counts) c->counts = (int)n + 1;
     }
     classifier_weights unused;
     classifier_status status = classifier_contact_weights(c, &unused);
     if (status != CLASSIFIER_OK) refuse_file(self, "contact-counts", path, classifier_status_text(status));
-    csv_free(&data);
+    sheet_free(&data);
 }
 
 /* Points of a measured separation curve */
@@ -96,19 +96,30 @@ typedef struct measured {
 } measured;
 
 static void read_sizes(const program *self, const char *path, measured *m) {
-    csv_data data = read_columns(self, "sizes", path, (const char *const[]){"low_um", "high_um", "feed", "coarse", "fine"}, 5);
-    const char *const names[3] = {"feed", "coarse", "fine"}, *const sds[3] = {"feed_sd", "coarse_sd", "fine_sd"};
+    static const char *const names[6] = {"feed", "coarse", "fine", "feed_sd", "coarse_sd", "fine_sd"};
+    sheet_sizes data;
+    char message[600];
+    if (sheet_read_sizes(path, names, 6, &data, message, sizeof message)) refuse_file(self, "sizes", path, message);
+    if (data.n > MOST_ROWS) refuse_file(self, "sizes", path, "more than 200 rows");
+    common_print("%s\n", data.how);
     double share[3][MOST_ROWS], sd[3][MOST_ROWS], t[MOST_ROWS], t_sd[MOST_ROWS];
+    const int first = data.amount[0][0] == 0.0 && data.amount[1][0] == 0.0 && data.amount[2][0] == 0.0; /* nothing below the first size */
+    const int n = data.n - first;
+    if (data.single) refuse_file(self, "sizes", path, "shares of classes, or what passes each size; not of single sizes");
     for (int k = 0; k < 3; k++) {
         double largest = 0.0;
-        bool known = csv_column(&data, sds[k]) >= 0;
-        for (int i = 0; i < data.rows; i++) {
-            share[k][i] = csv_value(&data, i, names[k]);
+        if (data.above[k] > 1e-3) {
+            snprintf(message, sizeof message, "%g of %s is coarser than %g um; a row must say how coarse", data.above[k], names[k],
+                     1e6 * data.size[data.n - 1]);
+            refuse_file(self, "sizes", path, message);
+        }
+        for (int i = 0; i < n; i++) {
+            share[k][i] = data.amount[k][i + first] - (i + first > 0 ? data.amount[k][i + first - 1] : 0.0);
             if (share[k][i] > largest) largest = share[k][i];
         }
-        for (int i = 0; i < data.rows; i++) sd[k][i] = known ? csv_value(&data, i, sds[k]) : 0.02 * largest;
+        for (int i = 0; i < n; i++) sd[k][i] = data.amount[k + 3] ? data.amount[k + 3][i + first] : 0.02 * largest;
     }
-    classifier_balance_data balance = {data.rows, share[0], share[1], share[2], sd[0], sd[1], sd[2], (double)NAN, (double)NAN};
+    classifier_balance_data balance = {n, share[0], share[1], share[2], sd[0], sd[1], sd[2], (double)NAN, (double)NAN};
     classifier_balance_result result;
     classifier_status status = classifier_reconcile(&balance, t, t_sd, NULL, NULL, NULL, &result);
     if (status != CLASSIFIER_OK) refuse_file(self, "sizes", path, classifier_status_text(status));
@@ -117,17 +128,16 @@ static void read_sizes(const program *self, const char *path, measured *m) {
     m->freedom = result.freedom;
     m->has_sd = true;
     /* Where nobody gave deviations, 2 % is a guess: the misfit of the balance says how large they are. */
-    const bool guessed = csv_column(&data, sds[0]) < 0 || csv_column(&data, sds[1]) < 0 || csv_column(&data, sds[2]) < 0;
+    const bool guessed = !data.amount[3] || !data.amount[4] || !data.amount[5];
     m->scale = guessed && m->freedom > 0 && m->chi_squared > 0.0 ? sqrt(m->chi_squared / m->freedom) : 1.0;
-    for (int i = 0; i < data.rows; i++) {
-        double low = csv_value(&data, i, "low_um"), high = csv_value(&data, i, "high_um");
-        if (!(low >= 0.0 && high > low)) refuse_file(self, "sizes", path, "class limits do not increase");
+    for (int i = 0; i < n; i++) {
+        const double low = i + first > 0 ? data.size[i + first - 1] : 0.0, high = data.size[i + first];
         if (!(t[i] == t[i] && t_sd[i] < 0.3)) continue; /* a class with next to no feed says nothing */
-        m->x[m->n] = 1e-6 * (low > 0.0 ? sqrt(low * high) : 0.5 * high);
+        m->x[m->n] = low > 0.0 ? sqrt(low * high) : 0.5 * high;
         m->t[m->n] = t[i];
         m->sd[m->n++] = m->scale * (t_sd[i] > 0.003 ? t_sd[i] : 0.003);
     }
-    csv_free(&data);
+    sheet_free_sizes(&data);
 }
 
 /* Writes the range of a fitted value, or why there is none. */
@@ -139,15 +149,16 @@ static const char *range_of(char *text, size_t size, const classifier_fit_result
 }
 
 static void read_measured(const program *self, const char *path, measured *m) {
-    csv_data data = read_columns(self, "measured", path, (const char *const[]){"size_um", "t"}, 2);
+    sheet_column c[2] = {sheet_want("size", 'L', true), sheet_want("t", '%', true)};
+    sheet data = read_table(self, "measured", path, c, 2);
     for (int i = 0; i < data.rows; i++) {
-        m->x[i] = 1e-6 * csv_value(&data, i, "size_um");
-        m->t[i] = csv_value(&data, i, "t");
+        m->x[i] = c[0].value[i];
+        m->t[i] = c[1].value[i];
         if (!(m->x[i] > 0.0 && m->t[i] >= -0.1 && m->t[i] <= 1.1))
             refuse_file(self, "measured", path, "sizes are above 0, t is a share from 0 to 1");
     }
     m->n = data.rows;
-    csv_free(&data);
+    sheet_free(&data);
 }
 
 /* ---- figures ---- */
@@ -708,7 +719,9 @@ int main(int argc, char **argv) {
         option_string("tangential", "FILE", &tangential, "velocity of entering particles against the wheel [m/s]: CSV with low,high,share"),
         option_string("radial", "FILE", &radial, "velocity of entering particles inward [m/s]: CSV with low,high,share"),
         option_string("contact-counts", "FILE", &counts, "contacts counted: CSV with contacts,share"),
-        option_string("sizes", "FILE", &sizes, "size distributions: CSV with low_um,high_um,feed,coarse,fine"),
+        option_string("sizes", "FILE", &sizes,
+                      "size distributions of feed, coarse and fine: low_um,high_um,feed,coarse,fine, or classes or sieves as a laboratory "
+                      "writes them"),
         option_string("measured", "FILE", &points, "measured separation curve: CSV with size_um,t"),
         option_flag("calibrate", &calibrate, "find the gas velocity that gives the measured x50"),
         option_double("x50-um", "X", &x50, 0.0, 1e4, "calibrate to this cut size [um]; 0: off"),
@@ -731,11 +744,11 @@ int main(int argc, char **argv) {
         if (options[5].given) d->contacts.mean = contacts;
         if (options[6].given) d->radial_factor = factor;
         d->points = self.quick ? 256 : 4096; /* T within 1e-4 at every size */
-        read_distribution(&self, "sphericity", sphericity, 1.0, &d->sphericity_2d);
-        read_distribution(&self, "restitution", restitution, 1.0, &d->restitution);
-        read_distribution(&self, "imperfection", imperfection, RIDDLE_PI / 180.0, &d->imperfection);
-        read_distribution(&self, "tangential", tangential, 1.0, &d->tangential_velocity);
-        read_distribution(&self, "radial", radial, 1.0, &d->radial_velocity);
+        read_distribution(&self, "sphericity", sphericity, '#', &d->sphericity_2d);
+        read_distribution(&self, "restitution", restitution, '#', &d->restitution);
+        read_distribution(&self, "imperfection", imperfection, 'W', &d->imperfection);
+        read_distribution(&self, "tangential", tangential, 'v', &d->tangential_velocity);
+        read_distribution(&self, "radial", radial, 'v', &d->radial_velocity);
         read_contacts(&self, counts, &d->contacts);
         if (restitution) d->particle_restitution = d->restitution.mean;
     }

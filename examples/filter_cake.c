@@ -45,22 +45,25 @@ static duty paper_duty(void) {
 
 static void read_sizes(const program *self, const char *path, duty *d) {
     static const char *const wanted = "a file with the columns diameter_um and number_share or volume_share, up to 64 rows";
-    csv_data data;
-    char message[400], text[600];
-    if (csv_read(path, &data, message, sizeof message) != 0) {
+    sheet_sizes data;
+    char message[600], text[800];
+    if (sheet_read_sizes(path, NULL, 1, &data, message, sizeof message) != 0) {
         snprintf(text, sizeof text, "%s; this one: %s", wanted, message);
         program_refuse(self, "sizes", path, text);
     }
-    const bool by_number = csv_column(&data, "number_share") >= 0;
-    if (csv_column(&data, "diameter_um") < 0 || (!by_number && csv_column(&data, "volume_share") < 0) || data.rows < 1 ||
-        data.rows > MOST_CLASSES)
-        program_refuse(self, "sizes", path, wanted);
-    d->classes = data.rows;
-    for (int i = 0; i < data.rows; i++) {
-        d->diameter[i] = 1e-6 * csv_value(&data, i, "diameter_um");
-        d->share[i] = csv_value(&data, i, by_number ? "number_share" : "volume_share");
+    const int below = !data.single; /* of a curve: classes between two sizes, at their geometric mean */
+    const bool by_number = data.by_number == 1;
+    if (data.by_number < 0 && data.single) program_refuse(self, "sizes", path, wanted);
+    if (data.n - below < 1 || data.n - below > MOST_CLASSES) program_refuse(self, "sizes", path, wanted);
+    if (!data.single && (data.amount[0][0] > 1e-3 || data.above[0] > 1e-3))
+        program_refuse(self, "sizes", path, "a curve from 0 to 1: its first size passes nothing, its last one everything");
+    common_print("%s\n", data.how);
+    d->classes = data.n - below;
+    for (int i = 0; i < d->classes; i++) {
+        d->diameter[i] = below ? sqrt(data.size[i] * data.size[i + 1]) : data.size[i];
+        d->share[i] = below ? data.amount[0][i + 1] - data.amount[0][i] : data.amount[0][i];
     }
-    csv_free(&data);
+    sheet_free_sizes(&data);
     if (filtration_convert_shares((size_t)d->classes, d->diameter, d->share, by_number ? 0.0 : -3.0, d->share) != FILTRATION_OK)
         program_refuse(self, "sizes", path, "diameters above 0 and shares of at least 0, not all 0");
     for (int i = 0; i < d->classes; i++)

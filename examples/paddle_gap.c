@@ -270,29 +270,29 @@ static double mass_above(const gap *g, double size) { return 0.5 * erfc(log(size
 
 /* The stand-in, or from a file: size_m, and share, of mass. Shares of what is not simulated leave with it. */
 static void choose_sizes(gap *g) {
-    char message[400];
-    csv_data data;
-    double factor, d[SIZES_MAX], share[SIZES_MAX], all = 0.0, kept = 0.0;
+    char message[600];
+    sheet_sizes data;
+    double d[SIZES_MAX], share[SIZES_MAX], all = 0.0, kept = 0.0;
     int n = 0;
     if (!g->sizes_file) {
         g->sizes = dem_lognormal_sizes(g->median, g->spread, g->smallest, 180e-6, 1);
         g->simulated = (mass_above(g, g->smallest) - mass_above(g, 180e-6)) / (1.0 - mass_above(g, 180e-6));
         return;
     }
-    if (csv_read(g->sizes_file, &data, message, sizeof message)) program_refuse(g->self, "sizes", g->sizes_file, message);
-    const int size = csv_find(&data, "size_m", &factor, message, sizeof message);
-    if (size < 0) program_refuse(g->self, "sizes", g->sizes_file, message);
-    const int mass = csv_find(&data, "share", NULL, message, sizeof message);
-    if (mass < 0) program_refuse(g->self, "sizes", g->sizes_file, message);
-    for (int k = 0; k < data.rows; k++) {
-        const double x = factor * data.values[k * data.columns + size], m = data.values[k * data.columns + mass];
+    if (sheet_read_sizes(g->sizes_file, NULL, 1, &data, message, sizeof message)) program_refuse(g->self, "sizes", g->sizes_file, message);
+    if (!data.single && (data.amount[0][0] > 1e-3 || data.above[0] > 1e-3))
+        program_refuse(g->self, "sizes", g->sizes_file, "a curve from 0 to 1: its first size passes nothing, its last one everything");
+    common_print("%s\n", data.how);
+    for (int k = data.single ? 0 : 1; k < data.n; k++) {
+        const double x = data.single ? data.size[k] : sqrt(data.size[k - 1] * data.size[k]);
+        const double m = data.amount[0][k] - (data.single ? 0.0 : data.amount[0][k - 1]);
         if (!(x > 0.0 && x <= 1e-3) || !(m >= 0.0 && isfinite(m)) || n == SIZES_MAX)
             program_refuse(g->self, "sizes", g->sizes_file, "at most 32 sizes above 0 up to 1000 um, shares of mass >= 0");
         all += m;
         if (x < g->smallest) continue;
         d[n] = x, share[n++] = m, kept += m;
     }
-    csv_free(&data);
+    sheet_free_sizes(&data);
     if (!(kept > 0.0)) program_refuse(g->self, "sizes", g->sizes_file, "some mass above --x-min-um");
     g->sizes = dem_size_list(n, d, share, 1);
     g->simulated = kept / all;

@@ -335,13 +335,33 @@ static int two_numbers(const char *text, double *a, double *b) {
     return end != second && *end == '\0';
 }
 
+/* Size and passing of a sieve curve; returns the number of sieves. */
+static int read_curve(const program *self, const char *path, double aperture, double *size, double *passing) {
+    sheet_sizes curve;
+    char message[600];
+    if (sheet_read_sizes(path, NULL, 1, &curve, message, (int)sizeof message)) program_refuse(self, "psd", path, message);
+    if (curve.single) program_refuse(self, "psd", path, "a sieve curve: the column passing or retained, not shares of single sizes");
+    if (curve.n > OWN_POINTS) program_refuse(self, "psd", path, "a file with at most 500 sieves");
+    if (curve.size[curve.n - 1] < aperture && curve.above[0] > 1e-6) {
+        snprintf(message, sizeof message, "a curve that reaches the opening of %g mm; of this one %.4g %% are coarser than %g mm",
+                 1e3 * aperture, 100.0 * curve.above[0], 1e3 * curve.size[curve.n - 1]);
+        program_refuse(self, "psd", path, message);
+    }
+    common_print("%s\n", curve.how);
+    const int n = curve.n;
+    memcpy(size, curve.size, (size_t)n * sizeof *size);
+    memcpy(passing, curve.amount[0], (size_t)n * sizeof *passing);
+    sheet_free_sizes(&curve);
+    return n;
+}
+
 /* Classes from a sieve curve or a distribution. */
 static void own_classes(const program *self, own *o, const char *psd, const char *rosin, const char *lognormal, int classes) {
     static double size[OWN_POINTS], passing[OWN_POINTS];
     const char *name = psd ? "psd" : rosin ? "rosin-rammler" : "lognormal", *given = psd ? psd : rosin ? rosin : lognormal;
     double d = 0.0, spread = 0.0;
     int n = OWN_POINTS;
-    if (psd) n = lab_read_curve(self, psd, size, passing, OWN_POINTS);
+    if (psd) n = read_curve(self, psd, o->def.aperture, size, passing);
     else if (!two_numbers(given, &d, &spread) || !(d > 0.0) || !(spread > (rosin ? 0.0 : 1.0)))
         program_refuse(self, name, given,
                        rosin ? "D63,N: size [mm] and exponent, above 0" : "D50,SG: median [mm] and geometric deviation above 1");

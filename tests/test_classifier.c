@@ -1316,7 +1316,7 @@ static void test_fits_whose_best_value_lies_on_a_border(void **state) {
     uint64_t random = 12345;
     int at_border = 0;
     (void)state;
-    for (int k = 0; k < 200; k++) {
+    for (int k = 0; k < 100; k++) {
         double uniform[64], x[20], t[20];
         for (int i = 0; i < 64; i++) {
             random = random * 6364136223846793005u + 1442695040888963407u;
@@ -1340,7 +1340,7 @@ static void test_fits_whose_best_value_lies_on_a_border(void **state) {
         at_border++;
         assert_true(bypass.curve.bypass == 0.0 && bypass.bypass_sd == 0.0 && bypass.dof == n - 2 && bypass.rms == clean.rms);
     }
-    assert_true(at_border > 50 && at_border < 150);
+    assert_true(at_border > 25 && at_border < 75);
     /* without noise, and with points twice */
     const double sizes[6] = {1e-6, 1e-6, 3e-6, 9e-6, 2.7e-5, 8.1e-5};
     double exact[6];
@@ -1349,6 +1349,121 @@ static void test_fits_whose_best_value_lies_on_a_border(void **state) {
     assert_int_equal(classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_HOOK, sizes, exact, NULL, 6, &fit), CLASSIFIER_OK);
     assert_true(fabs(fit.curve.size / 1e-5 - 1.0) < 1e-9 && fit.rms < 1e-9);
     assert_int_equal(classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_HOOK, sizes, exact, NULL, 5, &fit), CLASSIFIER_TOO_FEW);
+}
+
+/* A wet classifier sends more than half of the finest to the coarse product with the water. The cut size belongs to the curve without. */
+static void test_bypasses_of_wet_classifiers(void **state) {
+    (void)state;
+    const double shares[4] = {0.05, 0.49, 0.51, 0.8};
+    for (int law = 0; law < 3; law++) {
+        for (int k = 0; k < 4; k++) {
+            double x[12], t[12];
+            classifier_curve truth = classifier_curve_of((classifier_curve_law)law, 250e-6, 2.0);
+            classifier_fit_result fit;
+            truth.bypass = shares[k];
+            for (int i = 0; i < 12; i++) x[i] = 30e-6 * pow(1.45, i), t[i] = classifier_curve_value(&truth, x[i]);
+            assert_int_equal(classifier_fit(truth.law, CLASSIFIER_FREE_BYPASS, x, t, NULL, 12, &fit), CLASSIFIER_OK);
+            close_to(fit.curve.size, 250e-6, 1e-6);
+            close_to(fit.curve.slope, 2.0, 1e-5);
+            near(fit.curve.bypass, shares[k], 1e-6);
+            assert_true(fit.bypass_low <= fit.curve.bypass && fit.curve.bypass <= fit.bypass_high && fit.hook_low == HUGE_VAL);
+            const classifier_status without = classifier_fit(truth.law, 0, x, t, NULL, 12, &fit); /* all above one half: no cut size */
+            assert_true(without == (shares[k] > 0.5 ? CLASSIFIER_OUTSIDE : CLASSIFIER_OK));
+            truth.hook_size = 100e-6;
+            for (int i = 0; i < 12; i++) t[i] = classifier_curve_value(&truth, x[i]);
+            assert_int_equal(classifier_fit(truth.law, CLASSIFIER_FREE_HOOK, x, t, NULL, 12, &fit), CLASSIFIER_OK);
+            close_to(fit.curve.size, 250e-6, 1e-5);
+            close_to(fit.curve.hook_size, 100e-6, 1e-4);
+            assert_true(isnan(fit.student) && fit.hook_low <= fit.curve.hook_size && fit.curve.hook_size <= fit.hook_high);
+        }
+    }
+}
+
+/* Ranges: 95 of 100 hold what they state, with a hook, without one and near a bypass of 0, in any unit (thousands: scripts/verify
+   classifier_ranges). Deviations from the curvature held 66 of 100. */
+static void test_ranges_of_curves(void **state) {
+    (void)state;
+    enum { SETS = 40 };
+    const double bypass[3] = {0.2, 0.3, 0.02}, hook[3] = {HUGE_VAL, 15e-6, HUGE_VAL};
+    const uint64_t before = random_state;
+    random_state = 88172645463325252u;
+    for (int kind = 0; kind < 3; kind++) {
+        int held[4] = {0, 0, 0, 0}, without = 0;
+        for (int trial = 0; trial < SETS; trial++) {
+            double x[9], t[9];
+            classifier_curve truth = classifier_curve_of(CLASSIFIER_PLITT, 20e-6, 2.0);
+            classifier_fit_result r;
+            truth.bypass = bypass[kind], truth.hook_size = hook[kind];
+            for (int i = 0; i < 9; i++) x[i] = 2e-6 * pow(1.63, i), t[i] = classifier_curve_value(&truth, x[i]) + 0.02 * gauss();
+            const unsigned bits = kind == 2 ? CLASSIFIER_FREE_BYPASS : CLASSIFIER_FREE_HOOK;
+            assert_int_equal(classifier_fit(CLASSIFIER_PLITT, bits, x, t, NULL, 9, &r), CLASSIFIER_OK);
+            held[0] += r.size_low <= 20e-6 && 20e-6 <= r.size_high, held[1] += r.slope_low <= 2.0 && 2.0 <= r.slope_high;
+            held[2] += r.bypass_low <= truth.bypass && truth.bypass <= r.bypass_high;
+            held[3] += r.hook_low <= truth.hook_size && truth.hook_size <= r.hook_high;
+            without += r.hook_high == HUGE_VAL;
+            assert_true(r.size_low <= r.curve.size && r.curve.size <= r.size_high && r.slope_low <= r.curve.slope);
+            assert_true(r.slope_high >= r.curve.slope && r.bypass_low <= r.curve.bypass && r.bypass_high >= r.curve.bypass);
+            if (trial > 2) continue;
+            classifier_fit_result mm; /* sizes in thousandths */
+            for (int i = 0; i < 9; i++) x[i] *= 1e3;
+            assert_int_equal(classifier_fit(CLASSIFIER_PLITT, bits, x, t, NULL, 9, &mm), CLASSIFIER_OK);
+            close_to(1e-3 * mm.size_low, r.size_low, 1e-4), close_to(mm.slope_high, r.slope_high, 1e-4);
+            near(mm.bypass_high, r.bypass_high, 1e-4);
+        }
+        for (int k = 0; k < 4; k++)
+            if (held[k] < 0.87 * SETS) fail_msg("kind %d, range %d: %d of %d hold", kind, k, held[k], SETS);
+        assert_true(kind == 1 ? without < SETS / 2 : without >= 0.9 * SETS); /* hook_high says whether there is a hook */
+    }
+    random_state = before;
+}
+
+/* A class without fine product (a wet classifier's coarsest): no share below 0, no T outside 0 to 1, and no feasible balance beside it is
+   nearer to the measured shares. */
+static void test_reconciled_shares_are_shares(void **state) {
+    (void)state;
+    int at_bound = 0;
+    const uint64_t before = random_state;
+    random_state = 88172645463325252u;
+    for (int trial = 0; trial < 200; trial++) {
+        enum { N = 6 };
+        double m[3][N], sd[3][N], out[5][N], total[3] = {0.0, 0.0, 0.0}, truth[2][N], c = 0.2 + 0.6 * uniform(), sums[3] = {0.0, 0.0, 0.0};
+        classifier_balance_result result;
+        for (int i = 0; i < N; i++) {
+            truth[0][i] = i == 0 ? 0.0 : uniform(), truth[1][i] = i >= N - 2 ? 0.0 : uniform();
+            total[0] += truth[0][i], total[1] += truth[1][i];
+        }
+        for (int i = 0; i < N; i++) {
+            truth[0][i] /= total[0], truth[1][i] /= total[1];
+            const double v[3] = {c * truth[0][i] + (1.0 - c) * truth[1][i], truth[0][i], truth[1][i]};
+            for (int k = 0; k < 3; k++) sd[k][i] = 0.002 + 0.02 * uniform(), sums[k] += m[k][i] = fmax(0.0, v[k] + sd[k][i] * gauss());
+        }
+        for (int i = 0; i < N; i++)
+            for (int k = 0; k < 3; k++) m[k][i] /= sums[k];
+        const classifier_balance_data data = {N, m[0], m[1], m[2], sd[0], sd[1], sd[2], nan_, nan_};
+        if (classifier_reconcile(&data, out[0], out[1], out[2], out[3], out[4], &result) != CLASSIFIER_OK) continue;
+        double sum_g = 0.0, sum_h = 0.0;
+        for (int i = 0; i < N; i++) {
+            assert_true(out[2][i] >= 0.0 && out[3][i] >= 0.0 && out[4][i] >= 0.0);
+            if (out[2][i] > 0.0) assert_true(out[0][i] >= 0.0 && out[0][i] <= 1.0 && out[1][i] > 0.0);
+            near(out[2][i], result.coarse_share * out[3][i] + (1.0 - result.coarse_share) * out[4][i], 1e-13);
+            at_bound += out[3][i] == 0.0 || out[4][i] == 0.0;
+            sum_g += out[3][i], sum_h += out[4][i];
+        }
+        near(sum_g, 1.0, 1e-12), near(sum_h, 1.0, 1e-12);
+        for (int k = 0; k < 300; k++) { /* others that are balances, too: from one class to another, and another split */
+            const int from = (int)(N * uniform()), to = (int)(N * uniform()), product = 3 + (uniform() < 0.5);
+            double g[2][N], chi = 0.0, e = result.coarse_share + (k % 3 ? 0.0 : 1e-3 * gauss());
+            memcpy(g[0], out[3], sizeof g[0]), memcpy(g[1], out[4], sizeof g[1]);
+            const double way = fmin(g[product - 3][from], 1e-2 * pow(uniform(), 3.0));
+            g[product - 3][from] -= way, g[product - 3][to] += way;
+            for (int i = 0; i < N; i++)
+                chi += pow((e * g[0][i] + (1.0 - e) * g[1][i] - m[0][i]) / sd[0][i], 2.0) + pow((g[0][i] - m[1][i]) / sd[1][i], 2.0) +
+                       pow((g[1][i] - m[2][i]) / sd[2][i], 2.0);
+            assert_true(chi >= result.chi_squared * (1.0 - 1e-9));
+        }
+    }
+    assert_true(at_bound > 100);
+    random_state = before;
 }
 
 /* A step of T between two sizes is fitted as one, by every law; points that rise no more than by chance leave the size open. Many such sets:
@@ -1493,6 +1608,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(approach_in_gas),
         cmocka_unit_test(test_fits_whose_best_value_lies_on_a_border),
+        cmocka_unit_test(test_bypasses_of_wet_classifiers),
+        cmocka_unit_test(test_ranges_of_curves),
+        cmocka_unit_test(test_reconciled_shares_are_shares),
         cmocka_unit_test(test_fits_of_steps_and_of_flat_points),
         cmocka_unit_test(test_fits_say_what_is_open),
         cmocka_unit_test(test_fits_with_uneven_deviations),
@@ -1527,5 +1645,6 @@ int main(void) {
         cmocka_unit_test(a_failed_call_leaves_nan),
         cmocka_unit_test(memory_runs_out),
     };
+    if (getenv("RIDDLE_TEST")) cmocka_set_test_filter(getenv("RIDDLE_TEST"));
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

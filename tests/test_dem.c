@@ -1726,6 +1726,85 @@ static void test_law_mismatch(void **state) {
     dem_free(&w);
 }
 
+/* Copies a save without one of its records. Returns the new size. */
+static size_t without_record(const unsigned char *bytes, size_t size, const char *name, unsigned char *to) {
+    size_t length;
+    const size_t at = record_of(bytes, size, name, &length);
+    assert_true(at > 0);
+    memcpy(to, bytes, at), memcpy(to + at, bytes + at + length, size - at - length);
+    reseal(to, size - length);
+    return size - length;
+}
+
+/* Four states, as Hertz-Mindlin has them, that mean something else: Luding's keeps the largest overlap. */
+DEM_INLINE void force_luding(const dem_contact *c, double *state, dem_response *r) {
+    dem_force_linear_friction(c, state, r);
+    if (-c->gap > state[3]) state[3] = -c->gap;
+    r->normal *= 1.0 + 100.0 * state[3];
+}
+static const dem_law law_luding = {"Luding", 1, 4, 4, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, force_luding, NULL, NULL};
+DEM_KERNEL(kernel_luding, law_luding, DEM_LINEAR | DEM_FRICTION)
+
+/* A law that keeps as many states as another one does not go on with them: not in a run, not after loading. */
+static void test_law_has_a_name(void **state) {
+    (void)state;
+    static const char long_name[] = "a law with a name that is much longer than any record of a save would hold in its head";
+    char longer[sizeof long_name + 1] = "";
+    const struct {
+        const char *name;
+        int version, fits;
+    } other[] = {{"Luding", 1, 1},        {"Luding, hysteretic", 1, 1}, {"Luding", 2, 0},     {"Luding", -1, 0},
+                 {"Luding hysteretic", 1, 0}, {"luding", 1, 0},         {"", 1, 0},           {"Lu,ding", 1, 0},
+                 {NULL, 1, 1},            {NULL, 2, 1},                 {long_name, 1, 0}};
+    dem_world w, copy;
+    dem_def def = one_material(0.5, 0.3, 0.0);
+    def.material[0].young_modulus = 1e7;
+    on_plane(&w, &def, 0.0);
+    assert_int_equal(dem_run_law(&w, 1e-3, &kernel_luding), DEM_OK);
+    assert_int_equal(dem_contact_count(&w), 1);
+    assert_true(dem_get_contact(&w, 0).state[3] > 0.0);
+    size_t size;
+    unsigned char *bytes = saved(&w, &size), *old = malloc(size);
+    const size_t old_size = without_record(bytes, size, "contact.law", old);
+    for (int loads = 0; loads < 3; loads++) { /* in the session, from a save, from a save that does not say whose it is */
+        for (size_t k = 0; k <= sizeof other / sizeof *other; k++) {
+            dem_kernel kernel = kernel_luding;
+            dem_law law = law_luding;
+            const int is_hertz = k == sizeof other / sizeof *other;
+            if (!is_hertz) law.name = other[k].name, law.version = other[k].version;
+            kernel.law = &law;
+            if (loads == 2) assert_int_equal(dem_load(&copy, old, old_size, NULL), DEM_OK);
+            else assert_int_equal(dem_load(&copy, bytes, size, NULL), DEM_OK);
+            if (loads == 0) assert_int_equal(dem_run_law(&copy, 1e-4, &kernel_luding), DEM_OK);
+            const uint64_t before = dem_hash(&copy);
+            const dem_status status = is_hertz ? dem_run(&copy, 1e-4, DEM_HERTZ | DEM_FRICTION) : dem_run_law(&copy, 1e-4, &kernel);
+            const int fits = loads == 2 || (!is_hertz && other[k].fits);
+            if (status != (fits ? DEM_OK : DEM_LAW_MISMATCH)) fail_msg("law %d, case %d: %s", (int)k, loads, dem_status_text(status));
+            if (!fits) assert_true(dem_hash(&copy) == before && dem_run_law(&copy, 1e-4, &kernel_luding) == DEM_OK);
+            dem_free(&copy);
+        }
+    }
+    assert_int_equal(dem_load(&copy, bytes, size, NULL), DEM_OK);
+    assert_int_equal(dem_run_law(&copy, 1e-3, &kernel_luding), DEM_OK);
+    assert_int_equal(dem_run_law(&w, 1e-3, &kernel_luding), DEM_OK);
+    assert_true(dem_hash(&w) == dem_hash(&copy));
+    dem_free(&copy), dem_free(&w), free(bytes), free(old);
+
+    for (int k = 0; k < 2; k++) { /* long names that differ in their last character */
+        dem_kernel kernel = kernel_luding;
+        dem_law law = law_luding;
+        memcpy(longer, long_name, sizeof long_name);
+        law.name = longer, kernel.law = &law;
+        on_plane(&w, &def, 0.0);
+        assert_int_equal(dem_run_law(&w, 1e-3, &kernel), DEM_OK);
+        bytes = saved(&w, &size);
+        assert_int_equal(dem_load(&copy, bytes, size, NULL), DEM_OK);
+        longer[sizeof long_name - 2] = k ? 'd' : 'c';
+        assert_int_equal(dem_run_law(&copy, 1e-4, &kernel), k ? DEM_OK : DEM_LAW_MISMATCH);
+        dem_free(&copy), dem_free(&w), free(bytes);
+    }
+}
+
 /* The ledger begins, pauses and ends in mid-run: the motion stays the same bits, and what contacts store is there from the start. */
 static void test_ledger_in_mid_run(void **state) {
     (void)state;
@@ -1990,6 +2069,7 @@ int main(void) {
         cmocka_unit_test(test_bad_definitions),
         cmocka_unit_test(test_hostile_calls),
         cmocka_unit_test(test_law_mismatch),
+        cmocka_unit_test(test_law_has_a_name),
         cmocka_unit_test(test_ledger_in_mid_run),
         cmocka_unit_test(test_failures_name_the_particle),
         cmocka_unit_test(test_memory_running_out),

@@ -251,6 +251,7 @@ typedef struct dem__contacts {
     dem__postponed *postponed;   /* with threads */
     int states, constants;       /* number of arrays of each */
     int has_history;             /* whether states can be other than zero */
+    uint64_t law;                /* dem__law_mark of the law that made them; 0: unknown */
     void *block;
     size_t bytes;
     int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the near pair; -1: none; below -1: a
@@ -282,6 +283,7 @@ typedef struct dem__links {
     void (*step)(dem_world *w); /* takes their step; set with their law */
     double interval, near;
     int on, every, states; /* every: steps between two evaluations */
+    uint64_t mark;         /* dem__law_mark of the law that made the states; 0: unknown */
     ptrdiff_t count, capacity;
     void *block;
     size_t bytes;

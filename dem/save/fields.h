@@ -62,6 +62,8 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("has_fixed", e->bodies.has_fixed, 0),
         DEM__INTEGER("contact.states", e->contacts.states, 0),
         DEM__INTEGER("contact.has_history", e->contacts.has_history, 0),
+        DEM__INTEGER("contact.law", e->contacts.law, 0),
+        DEM__INTEGER("link.law", e->links.mark, 0),
         DEM__INTEGER("link.on", e->links.on, 0),
         DEM__INTEGER("link.states", e->links.states, 0),
         DEM__DOUBLES("link.interval", e->links.interval, 0),

@@ -51,7 +51,7 @@ static char *closing_quote(char *cell, char separator) {
 }
 
 /* Cuts a line (ended by 0) at its separators into cells without blanks and quotes around; returns how many. */
-static int cut(char *line, char separator, char **cells) {
+int csv_cut(char *line, char separator, char **cells) {
     const char stop[2] = {separator, '\0'};
     int n = 0;
     for (char *at = line;; n++) {
@@ -167,7 +167,7 @@ static int take_row(csv_data *data, char *line, char separator, int number, cons
     const int columns = data->columns;
     char **row = data->cells + (size_t)data->rows * (size_t)columns;
     cut_comment(data, line, separator);
-    const int n = cut(line, separator, row);
+    const int n = csv_cut(line, separator, row);
     if (n != columns) return refuse(data, message, message_size, "%s:%d: %d cells, but the header names %d", path, number, n, columns);
     for (int k = 0; k < n; k++) {
         double *value = &data->values[(size_t)data->rows * (size_t)n + (size_t)k];
@@ -209,7 +209,7 @@ int csv_parse(const char *text, long size, const char *path, csv_data *data, cha
         char *comment = strstr(line, " #");
         if (comment) *comment = '\0';
         separator = separator_of(line);
-        data->columns = cut(line, separator, data->names);
+        data->columns = csv_cut(line, separator, data->names);
     }
     if (!data->columns) return refuse(data, message, message_size, "%s: no header line", path);
     return separator == ',' ? 0 : check_decimals(data, path, message, message_size);
@@ -261,11 +261,16 @@ static const unit units[] = {
     {"m2", 'A', 1.0},
     {"cm2", 'A', 1e-4},
     {"mm2", 'A', 1e-6},
+    {"kg/m2", 'a', 1.0},
+    {"kg_m2", 'a', 1.0},
+    {"in", 'L', 0.0254},
     {"pa", 'P', 1.0},
     {"kpa", 'P', 1e3},
     {"mpa", 'P', 1e6},
     {"bar", 'P', 1e5},
     {"mbar", 'P', 100.0},
+    {"hpa", 'P', 100.0},
+    {"psi", 'P', 6894.757293168},
     {"rad", 'W', 1.0},
     {"deg", 'W', RIDDLE_DEG},
     {"\xc2\xb0", 'W', RIDDLE_DEG},
@@ -281,6 +286,8 @@ static const unit units[] = {
     {"hz", 'f', 1.0},
     {"1/s", 'f', 1.0},
     {"1/min", 'f', 1.0 / 60},
+    {"rpm", 'f', 1.0 / 60},
+    {"u/min", 'f', 1.0 / 60},
     {"kg/s", 'q', 1.0},
     {"kg_s", 'q', 1.0},
     {"kg_per_s", 'q', 1.0},
@@ -298,6 +305,12 @@ static const unit *unit_of(const char *name) {
     for (size_t k = 0; k < sizeof units / sizeof *units; k++)
         if (strcmp(name, units[k].name) == 0) return &units[k];
     return NULL;
+}
+
+int csv_unit(const char *name, char *dimension, double *si) {
+    const unit *found = unit_of(name);
+    if (found) *dimension = found->dimension, *si = found->si;
+    return found != NULL;
 }
 
 static char small_letter(char c) { return (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); }

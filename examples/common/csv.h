@@ -34,6 +34,9 @@ int csv_is(const char *name, const char *wanted, double *factor);
 int csv_find(const csv_data *data, const char *name, double *factor, char *message, int message_size);
 /* 1: its unit is one of the dimension ('L' length, 'v' velocity, 'w' spin, 's' share, '#' number without unit), or it has no unit. */
 int csv_measures(const char *name, char dimension);
+int csv_unit(const char *name, char *dimension, double *si); /* of a unit in small letters; 0: there is none of this name */
+/* Cuts a line (ended by 0) at its separators into cells without blanks and quotes around; returns how many. */
+int csv_cut(char *line, char separator, char **cells);
 int csv_column(const csv_data *data, const char *name);            /* its index, or -1 */
 double csv_value(const csv_data *data, int row, const char *name); /* in the unit asked for; NaN if there is no such cell */
 void csv_free(csv_data *data);

@@ -101,35 +101,29 @@ static int read_list(const char *text, double *values) {
     return 0;
 }
 
-/* A sieve curve (columns size_mm, passing: share finer) as a list of sizes, evenly spread in ln d. Returns the share below `smallest`. */
+/* A sieve curve as a list of sizes, evenly spread in ln d. Returns the share below `smallest`. */
 static double read_psd(const program *self, const char *path, double smallest, double largest, dem_sizes *sizes) {
-    static const char *const allowed = "a file with the columns size_mm,passing: both rising, passing 0 .. 1";
-    char message[300];
-    csv_data data;
-    if (csv_read(path, &data, message, sizeof message)) program_refuse(self, "psd", path, allowed);
-    const int size = csv_column(&data, "size_mm"), passing = csv_column(&data, "passing");
+    char message[600];
+    sheet_sizes curve;
+    if (sheet_read_sizes(path, NULL, 1, &curve, message, sizeof message)) program_refuse(self, "psd", path, message);
+    if (curve.single || curve.n < 2)
+        program_refuse(self, "psd", path, "a sieve curve of at least two sieves: the column passing or retained");
+    common_print("%s\n", curve.how);
     double passed[DEM_SIZES_MAX + 1], diameter[DEM_SIZES_MAX], share[DEM_SIZES_MAX];
-    bool good = data.rows >= 2 && size >= 0 && passing >= 0;
-    for (int k = 0; k < data.rows && good; k++) {
-        const double *row = data.values + k * data.columns, *before = k ? row - data.columns : NULL;
-        good = row[size] > 0.0 && row[passing] >= 0.0 && row[passing] <= 1.0 &&
-               (!k || (row[size] > before[size] && row[passing] >= before[passing]));
-    }
-    if (!good) program_refuse(self, "psd", path, allowed);
+    const double *size = curve.size, *passing = curve.amount[0];
     for (int k = 0; k <= DEM_SIZES_MAX; k++) {
-        const double d = 1e3 * smallest * pow(largest / smallest, (double)k / DEM_SIZES_MAX);
+        const double d = smallest * pow(largest / smallest, (double)k / DEM_SIZES_MAX);
         int q = 0;
-        while (q < data.rows && data.values[q * data.columns + size] < d) q++;
-        const double *high = data.values + (q < data.rows ? q : data.rows - 1) * data.columns, *low = high - (q > 0 ? data.columns : 0);
-        passed[k] = q == 0           ? 0.0
-                    : q == data.rows ? high[passing]
-                                     : low[passing] + (high[passing] - low[passing]) * log(d / low[size]) / log(high[size] / low[size]);
-        if (k == 0 && q == 0) passed[k] = data.values[passing];
+        while (q < curve.n && size[q] < d) q++;
+        passed[k] = q == 0         ? 0.0
+                    : q == curve.n ? passing[q - 1]
+                                   : passing[q - 1] + (passing[q] - passing[q - 1]) * log(d / size[q - 1]) / log(size[q] / size[q - 1]);
+        if (k == 0 && q == 0) passed[k] = passing[0];
     }
     for (int k = 0; k < DEM_SIZES_MAX; k++) {
         diameter[k] = smallest * pow(largest / smallest, (k + 0.5) / DEM_SIZES_MAX), share[k] = fmax(passed[k + 1] - passed[k], 0.0);
     }
-    csv_free(&data);
+    sheet_free_sizes(&curve);
     if (!(passed[DEM_SIZES_MAX] - passed[0] > 0.0))
         program_refuse(self, "psd", path, "a curve with grains between --smallest-mm and --largest-mm");
     *sizes = dem_size_list(DEM_SIZES_MAX, diameter, share, 1);

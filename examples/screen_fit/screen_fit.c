@@ -1095,13 +1095,8 @@ static int fit_lab(const program *self, const char *path, int starts) {
 static bool is_study(const char *path) {
     csv_data data;
     char message[300];
-    if (csv_read(path, &data, message, (int)sizeof message)) return false; /* which says what is wrong */
-    bool study_of_27 = csv_column(&data, "retained_small") >= 0 || csv_column(&data, "retained") < 0;
-    for (int i = 0; i < data.columns; i++) {
-        char plain[80];
-        lab_plain_name(data.names[i], plain, sizeof plain);
-        if (strncmp(plain, "size", 4) == 0) study_of_27 = false;
-    }
+    if (csv_read(path, &data, message, (int)sizeof message)) return false; /* whoever reads it then says what is wrong */
+    const bool study_of_27 = csv_column(&data, "retained_small") >= 0;
     csv_free(&data);
     return study_of_27;
 }

@@ -9,11 +9,10 @@
      aperture   clear width [m] (or _mm)
    and where known: moisture [-] (or _percent), wire [m], inclination [rad] (or _deg), load [kg/m2], share (of the class in what can pass),
    oversize (share of the feed that cannot pass). Rows of a case may stand in any order; the same reading twice is averaged.
-   Sieve curve: size, passing. */
+   Other words and units: sheet.h. */
 #ifndef SCREEN_LAB_H
 #define SCREEN_LAB_H
 
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,66 +24,6 @@
 enum { LAB_CASES = 400, LAB_MODELS = 4 };
 static const char *const lab_keys[LAB_MODELS] = {"first_order", "dong", "subasinghe", "soldinger"};
 static const char *const lab_names[LAB_MODELS] = {"0 first order", "1 Dong", "2 Subasinghe", "3 Soldinger"};
-
-typedef struct lab_unit {
-    const char *suffix;
-    double factor;
-} lab_unit;
-static const lab_unit lab_units[] = {
-    {"", 1.0},          {"_m", 1.0},     {"_mm", 1e-3},        {"_um", 1e-6}, {"_s", 1.0},
-    {"_min", 60.0},     {"_hz", 1.0},    {"_rpm", 1.0 / 60.0}, {"_rad", 1.0}, {"_deg", 3.14159265358979323846 / 180.0},
-    {"_percent", 0.01}, {"_kg_m2", 1.0}, {"_-", 1.0}};
-
-typedef struct lab_column {
-    int index; /* -1: not there */
-    double factor;
-    bool raw; /* the name carries a unit: the cell as it stood is converted here */
-} lab_column;
-
-/* "Size [mm]" and "size_mm" are the same: lower case, what is no letter or digit becomes one '_' */
-static inline void lab_plain_name(const char *name, char *out, size_t size) {
-    size_t n = 0;
-    for (; *name && n + 1 < size; name++) {
-        char c = (char)tolower((unsigned char)*name);
-        if (c == '%') {
-            n += (size_t)snprintf(out + n, size - n, "%spercent", n && out[n - 1] == '_' ? "" : "_");
-            if (n >= size) n = size - 1;
-            continue;
-        }
-        if (!isalnum((unsigned char)c)) c = '_';
-        if (c == '_' && (n == 0 || out[n - 1] == '_')) continue;
-        out[n++] = c;
-    }
-    while (n > 0 && out[n - 1] == '_') n--;
-    out[n] = '\0';
-}
-
-/* The column of this name with any of the units; index -2: there are two. */
-static inline lab_column lab_find(const csv_data *data, const char *base) {
-    lab_column column = {-1, 1.0, false};
-    for (int i = 0; i < data->columns; i++) {
-        char plain[80];
-        lab_plain_name(data->names[i], plain, sizeof plain);
-        size_t n = strlen(base);
-        for (size_t u = 0; u < sizeof lab_units / sizeof *lab_units; u++)
-            if (strncmp(plain, base, n) == 0 && strcmp(plain + n, lab_units[u].suffix) == 0) {
-                column.index = column.index == -1 ? i : -2;
-                column.factor = lab_units[u].factor;
-                column.raw = *lab_units[u].suffix != '\0';
-            }
-    }
-    return column;
-}
-
-/* NaN for an empty cell or one that is no number. */
-static inline double lab_value(const csv_data *data, lab_column column, int row, double otherwise) {
-    if (column.index < 0) return otherwise;
-    size_t at = (size_t)row * (size_t)data->columns + (size_t)column.index;
-    if (!column.raw) return data->values[at];
-    char *end;
-    double x = strtod(data->cells[at], &end);
-    return end != data->cells[at] && *end == '\0' ? column.factor * x : (double)NAN;
-}
 
 typedef struct lab {
     int cases, skipped; /* skipped: readings of classes that cannot pass */
@@ -127,74 +66,52 @@ enum {
     LAB_OVERSIZE,
     LAB_COLUMNS
 };
-static const char *const lab_columns[LAB_COLUMNS] = {"case",     "time", "size",        "retained", "amplitude", "frequency", "aperture",
-                                                     "moisture", "wire", "inclination", "load",     "share",     "oversize"};
-enum { LAB_NEEDED = 7 };
 
-/* Letters to change, put in or leave out to make one word of the other (Levenshtein); at most 20 letters count. */
-static inline int lab_distance(const char *a, const char *b) {
-    enum { MOST = 20 };
-    int row[MOST + 1];
-    for (int j = 0; j <= MOST; j++) row[j] = j;
-    int width = (int)strlen(b);
-    width = width < MOST ? width : MOST;
-    for (int i = 0; a[i] && i < MOST; i++) {
-        int diagonal = row[0];
-        row[0] = i + 1;
-        for (int j = 1; j <= width; j++) {
-            const int kept = diagonal + (a[i] != b[j - 1]), changed = 1 + (row[j] < row[j - 1] ? row[j] : row[j - 1]);
-            diagonal = row[j];
-            row[j] = kept < changed ? kept : changed;
-        }
-    }
-    return row[width];
+/* What a reading has; the first LAB_NEEDED must be there. */
+static inline void lab_name_columns(sheet_column *column) {
+    const sheet_column columns[LAB_COLUMNS] = {
+        sheet_want("case", 't', true),         sheet_want("time", 'T', true),      sheet_want("size", 'L', true),
+        sheet_want("retained", '%', true),     sheet_want("amplitude", 'L', true), sheet_want("frequency", 'f', true),
+        sheet_want("aperture", 'L', true),     sheet_want("moisture", 's', false), sheet_want("wire", 'L', false),
+        sheet_want("inclination", 'W', false), sheet_want("load", 'a', false),     sheet_want("share", '%', false),
+        sheet_want("oversize", 's', false)};
+    memcpy(column, columns, sizeof columns);
 }
 
-/* Refuses a column that is nearly one that can be read: a default in its place would be wrong. */
-static inline void lab_refuse_near(const program *self, const char *path, const csv_data *data, const lab_column *column) {
-    for (int i = 0; i < data->columns; i++) {
-        char plain[80], text[300], *unit;
-        lab_plain_name(data->names[i], plain, sizeof plain);
-        unit = strchr(plain, '_');
-        if (unit) *unit = '\0';
-        for (int j = 0; j < LAB_COLUMNS; j++) {
-            if (column[j].index >= 0 || strlen(plain) < 4 || lab_distance(plain, lab_columns[j]) > (strlen(plain) > 4 ? 2 : 1)) continue;
-            snprintf(text, sizeof text, "a column %s, in a unit such as _mm, _percent, _kg_m2; there is %.60s", lab_columns[j],
-                     data->names[i]);
-            lab_refuse(self, "data", path, text);
-        }
-    }
+/* NaN for an empty cell. */
+static inline double lab_value(const sheet_column *column, int row, double otherwise) {
+    return column->value ? column->value[row] : otherwise;
 }
 
 /* The rows of one case into room [3 + its rows ...]; returns what is used of it. */
-static inline double *lab_read_case(const program *self, const char *path, const csv_data *data, const lab_column *column, const int *rows,
-                                    int n, lab *out, double *room) {
+static inline double *lab_read_case(const program *self, const char *path, const sheet_column *column, const int *rows, int n, lab *out,
+                                    double *room) {
     const int k = out->cases - 1;
     char reason[300];
     double value[LAB_COLUMNS];
     const double otherwise[LAB_COLUMNS] = {0, NAN, NAN, NAN, NAN, NAN, NAN, 0.0, NAN, 0.0, 50.0, NAN, 1.0 / 3.0};
-    for (int j = LAB_TIME; j < LAB_COLUMNS; j++) value[j] = lab_value(data, column[j], rows[0], otherwise[j]);
+    for (int j = LAB_TIME; j < LAB_COLUMNS; j++) value[j] = lab_value(&column[j], rows[0], otherwise[j]);
     double *time = room, *size, *share, *retained, *count;
     int times = 0, classes = 0;
     for (int i = 0; i < n; i++) {
         for (int j = LAB_TIME; j < LAB_COLUMNS; j++) {
-            double x = lab_value(data, column[j], rows[i], otherwise[j]);
+            double x = lab_value(&column[j], rows[i], otherwise[j]);
             if (column[j].index >= 0 && !isfinite(x)) {
                 snprintf(reason, sizeof reason, "numbers in every column; case %s, reading %d: %s is none", out->label[k], i + 1,
-                         lab_columns[j]);
+                         column[j].name);
                 lab_refuse(self, "data", path, reason);
             }
             if (j > LAB_RETAINED && j != LAB_SHARE && column[j].index >= 0 && x != value[j]) {
-                snprintf(reason, sizeof reason, "one %s a case; case %s has several", lab_columns[j], out->label[k]);
+                snprintf(reason, sizeof reason, "one %s a case; case %s has several", column[j].name, out->label[k]);
                 lab_refuse(self, "data", path, reason);
             }
         }
-        time[times++] = lab_value(data, column[LAB_TIME], rows[i], NAN);
+        time[times++] = lab_value(&column[LAB_TIME], rows[i], NAN);
     }
     times = lab_unique(time, times);
     size = time + times;
     for (int i = 0; i < n; i++) {
-        double d = lab_value(data, column[LAB_SIZE], rows[i], NAN);
+        double d = lab_value(&column[LAB_SIZE], rows[i], NAN);
         if (d < value[LAB_APERTURE]) size[classes++] = d;
         else out->skipped++;
     }
@@ -214,13 +131,13 @@ static inline double *lab_read_case(const program *self, const char *path, const
     for (int i = 0; i < classes * times; i++) retained[i] = count[i] = 0.0;
     for (int i = 0; i < classes; i++) share[i] = 1.0 / classes;
     for (int i = 0; i < n; i++) {
-        double d = lab_value(data, column[LAB_SIZE], rows[i], NAN), t = lab_value(data, column[LAB_TIME], rows[i], NAN);
+        double d = lab_value(&column[LAB_SIZE], rows[i], NAN), t = lab_value(&column[LAB_TIME], rows[i], NAN);
         for (int c = 0; c < classes; c++)
             for (int j = 0; j < times; j++)
                 if (size[c] == d && time[j] == t) {
-                    retained[c * times + j] += lab_value(data, column[LAB_RETAINED], rows[i], NAN);
+                    retained[c * times + j] += lab_value(&column[LAB_RETAINED], rows[i], NAN);
                     count[c * times + j] += 1.0;
-                    if (column[LAB_SHARE].index >= 0) share[c] = lab_value(data, column[LAB_SHARE], rows[i], NAN);
+                    if (column[LAB_SHARE].index >= 0) share[c] = lab_value(&column[LAB_SHARE], rows[i], NAN);
                 }
     }
     double all = 0.0;
@@ -264,25 +181,12 @@ static inline double *lab_read_case(const program *self, const char *path, const
 
 /* Leaves with 2 and one line where the file is no good. */
 static inline void lab_read(const program *self, const char *path, lab *out) {
-    csv_data data;
-    char message[400];
-    lab_column column[LAB_COLUMNS];
-    if (csv_read(path, &data, message, (int)sizeof message)) lab_refuse(self, "data", path, message);
-    for (int j = 0; j < LAB_COLUMNS; j++) {
-        column[j] = lab_find(&data, lab_columns[j]);
-        if (column[j].index == -2) {
-            snprintf(message, sizeof message, "a file with one column %s; there are several", lab_columns[j]);
-            lab_refuse(self, "data", path, message);
-        }
-        if (column[j].index >= 0 || j >= LAB_NEEDED) continue;
-        int n = snprintf(message, sizeof message,
-                         "a file with the columns case, time, size, retained, amplitude, frequency, aperture; %s is missing, there are:",
-                         lab_columns[j]);
-        for (int i = 0; i < data.columns && n > 0 && n < (int)sizeof message; i++)
-            n += snprintf(message + n, sizeof message - (size_t)n, " %s", data.names[i]);
-        lab_refuse(self, "data", path, message);
-    }
-    lab_refuse_near(self, path, &data, column);
+    sheet data;
+    char message[600];
+    sheet_column column[LAB_COLUMNS];
+    lab_name_columns(column);
+    if (sheet_read(path, column, LAB_COLUMNS, &data, message, (int)sizeof message)) lab_refuse(self, "data", path, message);
+    common_print("%s\n", data.how);
     out->cases = out->skipped = 0;
     out->load_known = column[LAB_LOAD].index >= 0;
     out->wire_known = column[LAB_WIRE].index >= 0;
@@ -297,20 +201,20 @@ static inline void lab_read(const program *self, const char *path, lab *out) {
     }
     for (int first = 0; first < data.rows; first++) {
         if (done[first]) continue;
-        const char *label = data.cells[(size_t)first * (size_t)data.columns + (size_t)column[LAB_CASE].index];
+        const char *label = data.cell[first * data.columns + column[LAB_CASE].index];
         int n = 0;
         for (int i = first; i < data.rows; i++)
-            if (strcmp(data.cells[(size_t)i * (size_t)data.columns + (size_t)column[LAB_CASE].index], label) == 0) {
+            if (strcmp(data.cell[i * data.columns + column[LAB_CASE].index], label) == 0) {
                 rows[n++] = i;
                 done[i] = 1;
             }
         if (out->cases == LAB_CASES) lab_refuse(self, "data", path, "a file with at most 400 cases");
         snprintf(out->label[out->cases++], sizeof out->label[0], "%s", label);
-        room = lab_read_case(self, path, &data, column, rows, n, out, room);
+        room = lab_read_case(self, path, column, rows, n, out, room);
     }
     free(rows);
     free(done);
-    csv_free(&data);
+    sheet_free(&data);
     if (out->cases == 0) lab_refuse(self, "data", path, "a file with readings");
     /* one mass unit for the grains of all cases: that of a grain as large as the widest aperture, so that no probability exceeds 1 */
     double widest = 0.0;
@@ -414,23 +318,6 @@ static inline const char *lab_outside(char *text, size_t size, unsigned flags) {
     for (unsigned flag = 1; flag <= SCREEN_OUTSIDE_TIME; flag *= 2)
         if (flags & flag && n < size) n += (size_t)snprintf(text + n, size - n, "%s%s", n ? ", " : "", screen_outside_text(flag));
     return text;
-}
-
-/* Size and passing of a sieve curve; returns the number of points. */
-static inline int lab_read_curve(const program *self, const char *path, double *size, double *passing, int most) {
-    csv_data data;
-    char message[400];
-    if (csv_read(path, &data, message, (int)sizeof message)) lab_refuse(self, "psd", path, message);
-    lab_column d = lab_find(&data, "size"), p = lab_find(&data, "passing");
-    if (d.index < 0 || p.index < 0) lab_refuse(self, "psd", path, "a file with the columns size and passing");
-    if (data.rows > most) lab_refuse(self, "psd", path, "a file with at most 500 sieves");
-    for (int i = 0; i < data.rows; i++) {
-        size[i] = lab_value(&data, d, i, NAN);
-        passing[i] = lab_value(&data, p, i, NAN);
-    }
-    int n = data.rows;
-    csv_free(&data);
-    return n;
 }
 
 #endif

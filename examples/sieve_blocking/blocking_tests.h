@@ -19,7 +19,7 @@ static const char *const blocking_tests_file =
 
 /* Leaves: the file of an option is no good for this reason. */
 static inline void refuse_file(const program *self, const char *option_name, const char *path, const char *what, const char *reason) {
-    char text[600];
+    char text[800];
     snprintf(text, sizeof text, "%s; this one: %s", what, reason);
     program_refuse(self, option_name, path, text);
 }
@@ -34,37 +34,38 @@ static inline double counting_error(double free_holes, double holes) {
 static inline void read_blocking_law(const program *self, const char *path, blocking_law *law) {
     static blocking_test tests[BLOCKING_TESTS];
     static double t[BLOCKING_TEST_ROWS], f[BLOCKING_TEST_ROWS], sigma[BLOCKING_TEST_ROWS];
-    csv_data data;
-    char message[400];
-    if (csv_read(path, &data, message, sizeof message) != 0) refuse_file(self, "tests", path, blocking_tests_file, message);
-    const bool counted = csv_column(&data, "free_holes") >= 0 && csv_column(&data, "holes") >= 0;
-    if (csv_column(&data, "test") < 0 || csv_column(&data, "time_s") < 0 || csv_column(&data, "K") < 0 ||
-        !(counted || csv_column(&data, "free_fraction") >= 0))
-        program_refuse(self, "tests", path, blocking_tests_file);
+    enum { TEST, TIME, FACTOR, HARD, MOISTURE, FREE, HOLES, FRACTION, COLUMNS };
+    sheet data;
+    char message[600];
+    sheet_column c[COLUMNS] = {sheet_want("test", 't', true),      sheet_want("time", 'T', true),
+                               sheet_want("K", '#', true),         sheet_want("x_h", 's', false),
+                               sheet_want("moisture", 's', false), sheet_want("free_holes", '#', false),
+                               sheet_want("holes", '#', false),    sheet_want("free_fraction", '%', false)};
+    if (sheet_read(path, c, COLUMNS, &data, message, sizeof message) != 0) program_refuse(self, "tests", path, message);
+    const bool counted = c[FREE].value && c[HOLES].value;
+    if (!counted && !c[FRACTION].value) program_refuse(self, "tests", path, blocking_tests_file);
     if (data.rows > BLOCKING_TEST_ROWS) program_refuse(self, "tests", path, "a file with at most 20000 readings");
-    const int label = csv_column(&data, "test");
     int n = 0;
     for (int i = 0; i < data.rows; i++) {
-        const char *name = data.cells[(size_t)i * (size_t)data.columns + (size_t)label];
-        if (i == 0 || strcmp(name, data.cells[(size_t)(i - 1) * (size_t)data.columns + (size_t)label]) != 0) {
+        const char *name = data.cell[i * data.columns + c[TEST].index];
+        if (i == 0 || strcmp(name, data.cell[(i - 1) * data.columns + c[TEST].index]) != 0) {
             if (n == BLOCKING_TESTS) program_refuse(self, "tests", path, "a file with at most 200 tests");
             tests[n].t = t + i, tests[n].f = f + i, tests[n].sigma = counted ? sigma + i : NULL;
             tests[n].n = 0;
-            tests[n].K = csv_value(&data, i, "K");
-            tests[n].x_h = csv_column(&data, "x_h") >= 0 ? csv_value(&data, i, "x_h") : 0.5;
-            tests[n].moisture = csv_column(&data, "moisture") >= 0 ? csv_value(&data, i, "moisture") : 0.0;
+            tests[n].K = c[FACTOR].value[i];
+            tests[n].x_h = c[HARD].value ? c[HARD].value[i] : 0.5;
+            tests[n].moisture = c[MOISTURE].value ? c[MOISTURE].value[i] : 0.0;
             n++;
         }
-        const double holes = counted ? csv_value(&data, i, "holes") : 1.0,
-                     free_holes = csv_value(&data, i, counted ? "free_holes" : "free_fraction");
-        t[i] = csv_value(&data, i, "time_s");
+        const double holes = counted ? c[HOLES].value[i] : 1.0, free_holes = counted ? c[FREE].value[i] : c[FRACTION].value[i];
+        t[i] = c[TIME].value[i];
         f[i] = free_holes / holes;
         sigma[i] = counted ? counting_error(free_holes, holes) : 0.0;
         tests[n - 1].n++;
     }
     size_t bad;
     blocking_status status = blocking_fit_law(tests, (size_t)n, law, &bad);
-    csv_free(&data);
+    sheet_free(&data);
     if (status == BLOCKING_OK) return;
     snprintf(message, sizeof message, "test %d: %s", (int)bad + 1, blocking_status_text(status));
     refuse_file(self, "tests", path, blocking_tests_file, message);

@@ -102,7 +102,7 @@ static void draw_table2(const program *self, json *report) {
 /* ---- readings ---- */
 
 static const char *const counts_file = "a file with the columns time_s,free_holes,holes or time_s,free_fraction";
-static const char *const sizes_file = "a file with the columns size_mm,passing";
+static const char *const sizes_file = "a sieve curve about the opening";
 
 typedef struct readings {
     double t[MOST_READINGS], f[MOST_READINGS], sigma[MOST_READINGS];
@@ -131,27 +131,30 @@ static void draw_readings(readings *r, const row *from, int holes, uint64_t seed
 }
 
 static void read_readings(const program *self, const char *path, readings *r) {
-    csv_data data;
-    char message[400];
-    if (csv_read(path, &data, message, sizeof message) != 0) refuse_file(self, "data", path, counts_file, message);
-    r->counted = csv_column(&data, "free_holes") >= 0 && csv_column(&data, "holes") >= 0;
-    if (csv_column(&data, "time_s") < 0 || !(r->counted || csv_column(&data, "free_fraction") >= 0))
-        program_refuse(self, "data", path, counts_file);
+    enum { TIME, FREE, HOLES, FRACTION, COLUMNS };
+    sheet data;
+    char message[600];
+    sheet_column c[COLUMNS] = {sheet_want("time", 'T', true), sheet_want("free_holes", '#', false), sheet_want("holes", '#', false),
+                               sheet_want("free_fraction", '%', false)};
+    if (sheet_read(path, c, COLUMNS, &data, message, sizeof message) != 0) program_refuse(self, "data", path, message);
+    r->counted = c[FREE].value && c[HOLES].value;
+    if (!r->counted && !c[FRACTION].value) program_refuse(self, "data", path, counts_file);
+    common_print("%s\n", data.how);
     r->n = 0;
     for (int i = 0; i < data.rows; i++) {
-        double t = csv_value(&data, i, "time_s");
+        const double t = c[TIME].value[i];
         if (r->n == 0 || t != r->t[r->n - 1]) {
             if (r->n == MOST_READINGS) program_refuse(self, "data", path, "a file with at most 200 different times");
             r->t[r->n] = t;
             r->free_holes[r->n] = r->holes[r->n] = 0.0;
             r->n++;
         }
-        r->free_holes[r->n - 1] += csv_value(&data, i, r->counted ? "free_holes" : "free_fraction");
-        r->holes[r->n - 1] += r->counted ? csv_value(&data, i, "holes") : 1.0;
+        r->free_holes[r->n - 1] += r->counted ? c[FREE].value[i] : c[FRACTION].value[i];
+        r->holes[r->n - 1] += r->counted ? c[HOLES].value[i] : 1.0;
         if (r->counted && !(r->holes[r->n - 1] > 0.0 && r->free_holes[r->n - 1] <= r->holes[r->n - 1]))
             refuse_file(self, "data", path, counts_file, blocking_status_text(BLOCKING_BAD_COUNT));
     }
-    csv_free(&data);
+    sheet_free(&data);
 }
 
 /* ---- rate constants ---- */
@@ -653,21 +656,14 @@ static void design(const program *self, json *report, blocking_duty duty, const 
 
 /* x_h of a size curve in a file. */
 static double hard_content(const program *self, const char *path, double opening) {
-    csv_data data;
-    char message[400];
-    if (csv_read(path, &data, message, sizeof message) != 0) refuse_file(self, "sizes", path, sizes_file, message);
-    if (csv_column(&data, "size_mm") < 0 || csv_column(&data, "passing") < 0) program_refuse(self, "sizes", path, sizes_file);
-    size_t n = (size_t)data.rows;
-    double *size = malloc(2 * (n + 1) * sizeof *size), *passing = size + n + 1;
-    if (!size) exit((common_fail("out of memory"), common_exit_status()));
-    for (size_t i = 0; i < n; i++) {
-        size[i] = 1e-3 * csv_value(&data, (int)i, "size_mm");
-        passing[i] = csv_value(&data, (int)i, "passing");
-    }
+    sheet_sizes curve;
+    char message[600];
+    if (sheet_read_sizes(path, NULL, 1, &curve, message, sizeof message) != 0) program_refuse(self, "sizes", path, message);
+    if (curve.single) program_refuse(self, "sizes", path, "a sieve curve: the column passing or retained, not shares of single sizes");
+    common_print("%s\n", curve.how);
     blocking_hard hard;
-    blocking_status status = blocking_hard_from_curve(size, passing, n, opening, &hard);
-    free(size);
-    csv_free(&data);
+    const blocking_status status = blocking_hard_from_curve(curve.size, curve.amount[0], (size_t)curve.n, opening, &hard);
+    sheet_free_sizes(&curve);
     if (status != BLOCKING_OK) refuse_file(self, "sizes", path, sizes_file, blocking_status_text(status));
     common_print("Hard-to-screen content of %s for %g mm: x_h %.4f = %.4f below the opening + %.4f above it\n\n", path, 1e3 * opening,
                  hard.x_h, hard.below, hard.above);

@@ -261,8 +261,8 @@ static const scene_field sizes_fields[] = {
     ONE_NUMBER(sizes_def, diameter, FIELD_NUMBER, UNIT_DIAMETER, POSITIVE, 1, "one size"),
     {"classes", FIELD_LIST, UNIT_NONE, offsetof(sizes_def, classes), 1, 1000, false, "", 1, NULL, &class_section, "any number of sizes"},
     {"file", FIELD_FILE, UNIT_NONE, offsetof(sizes_def, file), ANY, "", 1, NO_WORDS,
-     "CSV with columns `size_mm` (or `size_um`, `size_m`) and `passing` (0 to 1, a sieve curve: a class between two rows has even sizes, "
-     "one below the first row goes down to half its size; it must end at 1) or `share`"},
+     "a table of sieves or classes ([forms](tables.md)); of a sieve curve a class between two sieves has even sizes, what passes the finest "
+     "goes down to half its width, and the coarsest passes everything; or `size_mm` and `share`"},
     PART(sizes_def, uniform, even, "", 1, "even sizes"),
     PART(sizes_def, lognormal, lognormal, "", 1, "lognormal"),
     PART(sizes_def, rosin_rammler, rosin, "", 1, "Rosin-Rammler"),

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "csv.h"
 #include "scene_shapes.h"
 #include "scene_walls.h"
+#include "sheet.h"
 
 enum { CLASSES_MAX = 1000, DRAWS = 4000 };
 
@@ -55,68 +55,30 @@ static int add_share(scene *s, size_shares *list, const tree *at, dem_sizes size
 
 static const double SIEVE_END = 1e-3; /* a curve ends at 1 to this */
 
-/* The rows of a table before one. */
-typedef struct sieve_rows {
-    const char *path;
-    const tree *at;
-    double size, passing;
-    int curve, bare; /* bare: sizes without a unit */
-} sieve_rows;
-
-static int check_row(scene *s, const sieve_rows *before, int line, double size, double value) {
-    const char *what = before->curve ? "passing" : "share";
-    if (isnan(size) || isnan(value))
-        return tree_fail(s->file, before->at, "file: %s:%d: a size and its %s are numbers", before->path, line, what);
-    if (before->bare && size > 1.0)
-        return tree_fail(s->file, before->at, "file: %s:%d: a size of %g of what? The column must name its unit, such as size_mm",
-                         before->path, line, size);
-    if (before->curve && value > 1.0 + SIEVE_END)
-        return tree_fail(s->file, before->at, "file: %s:%d: passing is %.6g; it is 0 to 1, or in per cent in a column passing_%%",
-                         before->path, line, value);
-    if (size > before->size && value >= (before->curve ? before->passing : 0.0)) return 0;
-    return tree_fail(s->file, before->at, "file: %s:%d: sizes must grow; %s", before->path, line,
-                     before->curve ? "passing must grow from 0 to 1" : "shares are at least 0");
-}
-
-static int add_row(scene *s, size_shares *list, sieve_rows *before, int line, double size, double value) {
-    if (check_row(s, before, line, size, value)) return -1;
-    const double low = before->size > 0.0 ? before->size : 0.5 * size, share = value - before->passing;
-    const int first = before->size == 0.0 && value > 0.0;
-    before->size = size;
-    if (!before->curve) return add_share(s, list, before->at, dem_one_size(size), value, size, size);
-    before->passing = value;
-    if (first)
-        tree_note(s->file, before->at, "file: %s: %g %% pass the finest size %g mm: they are %g to %g mm large", before->path,
-                  100.0 * value, 1e3 * size, 1e3 * low, 1e3 * size);
-    return add_share(s, list, before->at, dem_uniform_sizes(low, size, list->by_mass), share, low, size);
-}
-
-/* Rows of size and share; or of size and passing, which make classes between two rows, the first from half its size. A first row of 0 and 0
-   is passed over. */
-static int read_csv(scene *s, const sizes_def *def, size_shares *list) {
-    char path[1000], message[300];
-    csv_data data;
-    sieve_rows before = {path, fields_where(&def->part, "file"), 0.0, 0.0, 0, 0};
-    if (csv_read(tree_beside(s->file, def->file, path, sizeof path), &data, message, sizeof message))
-        return tree_fail(s->file, before.at, "file: %s", message);
-    before.curve = csv_column(&data, "passing") >= 0;
-    const char *column = before.curve ? "passing" : "share";
-    int failed = csv_find(&data, "size", NULL, message, sizeof message) < 0 || csv_find(&data, column, NULL, message, sizeof message) < 0;
-    if (failed) tree_fail(s->file, before.at, "file: %s: %s", path, message);
-    else if (!csv_measures(data.names[csv_column(&data, "size")], 'L'))
-        failed = tree_fail(s->file, before.at, "file: %s: the unit of column %.60s is not one of length", path,
-                           data.names[csv_column(&data, "size")]);
-    else before.bare = csv_measures(data.names[csv_column(&data, "size")], '#');
-    if (!failed && data.rows == 0) failed = tree_fail(s->file, before.at, "file: %s: it has no rows", path);
-    for (int r = 0; r < data.rows && !failed; r++) {
-        const double size = csv_value(&data, r, "size"), value = csv_value(&data, r, column);
-        if (!before.curve || r > 0 || size != 0.0 || value != 0.0) failed = add_row(s, list, &before, data.lines[r], size, value);
+/* Shares of single sizes; or a sieve curve, of which two sizes make a class. What passes the finest size is half as large at least. */
+static int read_file(scene *s, const sizes_def *def, size_shares *list) {
+    char path[1000], message[800];
+    const tree *at = fields_where(&def->part, "file");
+    sheet_sizes file;
+    int failed = 0;
+    if (sheet_read_sizes(tree_beside(s->file, def->file, path, sizeof path), NULL, 1, &file, message, sizeof message))
+        return tree_fail(s->file, at, "file: %s", message);
+    tree_note(s->file, at, "file: %s", file.how);
+    const double *size = file.size, *amount = file.amount[0];
+    for (int k = 0; k < file.n && file.single && !failed; k++)
+        failed = add_share(s, list, at, dem_one_size(size[k]), amount[k], size[k], size[k]);
+    if (!file.single && amount[0] > 0.0)
+        tree_note(s->file, at, "file: %s: %g %% pass the finest size %g mm: they are %g to %g mm large", path, 100.0 * amount[0],
+                  1e3 * size[0], 5e2 * size[0], 1e3 * size[0]);
+    for (int k = 0; k < file.n && !file.single && !failed; k++) {
+        const double low = k ? size[k - 1] : 0.5 * size[0], share = amount[k] - (k ? amount[k - 1] : 0.0);
+        failed = add_share(s, list, at, dem_uniform_sizes(low, size[k], list->by_mass), share, low, size[k]);
     }
-    if (!failed && before.curve && !(before.passing >= 1.0 - SIEVE_END))
-        failed = tree_fail(s->file, before.at,
-                           "file: %s: passing ends at %.6g: %.4g %% are coarser than %g mm; a row where it is 1 says how coarse", path,
-                           before.passing, 100.0 * (1.0 - before.passing), 1e3 * before.size);
-    csv_free(&data);
+    if (!failed && !file.single && !(file.above[0] <= SIEVE_END))
+        failed =
+            tree_fail(s->file, at, "file: %s: passing ends at %.6g: %.4g %% are coarser than %g mm; a row where it is 1 says how coarse",
+                      path, amount[file.n - 1], 100.0 * file.above[0], 1e3 * size[file.n - 1]);
+    sheet_free_sizes(&file);
     return failed ? -1 : 0;
 }
 
@@ -135,7 +97,7 @@ static int read_sizes(scene *s, const feed_def *feed, size_shares *list) {
     const tree *at = def->part.where;
     if (!at) return read_drawn(s, feed, list);
     list->by_mass = def->shares == 0;
-    if (def->file) return read_csv(s, def, list);
+    if (def->file) return read_file(s, def, list);
     for (int k = 0; k < def->classes.n; k++)
         if (add_share(s, list, c[k].part.where, dem_one_size(c[k].diameter), c[k].share, c[k].diameter, c[k].diameter)) return -1;
     if (def->classes.n) return 0;

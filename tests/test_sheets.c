@@ -1,0 +1,285 @@
+/* The reader of laboratory tables: files in tests/sheets as laboratories write them give the numbers that a person reads in them, or one
+   line that is true. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "sheet.h"
+
+static void near(const char *what, double value, double expected) {
+    if (!(fabs(value - expected) <= 1e-9 * fabs(expected) + 1e-12)) fail_msg("%s: %.15g, not %.15g", what, value, expected);
+}
+
+/* The same sand in many tables: sieves of 1, 2, 4, 8, 16 mm. */
+static void test_one_sand_in_many_tables(void **state) {
+    static const char *const files[] = {
+        "excel_german.csv", "utf16_tabs.txt",     "thousands.csv",        "below_63.csv",     "intervals.csv", "two_lines.csv",
+        "units_below.csv",  "percent_cells.csv",  "comments_before.csv",  "coarser.csv",      "phi.csv",       "low_high.csv",
+        "blanks.txt",       "quoted_heading.csv", "cumulated_masses.csv", "mesh_numbers.csv", "tyler.csv"};
+    static const double passing[5] = {0.1, 0.25, 0.5, 0.9, 1.0};
+    (void)state;
+    for (size_t f = 0; f < sizeof files / sizeof *files; f++) {
+        char path[100], message[600];
+        sheet_sizes s;
+        snprintf(path, sizeof path, "tests/sheets/%s", files[f]);
+        if (sheet_read_sizes(path, NULL, 1, &s, message, sizeof message) != 0) fail_msg("%s", message);
+        const int n = strcmp(files[f], "tyler.csv") == 0 ? 3 : strcmp(files[f], "below_63.csv") == 0 ? 4 : 5;
+        double width[5] = {1e-3, 2e-3, 4e-3, 8e-3, 16e-3};
+        if (strcmp(files[f], "mesh_numbers.csv") == 0) width[3] = 0.0254 * 5 / 16, width[4] = 0.0254 * 5 / 8;
+        assert_false(s.single);
+        assert_int_equal(s.n, n);
+        for (int k = 0; k < n; k++) near(files[f], s.size[k], width[k]), near(files[f], s.amount[0][k], passing[k]);
+        near(files[f], s.above[0], 1.0 - passing[n - 1]);
+        assert_non_null(strstr(s.how, files[f]));
+        sheet_free_sizes(&s);
+        sheet_free_sizes(&s);
+    }
+}
+
+static void test_sheets_of_users(void **state) {
+    static const struct {
+        const char *file;
+        int n;
+        double size[5], passing[5];
+    } right[] = {{"sieves_top_down.csv", 4, {4.75e-3, 10e-3, 20e-3, 40e-3}, {0.05, 0.4, 0.98, 1.0}},
+                 {"retained.csv", 5, {0.5e-3, 1e-3, 2e-3, 4e-3, 8e-3}, {0.0, 0.032, 0.128, 0.351, 0.714}},
+                 {"masses_with_pan.csv", 3, {1.19e-3, 2.38e-3, 4.76e-3}, {51 / 303.5, 141 / 303.5, 241.1 / 303.5}}};
+    static const struct {
+        const char *file, *line;
+    } wrong[] = {
+        {"refused_of_what.csv", ":3: a size of 16 of what? The column must name its unit, such as size_mm"},
+        {"refused_doubt.csv", ":2: '1.250' may be in thousands: write numbers without a mark for them"},
+        {"refused_mesh.csv", ": the mesh numbers may be of ASTM or Tyler: the heading must say which"},
+        {"refused_kind.csv",
+         ": column 'R\xc3\xbc"
+         "ckstand [%]': on each sieve, or cumulated? The heading must say cumulative, or there must be a row for the pan"},
+        {"refused_gap.csv", ":3: the class from 2 mm does not begin where the one below ends, at 1 mm"},
+        {"refused_falls.csv", ":3: column 'passing [%]': less is finer than 2 mm (0.1) than 1 mm (0.9)"},
+        {"refused_total.csv", ": the rows of 'mass [g]' add up to 0.17 kg, the row of the total says 0.25 kg"},
+        {"refused_commas.csv", ":2: 3 cells, but the heading names 2: decimal commas need semicolons or tabs between cells"},
+        {"refused_columns.csv", ": no column size; the columns are 'Probe', 'Wert', 'Bemerkung'"},
+        {"screen_fit_german.csv",
+         ": several columns are sizes; the columns are 'case', 'amplitude_mm', 'frequency_hz', 'aperture_mm', 'wire_mm', "
+         "'time_s', 'size_mm', 'retained_%'"},
+        {"nowhere.csv", ": No such file or directory"},
+    };
+    char path[100], message[600], expected[700];
+    sheet_sizes s;
+    (void)state;
+    for (size_t f = 0; f < sizeof right / sizeof *right; f++) {
+        snprintf(path, sizeof path, "tests/sheets/%s", right[f].file);
+        if (sheet_read_sizes(path, NULL, 1, &s, message, sizeof message) != 0) fail_msg("%s", message);
+        assert_int_equal(s.n, right[f].n);
+        for (int k = 0; k < s.n; k++) near(path, s.size[k], right[f].size[k]), near(path, s.amount[0][k], right[f].passing[k]);
+        sheet_free_sizes(&s);
+    }
+    for (size_t f = 0; f < sizeof wrong / sizeof *wrong; f++) {
+        snprintf(path, sizeof path, "tests/sheets/%s", wrong[f].file);
+        snprintf(expected, sizeof expected, "%s%s", path, wrong[f].line);
+        assert_int_equal(sheet_read_sizes(path, NULL, 1, &s, message, sizeof message), -1);
+        assert_string_equal(message, expected);
+        assert_null(s.memory);
+    }
+}
+
+static int sizes_of(const char *text, const char *const *names, int n, sheet_sizes *s, char *message) {
+    return sheet_parse_sizes(text, (long)strlen(text), "f", names, n, s, message, 600);
+}
+
+/* What a column is follows from its heading and the numbers; rows may stand in any order. */
+static void test_kinds_of_amounts(void **state) {
+    static const struct {
+        const char *text;
+        double size, passing; /* of the last size [mm] */
+        int single;
+    } cases[] = {
+        {"size_mm,passing\n1,0.2\n2,0.7\n", 2.0, 0.7, 0},
+        {"size_um,passing_%\n2000,70\n1000,20\n", 2.0, 0.7, 0},
+        {"size_mm,cumulative %\n1,20\n2,70\n", 2.0, 0.7, 0},
+        {"size_mm,cumulative %\n1,80\n2,30\n", 2.0, 0.7, 0},
+        {"size_mm,retained\n1,80\n2,70\n", 2.0, 0.3, 0}, /* 150 % in all: cumulated */
+        {"size_mm,retained_%\n1,50\n2,30\nPan,20\n", 2.0, 0.7, 0},
+        {"size_mm,retained_%\n1,20\n2,30\n4,35\n", 4.0, 0.65, 0}, /* 15 % have passed all */
+        {"Sieb [mm];Masse [g]\n2;30\n1;50\nBoden;20\n", 2.0, 0.7, 0},
+        {"Sieb [mm];Masse\n2;30 g\n1;50 g\nBoden;0,02 kg\n", 2.0, 0.7, 0},
+        {"Sieb;Durchgang\n1 mm;20\n2 mm;70\n", 2.0, 0.7, 0},
+        {"Sieb;Durchgang\n1000 \xc2\xb5m;20\n2 mm;70\n", 2.0, 0.7, 0},
+        {"Korn [mm];Anteil [%]\n0/1;20\n1/2;80\n", 2.0, 1.0, 0},
+        {"Korn [mm];Anteil [%]\n1 bis 2;80\n< 1;20\n", 2.0, 1.0, 0},
+        {"class,share\n\"1-2 mm\",80\n\"<1 mm\",20\n", 2.0, 1.0, 0},
+        {"sieve mm,mass fraction\n-2+1,0.8\n-1,0.2\n", 2.0, 1.0, 0},
+        {"size_mm,share\n1,30\n2,70\n", 2.0, 70.0, 1},
+        {"Sieve No.,passing %\n#4,70\n#10,20\n", 4.75, 0.7, 0},
+        {"Sieve,passing %\nNo. 10,20\nNo. 4,70\n", 4.75, 0.7, 0},
+        {"mesh,passing %\n40,20\n4,70\n", 4.75, 0.7, 0}, /* there is no Tyler 40 */
+        {"Sieve (in),passing %\n3/8,20\n1 1/2,70\n", 38.1, 0.7, 0},
+        {"phi,passing %\n0,20\n-1.5,70\n", 2.8284271247461903, 0.7, 0},
+        {"phi;passing %\n\xe2\x88\x92"
+         "1,0;70\n1,0;20\n",
+         2.0, 0.7, 0}, /* a minus sign of typography */
+        {"x / mm\tQ3 / 1\n1\t0,2\n2\t0,7\n", 2.0, 0.7, 0},
+        {"Size (mm);Passing (%);Passing sd\n1;20;1\n2;70;1\n", 2.0, 0.7, 0},
+        {"Diameter [mm];Remarks;Finer than [%]\n1;wet;20\n2;;70\nTotal;;\n", 2.0, 0.7, 0},
+        {"sieve_mm,passing,retained_g\n1,20,50\n2,70,30\n", 2.0, 0.7, 0},
+    };
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char message[600];
+        sheet_sizes s;
+        if (sizes_of(cases[k].text, NULL, 1, &s, message)) fail_msg("%s: %s", cases[k].text, message);
+        assert_int_equal(s.single, cases[k].single);
+        near(cases[k].text, 1e3 * s.size[s.n - 1], cases[k].size);
+        near(cases[k].text, s.amount[0][s.n - 1], cases[k].passing);
+        for (int i = 1; i < s.n; i++) assert_true(s.size[i] > s.size[i - 1]);
+        sheet_free_sizes(&s);
+    }
+    static const char *const wrong[][2] = {
+        {"", "f: no lines with cells"},
+        {"size_mm,passing\n", "f: no rows below the heading"},
+        {"size_mm,passing\n1,0.5\n1,0.6\n", "f:3: the size 1 mm is there twice"},
+        {"size_mm,passing\n1,0.5 x\n", "f:2: column 'passing': '0.5 x' is not a number"},
+        {"size_mm,passing\nx,0.5\n", "f:2: column 'size_mm': 'x' is no size"},
+        {"size_mm,passing\n1,-0.5\n", "f:2: column 'passing': '-0.5' is below 0"},
+        {"size_mm,passing\n1,50\n2,150\n", "f:3: column 'passing': 1.5 of the whole is finer than 2 mm; it is 0 to 1, or 0 to 100 %"},
+        {"size_s,passing\n1,50\n", "f: no column size; the columns are 'size_s', 'passing'"},
+        {"size_mm,passing_s\n1,50\n", "f: no column passing, coarser, retained, mass or share; the columns are 'size_mm', 'passing_s'"},
+        {"size_mm,size2_mm,diameter_mm,passing\n1,1,1,50\n",
+         "f: several columns are sizes; the columns are 'size_mm', 'size2_mm', 'diameter_mm', 'passing'"},
+        {"size_mm,retained_g\n1,0\nPan,0\n", "f: column 'retained_g': all amounts are 0"},
+        {"size_mm,cum. mass retained g\n1,5\n", "f: column 'cum. mass retained g': cumulated masses need a row for the pan"},
+        {"size_mm,retained\n1,20\n2,300\n4,50\n",
+         "f: column 'retained': neither adds up to 100 % nor falls as sizes rise; masses need a unit, such as retained_g"},
+        {"class mm,share %\n0-1,20\n1-2,30\n", "f: column 'share %' adds up to 50 %, not to 100"},
+        {"sieve mass g,sieve soil mass g,size mm\n10,5,1\n", "f:2: column 'sieve soil mass g': '5' is less than the empty sieve"},
+        {"Tyler mesh,passing %\n40,50\n", "f:2: column 'Tyler mesh': '40' is no sieve of Tyler"},
+    };
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+        char message[600] = "read";
+        sheet_sizes s;
+        sizes_of(wrong[k][0], NULL, 1, &s, message);
+        assert_string_equal(message, wrong[k][1]);
+        assert_null(s.memory);
+    }
+}
+
+/* Feed, coarse and fine of a classifier: classes or what passes, with deviations or without. */
+static void test_amounts_by_name(void **state) {
+    static const char *const names[4] = {"feed", "coarse", "fine", "feed_sd"};
+    char message[600];
+    sheet_sizes s;
+    (void)state;
+    if (sheet_read_sizes("tests/sheets/feed_coarse_fine.csv", names, 4, &s, message, sizeof message)) fail_msg("%s", message);
+    assert_true(s.n == 5 && !s.single && !s.amount[3]);
+    near("feed", s.amount[0][2], 0.6), near("coarse", s.amount[1][2], 0.3), near("fine", s.amount[2][2], 0.9),
+        near("size", s.size[0], 2e-6);
+    sheet_free_sizes(&s);
+    static const char *const same[] = {
+        "low_um,high_um,feed,coarse,fine,feed_sd\n1,2,0.2,0.1,0.4,0.01\n2,4,0.8,0.9,0.6,0.02\n",
+        "x [um];Feed passing [%];Coarse passing [%];Fine passing [%]\n4;100;100;100\n2;20;10;40\n",
+        "Klasse um\tAufgabe %\tGrobgut %\tFeingut %\tAufgabe sd %\n2-4\t80\t90\t60\t2\n1-2\t20\t10\t40\t1\n"};
+    for (int k = 0; k < 3; k++) {
+        if (sizes_of(same[k], names, 4, &s, message)) fail_msg("%s", message);
+        const int at = s.n - 2;
+        near("size", s.size[at], 2e-6), near("feed", s.amount[0][at], 0.2), near("coarse", s.amount[1][at], 0.1),
+            near("fine", s.amount[2][at], 0.4);
+        near("whole", s.amount[0][s.n - 1], 1.0);
+        if (k != 1) near("sd", s.amount[3][at], 0.01), near("sd", s.amount[3][s.n - 1], 0.02);
+        else assert_null(s.amount[3]);
+        sheet_free_sizes(&s);
+    }
+    assert_int_equal(sizes_of("low_um,high_um,feed,coarse\n1,2,50,50\n", names, 4, &s, message), -1);
+    assert_string_equal(message, "f: no column fine; the columns are 'low_um', 'high_um', 'feed', 'coarse'");
+}
+
+static int table_of(const char *text, sheet_column *c, int n, sheet *s, char *message) {
+    return sheet_parse(text, (long)strlen(text), "f", c, n, s, message, 600);
+}
+
+/* Readings: the same numbers whatever the separators, decimals, units and the language. */
+static void test_readings(void **state) {
+    static const char *const same[] = {
+        "time_s,volume_ml,note\n0,0,start\n90,1250.5,end\n",
+        "# a comment\n\ntime_min;volume_l\n0;0\n1,5;1,2505\n",
+        "\xef\xbb\xbfZeit t / s\tFiltratvolumen V / ml\r\n0\t0\r\n90\t1250,5\r\n",
+        "Zeit;Volumen\ns;ml\n0;0\n90;1250,5\n",
+        "Pr\xfc"
+        "fung;A 12\nZeit [s];Filtrat [cm\xb3]\n0;0\n90;1.250,5\n", /* Latin-1, thousands */
+        "sep=,\ntime (s),filtrate volume (L)\n0,0\n90,1.2505\n",
+        "t [s]   V [ml]\n 0        0\n90   1250.5\n",
+        "time;volume\n0 s;0 ml\n1,5 min;1250,5 ml\n",
+        "\"time\n[s]\",\"volume [mL]\"\n\"0\",\"0\"\n\"90\",\"1250,5\"\n",
+        "volume_m3,time_s\n0,0\n1.2505e-3,9e1\n\n,,,\n",
+    };
+    char message[600];
+    sheet s;
+    (void)state;
+    for (size_t k = 0; k < sizeof same / sizeof *same; k++) {
+        sheet_column c[3] = {sheet_want("time", 'T', true), sheet_want("volume", 'V', true), sheet_want("pressure", 'P', false)};
+        if (table_of(same[k], c, 3, &s, message)) fail_msg("%d: %s", (int)k, message);
+        assert_int_equal(s.rows, 2);
+        near(same[k], c[0].value[1], 90.0), near(same[k], c[1].value[1], 1.2505e-3);
+        assert_true(c[0].value[0] == 0.0 && c[2].index == -1 && !c[2].value);
+        assert_non_null(strstr(s.how, "time from '"));
+        sheet_free(&s);
+        sheet_free(&s);
+    }
+    static const char *const wrong[][2] = {
+        {"time_s,volume\n1,2,3\n", "f:2: 3 cells, but the heading names 2: decimal commas need semicolons or tabs between cells"},
+        {"time_s;volume\n1;2x\n", "f:2: column 'volume': '2x' is not a number"},
+        {"time_s;volume_g\n1;2\n", "f: the unit cannot be one of volume; the columns are 'time_s', 'volume_g'"},
+        {"time_s;volume [furlong]\n1;2\n", "f: no column volume; the columns are 'time_s', 'volume [furlong]'"},
+        {"time_s;time_min;volume\n1;2;3\n", "f: several columns are time; the columns are 'time_s', 'time_min', 'volume'"},
+        {"time_s;volume;presure_bar\n1;2;3\n", "f: a column pressure, in a unit such as _mm, _percent, _kg_m2; there is 'presure_bar'"},
+        {"time_s;volume\n", "f: no rows below the heading in line 1"},
+        {"time_velocity;volume\n1;2\n", "f: no column time; the columns are 'time_velocity', 'volume'"},
+        {"time;volume\n1.250;2,5\n", "f:2: '1.250' may be in thousands: write numbers without a mark for them"},
+    };
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+        sheet_column c[3] = {sheet_want("time", 'T', true), sheet_want("volume", 'V', true), sheet_want("pressure", 'P', false)};
+        strcpy(message, "read");
+        table_of(wrong[k][0], c, 3, &s, message);
+        assert_string_equal(message, wrong[k][1]);
+        assert_null(s.cell);
+    }
+    sheet_column share[2] = {sheet_want("case", 't', true), sheet_want("moisture", 's', true)};
+    assert_int_equal(table_of("case,moisture\n1,2.5\n", share, 2, &s, message), -1);
+    assert_string_equal(message, "f: column 'moisture': a share of 2.5; in per cent, its heading says so, such as moisture_percent");
+    assert_int_equal(table_of("Fall;Feuchte\nnass 1;2,5 %\n", share, 2, &s, message), 0);
+    near("moisture", share[1].value[0], 0.025);
+    assert_string_equal(s.cell[share[0].index], "nass 1");
+    sheet_free(&s);
+    assert_int_equal(sheet_parse("a\0b", 3, "f", share, 2, &s, message, 600), -1);
+    assert_string_equal(message, "f: not a text file");
+}
+
+/* The German table of a screen that came as a report of a fault. */
+static void test_screen_table(void **state) {
+    enum { COLUMNS = 8 };
+    sheet_column c[COLUMNS] = {sheet_want("case", 't', true),     sheet_want("time", 'T', true),      sheet_want("size", 'L', true),
+                               sheet_want("retained", '%', true), sheet_want("amplitude", 'L', true), sheet_want("frequency", 'f', true),
+                               sheet_want("aperture", 'L', true), sheet_want("wire", 'L', false)};
+    char message[600];
+    sheet s;
+    (void)state;
+    if (sheet_read("tests/sheets/screen_fit_german.csv", c, COLUMNS, &s, message, sizeof message)) fail_msg("%s", message);
+    assert_int_equal(s.rows, 60);
+    near("amplitude", c[4].value[0], 0.8e-3), near("wire", c[7].value[59], 2.5e-3), near("retained", c[3].value[0], 0.307);
+    near("size", c[2].value[3], 7.4e-3), near("last", c[3].value[59], 0.196), near("time", c[1].value[59], 16.0);
+    assert_string_equal(s.cell[59 * s.columns + c[0].index], "3");
+    sheet_free(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_one_sand_in_many_tables), cmocka_unit_test(test_sheets_of_users), cmocka_unit_test(test_kinds_of_amounts),
+        cmocka_unit_test(test_amounts_by_name),         cmocka_unit_test(test_readings),        cmocka_unit_test(test_screen_table),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
