@@ -217,9 +217,8 @@ extern "C" {
     X(DEM_TOO_FAST, "a particle moves more than half its radius, or a body turns by a hundred radians, in one step")   \
     X(DEM_TOO_MANY, "more walls, materials or particles than this header counts, or more mass than a region can hold") \
     X(DEM_BAD_DATA, "neither a whole saved world of this version nor an STL file with triangles")                      \
-    X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or "      \
-                        "links have no law: call "                                                                     \
-                        "dem_set_links after dem_load")                                                                \
+    X(DEM_LAW_MISMATCH, "the contacts or links present are of a law with another name, version or number of states, or "\
+                        "links have no law: call dem_set_links after dem_load")                                        \
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")               \
     X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")      \
     X(DEM_BUSY,                                                                                                        \
@@ -692,8 +691,13 @@ typedef struct dem_birth {
 
 /* A law. It is a constant, so that the loop that DEM_KERNEL makes of it has no indirect call. */
 typedef struct dem_law {
+    /* Name and version say what the states mean. Contacts and links go on, in a run and from a save, only under a law
+       of the same name, up to a comma if there is one, the same version and the same number of states: "linear,
+       friction" and "linear, with attraction" understand each other, "linear" and "Luding" do not
+       (DEM_LAW_MISMATCH). Give a law that means something else by its states a name or a version of its own. NULL: only
+       the number of states is compared. */
     const char *name;
-    int version;   /* version of the meaning of its state */
+    int version;
     int states;    /* doubles for each contact, 0 when it begins, <= DEM_STATE_MAX */
     int history;   /* the first of them, which force may change; only dem_set_contact_state() changes the rest */
     int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */
@@ -991,7 +995,8 @@ DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; saf
    the world can be read, saved and freed). */
 DEM_API dem_status dem_run(dem_world *world, double duration, int features);
 /* Does the same with a law of your own. kernel: made by DEM_KERNEL; it must outlive the world. Besides the statuses of
-   dem_run: DEM_LAW_MISMATCH if the contacts present keep another number of states than the law. */
+   dem_run: DEM_LAW_MISMATCH if the contacts present have the history of a law with another name, version or number of
+   states (see dem_law). */
 DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kernel *kernel);
 
 /* Changes gravity [m/s2], or the parameters of a pair of materials, from now on, also for what flies or touches
@@ -1019,8 +1024,8 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
    dem_law, a link uses states, history, vectors, force (gap of any sign; no contact, constants and mass) and ended.
    interval: time between evaluations [s] > 0, rounded down to steps, at least one; the force is constant between. near:
    gap below which linked bodies also have a contact, by the law of contacts [m] >= 0, at most 0.01 * skin * smallest
-   diameter; forces that grow fast near contact (lubrication) belong there. DEM_LAW_MISMATCH if there are links with
-   another number of states. */
+   diameter; forces that grow fast near contact (lubrication) belong there. DEM_LAW_MISMATCH if there are links of
+   a law with another name, version or number of states (see dem_law). */
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near);
 /* Links particle i with j (a particle, or -1 - wall at an element of it). state: [law->states]. From a law's born hook,
    or between runs. When a particle leaves, ended is called for its links, and they are gone. From the hook ended:
@@ -1192,7 +1197,8 @@ DEM_API uint64_t dem_hash(const dem_world *world);
    writes only if capacity is enough (call it with NULL, 0 first). 0 for what is no world, and from hooks: a step is
    half done there. */
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
-/* Makes a world from saved bytes; its runs continue with the same bits. As for dem_init, *world must not be in use.
+/* Makes a world from saved bytes; its runs continue with the same bits, under a law with the name, version and number of
+   states of that which made the contacts (see dem_law). As for dem_init, *world must not be in use.
    allocator may be NULL. DEM_BAD_DATA, DEM_OUT_OF_MEMORY: nothing is allocated then. */
 DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator);
 
@@ -2131,6 +2137,7 @@ typedef struct dem__contacts {
     dem__postponed *postponed;   /* with threads */
     int states, constants;       /* number of arrays of each */
     int has_history;             /* whether states can be other than zero */
+    uint64_t law;                /* dem__law_mark of the law that made them; 0: unknown */
     void *block;
     size_t bytes;
     int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the near pair; -1: none; below -1: a
@@ -2162,6 +2169,7 @@ typedef struct dem__links {
     void (*step)(dem_world *w); /* takes their step; set with their law */
     double interval, near;
     int on, every, states; /* every: steps between two evaluations */
+    uint64_t mark;         /* dem__law_mark of the law that made the states; 0: unknown */
     ptrdiff_t count, capacity;
     void *block;
     size_t bytes;
@@ -2704,6 +2712,23 @@ static inline int dem__is_law(const dem_law *law) {
     return law && law->force && law->states >= 0 && law->states <= DEM_STATE_MAX && law->vectors >= 0 &&
            law->history <= law->states && law->vectors <= law->history / 3 && law->constants >= 0 &&
            law->constants <= DEM_CONSTANTS_MAX;
+}
+
+/* Returns a number that stands for the meaning of a law's states: FNV-1a of its name up to a comma and its version; 0
+   without a name. Worlds keep and save it, so that names may be of any length. */
+static inline uint64_t dem__law_mark(const dem_law *law) {
+    uint64_t mark = 0xcbf29ce484222325u;
+    const char *c = law->name;
+    if (!c) return 0;
+    for (; *c && *c != ','; c++) mark = (mark ^ (unsigned char)*c) * 0x100000001b3u;
+    for (int k = 0; k < 4; k++) mark = (mark ^ ((uint32_t)law->version >> (8 * k) & 255u)) * 0x100000001b3u;
+    return mark;
+}
+
+/* Returns whether states with a mark can be those of a law. */
+static inline int dem__is_of_law(uint64_t mark, const dem_law *law) {
+    const uint64_t own = dem__law_mark(law);
+    return mark == 0 || own == 0 || mark == own;
 }
 
 DEM_INLINE int dem__is_thread_count(int threads) { return threads >= 1 && threads <= 4096; }
@@ -8825,11 +8850,13 @@ static inline int dem__has_void_history(const dem_kernel *kernel, int features) 
     return (kernel->features & ~features & DEM_FRICTION) != 0;
 }
 
-/* Returns whether a law can take over the contacts present. They continue under a law with the same number of states; a
-   history that is zero can be dropped or begun. */
+/* Returns whether a law can take over the contacts present. They continue under a law whose states are as many and mean
+   the same; a history that is zero means nothing, and can be dropped or begun. */
 static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
     const dem__contacts *contacts = &w->engine->contacts;
-    if (contacts->count == 0 || kernel->law->states == contacts->states) return 1;
+    if (contacts->count == 0) return 1;
+    if (kernel->law->states == contacts->states)
+        return !contacts->has_history || dem__is_of_law(contacts->law, kernel->law);
     return !contacts->has_history && (kernel->law->states == 0 || dem__has_void_history(kernel, features));
 }
 
@@ -8897,6 +8924,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
         !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
         return DEM_OUT_OF_MEMORY;
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
+    w->engine->contacts.law = dem__law_mark(kernel->law);
     const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
     w->owed = 0.0; /* if the run fails */
     if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);
@@ -9091,11 +9119,12 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
         return DEM_BAD_ARGUMENT;
     dem__links *links = &w->engine->links;
     const dem_law *law = kernel->law;
-    if (links->count > 0 && law->states != links->states) return DEM_LAW_MISMATCH;
+    if (links->count > 0 && (law->states != links->states || !dem__is_of_law(links->mark, law)))
+        return DEM_LAW_MISMATCH;
     dem__pieces others = dem__all_particles(w); /* whose work is counted with another interval from now on */
     if (links->on && links->interval == interval) others.end = others.first; /* a loaded world whose law is set again */
     links->on = 1;
-    links->law = law;
+    links->law = law, links->mark = dem__law_mark(law);
     links->loop = kernel->loop, links->step = dem__step_links;
     links->interval = interval;
     if (links->near != near) w->engine->run.needs_lists = 1;
@@ -12953,6 +12982,8 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("has_fixed", e->bodies.has_fixed, 0),
         DEM__INTEGER("contact.states", e->contacts.states, 0),
         DEM__INTEGER("contact.has_history", e->contacts.has_history, 0),
+        DEM__INTEGER("contact.law", e->contacts.law, 0),
+        DEM__INTEGER("link.law", e->links.mark, 0),
         DEM__INTEGER("link.on", e->links.on, 0),
         DEM__INTEGER("link.states", e->links.states, 0),
         DEM__DOUBLES("link.interval", e->links.interval, 0),
