@@ -35,7 +35,7 @@ typedef struct program {
     const char *json; /* file for the one JSON object, or NULL */
     int threads;      /* default: number of cores */
     uint64_t seed;    /* default 1 */
-    bool quiet, quick;
+    bool quiet, quick, version;
     double started; /* machine_seconds() at the start */
 } program;
 
@@ -43,6 +43,9 @@ typedef struct program {
    (also if the --out folder cannot be made or written to). Installs the Ctrl-C handler of progress.h.
    about: one or more sentences for --help. options may be NULL with n 0. */
 program program_start(const char *name, const char *about, option *options, int n, int argc, char **argv);
+
+/* What --help says of the defaults of --out and --seed where a program has others; NULL: as above. Before program_start. */
+void program_say_defaults(const char *out, const char *seed);
 
 /* The same without leaving: 0 fine, 1 help asked for, 2 bad input with one line in message. Touches no file. For tests and for
    hosts with their own main. */
