@@ -70,8 +70,6 @@ extern "C" {
 #include "base/api.h"
 #include "base/polyhedron.h"
 #include "contacts/laws.h"
-#include "walls/mesh_touch.h"
-#include "walls/kinds.h"
 #include "gas/laws.h"
 
 /* Bodies: the parts that no other one includes. */

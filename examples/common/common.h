@@ -22,7 +22,7 @@
        return common_exit_status();                            // 0, 1 if an output failed, 130 after Ctrl-C
    }
 
-   io.h        riddle_io.h, all that is written     options.h  the command line     csv.h       tables from CSV
+   output.h    riddle_io.h, all that is written     options.h  the command line     csv.h       tables from CSV
    progress.h  bar, Ctrl-C, exit status             json.h     one JSON object      particles.h spheres from CSV or .vtp
    machine.h   clock, memory, cores, jobs on threads                                render.h    pictures and movies of scenes
    sheet.h     tables of a laboratory: sieves, classes, readings
@@ -33,7 +33,7 @@
 
 #include "csv.h"
 #include "input.h"
-#include "io.h"
+#include "output.h"
 #include "json.h"
 #include "machine.h"
 #include "options.h"

@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "machine.h"
-#include "io.h"
+#include "output.h"
 #include "progress.h"
 
 #ifndef RIDDLE_VERSION /* meson.build sets it */
@@ -172,7 +172,16 @@ static const option *nearest(const option *const *all, int n, const char *name, 
     return best;
 }
 
+static const char *said_out, *said_seed;
+
+void program_say_defaults(const char *out, const char *seed) { said_out = out, said_seed = seed; }
+
 static void print_default(const option *o) {
+    const char *said = strcmp(o->name, "out") == 0 ? said_out : strcmp(o->name, "seed") == 0 ? said_seed : NULL;
+    if (said) {
+        printf(" (default %s)", said);
+        return;
+    }
     switch (o->kind) {
     case OPTION_FLAG: break;
     case OPTION_INT: printf(" (default %d)", *(int *)o->value); break;

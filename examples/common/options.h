@@ -49,6 +49,9 @@ program program_start(const char *name, const char *about, option *options, int 
 /* Was the option --name on the command line? A name that the program has not ends it: the program is wrong. */
 bool is_given(const program *self, const char *name);
 
+/* What --help says of the defaults of --out and --seed where a program has others; NULL: as above. Before program_start. */
+void program_say_defaults(const char *out, const char *seed);
+
 /* The same without leaving: 0 fine, 1 help asked for, 2 bad input with one line in message. Touches no file. For tests and for
    hosts with their own main. */
 int options_parse(program *self, option *options, int n, int argc, char **argv, char *message, int message_size);
