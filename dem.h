@@ -46,7 +46,8 @@
              and clang sqrt in a file that includes this does not set errno. A law of yours takes part if declared DEM_INLINE.
    Linking   one shared copy: #define DEM_API extern everywhere, DEM_IMPLEMENTATION as well in one file; laws of yours stand there.
    Fields    a force on every particle, in flight by steps of its own, by a law of yours (DEM_FORCE_FIELD); drag in a gas, at rest or on a
-             Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer & Sommerfeld, Di Felice.
+             Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer & Sommerfeld, all by Di Felice among others;
+             Gidaspow, Beetstra, Koch & Hill.
    Not here  the flow of fluids, heat, files, printing. */
 #ifndef DEM_H
 #define DEM_H
@@ -173,9 +174,15 @@ extern "C" {
 /* Declarations, and the pure functions that laws of a user call. */
 
 /* ---------------------------------------------------------------------------------------------- >>base/constants.h */
-/* Constants that tune the engine, each with its reason. Results change in their last bits with them. */
+/* Constants that tune the engine, each with its reason. With the public ones (DEM_ and one underscore) nothing changes
+   but what fits; with the others results change in their last bits. Saves hold what is there, not what would fit: they
+   load in a program with other public constants, if all of it fits. */
 
-#define DEM_MATERIALS_MAX 8  /* a pair table of 64 entries stays in the definition */
+/* Materials of a world; -DDEM_MATERIALS_MAX=12 in all files of a program gives more. The default leaves a table of 64
+   pairs in the definition. */
+#ifndef DEM_MATERIALS_MAX
+#define DEM_MATERIALS_MAX 8
+#endif
 #define DEM_WALLS_MAX 32     /* every particle near a wall is tested with it; a mesh counts as one */
 #define DEM_CONSTANTS_MAX 16 /* constants of a law, computed when a contact begins */
 #define DEM_STATE_MAX 16     /* doubles that a law may keep for each contact */
@@ -2294,36 +2301,98 @@ DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
 /* ---------------------------------------------------------------------------------------------------- >>gas/laws.h */
 /* Laws of drag: pure functions of scalars. */
 
-/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], for Re = density |slip|
-   d/viscosity, d the diameter of the sphere of equal volume. The force is (pi/8) viscosity d (c_D Re) slip: finite, and
-   right, at rest. NaN for Re < 0. */
-typedef double (*dem_drag_fn)(double reynolds, const dem_gas *gas);
+/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], of a particle among others. For Re
+   = density porosity |slip| d/viscosity, d the diameter of the sphere of equal volume, slip the velocity of the gas
+   between the particles minus the particle's. The force is (pi/8) viscosity d (c_D Re) slip, apart from the pressure
+   gradient: finite, and right, at rest. porosity: 0 < .. <= 1. NaN outside: Re < 0, another porosity. */
+typedef double (*dem_drag_fn)(double reynolds, double porosity, const dem_gas *gas);
 
-/* Returns c_D Re by Stokes 1851. */
-DEM_INLINE double dem_drag_stokes(double reynolds, const dem_gas *gas) {
-    (void)gas;
-    return reynolds >= 0.0 ? 24.0 : (double)NAN;
+/* Returns x^power of x > 0. */
+DEM_INLINE double dem__drag_power(double x, double power) { return riddle_exp(power * riddle_log(x)); }
+DEM_INLINE int dem__is_drag(double reynolds, double porosity) {
+    return reynolds >= 0.0 && porosity > 0.0 && porosity <= 1.0;
 }
 
-/* Returns c_D Re by Schiller & Naumann 1933, for spheres; beyond Re = 1000 by Newton's 0.44. */
-DEM_INLINE double dem_drag_schiller_naumann(double reynolds, const dem_gas *gas) {
-    (void)gas;
-    if (!(reynolds >= 0.0)) return (double)NAN;
-    if (reynolds > 1000.0) return 0.44 * reynolds;
-    return reynolds > 0.0 ? 24.0 + 3.6 * riddle_exp(0.687 * riddle_log(reynolds)) : 24.0;
-}
-
-/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets. */
-DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, const dem_gas *gas) {
-    return gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
-}
-
-/* Returns the exponent chi of the porosity (Di Felice 1994). The drag on a particle among others is that on a single
-   one, both at the superficial slip, times porosity^-chi. reynolds: at the superficial slip [-] >= 0. */
+/* Returns the exponent chi of the porosity (Di Felice 1994). reynolds: at the superficial slip [-] >= 0. */
 DEM_INLINE double dem_di_felice(double reynolds) {
     if (!(reynolds >= 0.0)) return (double)NAN;
     const double off = 1.5 - riddle_log(reynolds) / 2.302585092994045684; /* infinite at rest, where chi is 3.7 */
     return reynolds > 0.0 ? 3.7 - 0.65 * riddle_exp(-0.5 * off * off) : 3.7;
+}
+/* Returns by what other particles raise c_D Re of a single one (Di Felice 1994): porosity^(1 - chi), where both have the
+   superficial slip, and the force counts on the slip between the particles; 1 alone. A law for single particles is
+   multiplied by it. */
+DEM_INLINE double dem_hindrance_di_felice(double reynolds, double porosity) {
+    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
+    return porosity < 1.0 ? dem__drag_power(porosity, 1.0 - dem_di_felice(reynolds)) : 1.0;
+}
+
+/* Returns c_D Re of single spheres by Schiller & Naumann 1933; beyond Re = 1000 by Newton's 0.44. */
+DEM_INLINE double dem__drag_of_sphere(double reynolds) {
+    if (reynolds > 1000.0) return 0.44 * reynolds;
+    return reynolds > 0.0 ? 24.0 + 3.6 * dem__drag_power(reynolds, 0.687) : 24.0;
+}
+
+/* Returns c_D Re by Stokes 1851, among others by Di Felice. */
+DEM_INLINE double dem_drag_stokes(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    return 24.0 * dem_hindrance_di_felice(reynolds, porosity);
+}
+
+/* Returns c_D Re by Schiller & Naumann 1933, for spheres, beyond Re = 1000 by Newton's 0.44; among others by Di Felice.
+ */
+DEM_INLINE double dem_drag_schiller_naumann(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    const double hindrance = dem_hindrance_di_felice(reynolds, porosity); /* NaN outside the domain */
+    return dem__drag_of_sphere(reynolds) * hindrance;
+}
+
+/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets; among others by Di
+   Felice. */
+DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, double porosity, const dem_gas *gas) {
+    const double alone = gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
+    return alone * dem_hindrance_di_felice(reynolds, porosity);
+}
+
+/* Returns c_D Re by Gidaspow 1994, for spheres: below a porosity of 0.8 by Ergun 1952, from there on by Wen & Yu 1966.
+   It jumps there. */
+DEM_INLINE double dem_drag_gidaspow(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
+    if (porosity < 0.8) return (200.0 * (1.0 - porosity) + 7.0 / 3.0 * reynolds) / porosity;
+    const double alone = dem__drag_of_sphere(reynolds);
+    return porosity < 1.0 ? alone * dem__drag_power(porosity, -2.65) : alone;
+}
+
+/* Returns c_D Re by Beetstra, van der Hoef & Kuipers 2007, eq. 16, for spheres: from lattice-Boltzmann simulations with
+   porosities of 0.4 and more, Re up to 1000. */
+DEM_INLINE double dem_drag_beetstra(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
+    const double solid = 1.0 - porosity, square = porosity * porosity;
+    double force = 10.0 * solid / square + square * (1.0 + 1.5 * sqrt(solid)); /* over 3 pi viscosity d (superficial) */
+    if (reynolds > 0.0) {
+        const double ten = 2.302585092994045684, log_re = riddle_log(reynolds);
+        const double sum = 1.0 / porosity + 3.0 * porosity * solid + 8.4 * riddle_exp(-0.343 * log_re);
+        const double fade = 1.0 + riddle_exp(3.0 * ten * solid - 0.5 * (1.0 + 4.0 * solid) * log_re);
+        force += 0.413 / 24.0 * reynolds / square * sum / fade;
+    }
+    return 24.0 * porosity * force;
+}
+
+/* Returns c_D Re by Hill, Koch & Ladd 2001 (Koch & Hill 2001), for spheres: F0 + F3 Re/2, from lattice-Boltzmann
+   simulations with porosities of 0.36 and more, Re up to 240. Their F contains the pressure gradient's part, 1 -
+   porosity of it. In dilute gas it is only right at small Re. */
+DEM_INLINE double dem_drag_koch_hill(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
+    const double solid = 1.0 - porosity, square = porosity * porosity;
+    const double logarithm = solid > 0.0 ? 135.0 / 64.0 * solid * riddle_log(solid) : 0.0;
+    const double slow = solid < 0.4 ? (1.0 + 3.0 * sqrt(0.5 * solid) + logarithm + 16.14 * solid) /
+                                          (1.0 + solid * (0.681 + solid * (-8.48 + solid * 8.16)))
+                                    : 10.0 * solid / (square * porosity);
+    const double fast = 0.0673 + 0.212 * solid + 0.0232 / (square * square * porosity);
+    return 24.0 * square * (slow + 0.5 * fast * reynolds);
 }
 
 /* The frame of a gas at a time: its centre and its rotation. */
@@ -2413,9 +2482,7 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
     const dem_vec slip = dem__sub(dem__gas_speed(gas, &f, &cell, at->position), at->velocity);
     const double porosity = gas->porosity ? dem__gas_value(gas->porosity, &cell, 1, 0) : 1.0;
     const double reynolds = gas->density * porosity * dem__length(slip) * d / gas->viscosity;
-    double factor = RIDDLE_PI / 8.0 * gas->viscosity * d * drag(reynolds, gas);
-    if (porosity < 1.0) factor *= riddle_exp((1.0 - dem_di_felice(reynolds)) * riddle_log(porosity));
-    dem_vec force = dem__scale(factor, slip);
+    dem_vec force = dem__scale(RIDDLE_PI / 8.0 * gas->viscosity * d * drag(reynolds, porosity, gas), slip);
     if (gas->pressure_gradient)
         force = dem__plus(force, -volume, dem__gas_vector(gas, &f, gas->pressure_gradient, &cell));
     return gas->buoyancy ? dem__plus(force, -gas->density * volume, at->gravity) : force;
@@ -2993,7 +3060,7 @@ typedef struct dem__array {
     void *address; /* of the pointer to it */
     size_t size;   /* of an entry [bytes] */
 } dem__array;
-enum { DEM__ARRAYS_MAX = 96, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
+enum { DEM__ARRAYS_MAX = 64 + DEM_STATE_MAX + DEM_CONSTANTS_MAX, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
 
 /* Lists the arrays of particles in a force field. Returns their number. */
 static inline int dem__field_arrays(dem_world *w, dem__array *list) {
@@ -3723,9 +3790,11 @@ DEM_INLINE double dem__turn_stride(dem_vec momentum, dem_vec moments) {
     return size > 0.0 ? 0.25 * smallest / size : HUGE_VAL;
 }
 
-/* Rotates a free body with three moments for any time, in steps of at most a quarter radian. */
+/* Rotates a free body with three moments for a time of a few steps, in strides of at most a quarter radian. A body that
+   turns by more, as only a forged save may have one, is left as it is. */
 static inline dem_quaternion dem__turn_far(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     const double steps = floor(fabs(t) / dem__turn_stride(momentum, moments)) + 1.0, h = t / steps;
+    if (!(steps < 1e5)) return q;
     for (double n = 0.0; n < steps; n += 1.0) q = dem__turn_nine(q, momentum, moments, h);
     return q;
 }
@@ -13268,7 +13337,7 @@ static inline int dem__is_sound_polyhedron(const dem_world *w, ptrdiff_t i) {
 /* ------------------------------------------------------------------------------------------------- >>save/fields.h */
 /* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none. */
 
-enum { DEM__FIELDS_MAX = 64 };
+enum { DEM__FIELDS_MAX = 64 + DEM_STATE_MAX };
 
 /* Fields with the same number of entries. */
 typedef struct dem__group {
@@ -13662,14 +13731,21 @@ static inline void dem__write_meshes(dem__stream *s, const dem_world *w, dem__gr
     }
 }
 
+static inline void dem__write_materials(dem__stream *s, dem_world *w, dem__group *g) {
+    const int n = w->def.materials;
+    dem_pair_def pair[DEM_MATERIALS_MAX * DEM_MATERIALS_MAX]; /* without gaps: DEM_MATERIALS_MAX may change */
+    for (int k = 0; k < n * n; k++) pair[k] = w->def.pair[k / n][k % n];
+    dem__material_fields(w->def.material, g), dem__write_group(s, w, g, n, 0);
+    dem__pair_fields(pair, g), dem__write_group(s, w, g, n * n, 0);
+}
+
 /* Writes a world, or counts its bytes. */
 static inline void dem__write_world(dem__stream *s, dem_world *w) {
     uint64_t magic = DEM__MAGIC, version = DEM__FORMAT;
     dem__group g;
     dem__stream_u64(s, &magic), dem__stream_u64(s, &version);
     dem__world_fields(w, &g), dem__write_group(s, w, &g, 1, 0);
-    dem__material_fields(w->def.material, &g), dem__write_group(s, w, &g, DEM_MATERIALS_MAX, 0);
-    dem__pair_fields(&w->def.pair[0][0], &g), dem__write_group(s, w, &g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX, 0);
+    dem__write_materials(s, w, &g);
     dem__wall_fields(w->wall, &g), dem__write_group(s, w, &g, w->walls, 0);
     dem__write_meshes(s, w, &g);
     if (w->engine->convex.shapes > 0) {
@@ -16353,15 +16429,24 @@ static inline int dem__find_field(const dem__file *file, const dem__group *g, in
     return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
 }
 
-/* Reads a group of n consecutive entries. Returns 0 if the file is not valid. */
-static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
+/* Reads entries first .. end-1 of a group of n into consecutive ones from `to` on. Returns 0 if the file is not valid.
+ */
+static inline int dem__read_some(const dem__file *file, const dem__group *g, ptrdiff_t n, ptrdiff_t first,
+                                 ptrdiff_t end, ptrdiff_t to) {
     for (int q = 0; q < g->fields && n > 0; q++) {
+        const dem__saved_field *f = &g->field[q];
         dem__stream s;
         const int found = dem__find_field(file, g, q, n, &s);
         if (found < 0) return 0;
-        for (ptrdiff_t k = 0; k < n && found; k++) dem__stream_entry(&s, &g->field[q], k);
+        s.at += (size_t)first * (size_t)(f->numbers * f->width);
+        for (ptrdiff_t k = first; k < end && found; k++) dem__stream_entry(&s, f, to + k - first);
     }
     return 1;
+}
+
+/* Reads all n entries of a group. */
+static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
+    return dem__read_some(file, g, n, 0, n, 0);
 }
 
 /* Reads contacts into their slots. Returns 0 if the file is not valid. */
@@ -16378,28 +16463,44 @@ static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__g
     return 1;
 }
 
+/* Steps that a run may owe: half a one, and more after a change of the time step. */
+#define DEM__OWED_STEPS 1e7
+
 static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
+
+/* Reads materials and their pairs. Files have as many as the world, older ones DEM_MATERIALS_MAX of the program that
+   wrote them. Returns 0 if the file is not valid. */
+static inline int dem__read_materials(const dem__file *file, dem_world *w, dem__group *g) {
+    const ptrdiff_t used = w->def.materials, n = dem__entries_of(file, "material.density");
+    if (used < 1 || used > DEM_MATERIALS_MAX || n < used || n > INT16_MAX) return 0;
+    dem__material_fields(w->def.material, g);
+    if (!dem__read_some(file, g, n, 0, used, 0)) return 0;
+    dem__pair_fields(&w->def.pair[0][0], g);
+    for (ptrdiff_t a = 0; a < used; a++) {
+        for (ptrdiff_t b = 0; b < used; b++) w->def.pair[a][b].given = 1; /* still older ones do not say what was set */
+        if (!dem__read_some(file, g, n * n, a * n, a * n + used, a * DEM_MATERIALS_MAX)) return 0;
+    }
+    return 1;
+}
 
 /* Reads the definition and single numbers. Returns 0 if the file is not valid. */
 static inline int dem__read_world(const dem__file *file, dem_world *w, dem__group *g) {
     dem__engine *e = w->engine;
     dem__world_fields(w, g);
-    if (!dem__read_group(file, g, 1)) return 0;
-    dem__material_fields(w->def.material, g);
-    if (!dem__read_group(file, g, DEM_MATERIALS_MAX)) return 0;
-    /* older files do not say which pairs were set */
-    for (int k = 0; k < DEM_MATERIALS_MAX * DEM_MATERIALS_MAX; k++)
-        w->def.pair[k / DEM_MATERIALS_MAX][k % DEM_MATERIALS_MAX].given = 1;
-    dem__pair_fields(&w->def.pair[0][0], g);
-    if (!dem__read_group(file, g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX)) return 0;
+    if (!dem__read_group(file, g, 1) || !dem__read_materials(file, w, g)) return 0;
     const int64_t counts[] = {w->step,  e->run.start_step, w->particle_steps, w->contact_steps,
                               w->looks, w->rebuilds,       w->passed_total};
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
     }
     if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) ||
-        !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
+        !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts) ||
+        !dem__is_flag(e->contacts.has_history))
         return 0;
+    /* what a flag promises is there */
+    if ((e->ledger.started || e->ledger.counts) && !e->ledger.on) return 0;
+    if (e->links.on ? !dem__positive(e->links.interval) : dem__entries_of(file, "link.i") > 0) return 0;
+    if (!(fabs(w->owed) <= DEM__OWED_STEPS * w->def.dt)) return 0;
     if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 ||
         e->links.states > DEM_STATE_MAX)
         return 0;
