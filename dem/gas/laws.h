@@ -1,6 +1,6 @@
 /* Laws of drag: pure functions of scalars. */
 #pragma once
-#include "../base/geometry.h"
+#include "../base/vectors.h"
 
 /* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], of a particle among others. For Re
    = density porosity |slip| d/viscosity, d the diameter of the sphere of equal volume, slip the velocity of the gas

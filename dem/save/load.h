@@ -1,8 +1,10 @@
 /* Loading: makes a world from the records that save/save.h writes, and trusts none of them: every index, count and
    number that the engine relies on is checked here. */
 #pragma once
+#include "../meshes/add.h"
 #include "../polyhedra/add.h"
 #include "../polyhedra/save.h"
+#include "../walls/kinds.h"
 #include "fields.h"
 
 /* A file that is read: its bytes, and where its records begin and end. */
@@ -155,10 +157,9 @@ static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocat
 /* Returns whether a loaded wall could come from the functions that make and move walls. */
 static inline int dem__is_sound_wall(const dem_world *w, const dem_wall *a) {
     const dem_wall_motion *asked = &a->asked;
-    if (a->material < 0 || a->material >= w->def.materials || a->kind < DEM_PLANE || a->kind > DEM_MESH) return 0;
-    if (!dem__is_flag(a->solid) || (a->solid && a->kind != DEM_MESH)) return 0;
-    if (a->kind == DEM_SCREEN && !dem__is_deck(a)) return 0;
-    if (a->kind == DEM_CONE && !(a->length > 0.0 && a->radius + a->high_radius > 0.0)) return 0;
+    if (a->material < 0 || a->material >= w->def.materials || !a->kind__) return 0;
+    if (!dem__is_flag(a->solid) || (a->solid && !dem__has(a, DEM__TRIANGULATED))) return 0;
+    if (a->kind__->is_sound && !a->kind__->is_sound(a)) return 0;
     if (asked->drive < DEM_KINEMATIC || asked->drive > DEM_TORQUE_CONTROLLED) return 0;
     if (asked->drive == DEM_PRESCRIBED && !(asked->interval > 0.0)) return 0;
     return asked->drive < DEM_FORCE_CONTROLLED || asked->inertia > 0.0;
@@ -174,12 +175,13 @@ static inline dem_status dem__read_walls(const dem__file *file, dem_world *w, de
     if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
     for (w->walls = 0; w->walls < n; w->walls++) {
         dem_wall *a = &w->wall[w->walls];
+        a->kind__ = dem__find_kind(a->kind);
         if (!dem__is_sound_wall(w, a)) return DEM_BAD_DATA;
-        const dem_status status =
-            a->kind == DEM_MESH ? dem__read_mesh(file, &w->def.allocator, w->walls, a, g) : DEM_OK;
+        const int is_mesh = dem__has(a, DEM__TRIANGULATED);
+        const dem_status status = is_mesh ? dem__read_mesh(file, &w->def.allocator, w->walls, a, g) : DEM_OK;
         if (status != DEM_OK) return status;
-        if (a->kind == DEM_MESH) dem__count_mesh(w);
-        walls->touch_keepers += a->kind == DEM_MESH || a->kind == DEM_CONE;
+        if (is_mesh) dem__count_mesh(w);
+        walls->touch_keepers += dem__has(a, DEM__TRIANGULATED | DEM__KEEPS_CURVATURE);
         walls->controls |= a->asked.drive >= DEM_FORCE_CONTROLLED;
         dem__set_phase_sine(a);
     }
@@ -327,7 +329,7 @@ static inline int dem__are_sound_contacts(const dem_world *w) {
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
         if (!dem__are_bodies(w, i, j) || (j >= 0 && j < i)) return 0;
-        if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && !dem__shape_of(w, i) &&
+        if (j < 0 && dem__has(&w->wall[-1 - j], DEM__TRIANGULATED) && !dem__shape_of(w, i) &&
             (contacts->element[c] < 0 || contacts->element[c] >= DEM__NUMBERS))
             return 0;
         if (w->particle[i].origin != w->step || (j >= 0 && w->particle[j].origin != w->step)) return 0;

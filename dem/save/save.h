@@ -75,7 +75,7 @@ static inline void dem__write_meshes(dem__stream *s, const dem_world *w, dem__gr
     dem__group triangles;
     for (int k = 0; k < w->walls; k++) {
         const dem__tree *tree = w->wall[k].tree;
-        if (w->wall[k].kind != DEM_MESH) continue;
+        if (!tree) continue;
         dem__mesh_fields(tree->vertex, tree->corner, k, g, &triangles);
         dem__write_group(s, w, g, tree->vertices, 0);
         dem__write_group(s, w, &triangles, tree->triangles, 0);
