@@ -5,7 +5,7 @@
 #include "dem.h"
 
 static int run_on(dem_world *w) {
-    const dem_status status = dem_run(w, 2e-3, DEM_LINEAR | DEM_FRICTION);
+    const dem_status status = dem_run(w, 3e-5, DEM_LINEAR | DEM_FRICTION);
     printf("%016llx %d contacts, %s\n", (unsigned long long)dem_hash(w), (int)dem_contact_count(w), dem_status_text(status));
     dem_free(w);
     return status != DEM_OK;
@@ -33,7 +33,7 @@ int main(int argc, char **argv) {
         const double at[3] = {9.9e-4 * i, 0, 4.9e-4}, diameter = 1e-3;
         if (dem_add_spheres(&w, 1, at, &diameter, i % 2, 0) != DEM_OK) return 1;
     }
-    if (dem_run(&w, 2e-3, DEM_LINEAR | DEM_FRICTION) != DEM_OK) return 1;
+    if (dem_run(&w, 3e-5, DEM_LINEAR | DEM_FRICTION) != DEM_OK) return 1;
     const size_t size = dem_save(&w, bytes, sizeof bytes);
     if (size > sizeof bytes || fwrite(bytes, 1, size, f) != size || fclose(f) != 0) return 1;
     return run_on(&w);
