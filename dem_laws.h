@@ -1,15 +1,26 @@
-/* dem_laws.h - more contact laws for dem.h, each written as a user law:
+/* dem_laws.h: more contact laws for dem.h: rolling with a spring, adhesion, bonds. Each is a user law: copy one and change it.
 
-       #include "dem_laws.h"
-       DEM_KERNEL(kernel, contact_jkr, DEM_HERTZ | DEM_FRICTION)            // once, outside of functions: compiles the law's loop
-       ...
+   #include "dem_laws.h"
+
+   DEM_KERNEL(kernel, contact_jkr, DEM_HERTZ | DEM_FRICTION)           // once, outside of functions: compiles the law's loop
+
+   int main(void) {
+       dem_def def = dem_default_def();
+       const int powder = dem_add_material(&def, 1500.0, 1e8, 0.3);
        contact_laws laws = contact_default_laws();
-       contact_pair(&laws, powder, powder)->surface_energy = 0.05;          // powder: as dem_add_material() numbered it
-       world.user = &laws;                                                  // without it a run gives DEM_NOT_FINITE
-       status = dem_run_law(&world, 0.1, &kernel);
+       contact_pair(&laws, powder, powder)->surface_energy = 0.05;     // [J/m2]
+       def.dt = 1e-7;
+       dem_world world;
+       if (dem_init(&world, &def, NULL) != DEM_OK) return 1;
+       world.user = &laws;                                             // without it a run gives DEM_NOT_FINITE
+       dem_feed feed = dem_default_feed();                             // spheres of 1 mm
+       dem_fill(&world, &feed, 20);
+       const dem_status status = dem_run_law(&world, 1e-5, &kernel);
+       dem_free(&world);
+       return status != DEM_OK;
+   }
 
-   The features named to DEM_KERNEL are those of the law (with DEM_ENERGY for the ledger):
-
+   Models, with the features to name to DEM_KERNEL (and DEM_ENERGY for the ledger):
    contact_epsd        linear, friction, rolling by an elastic-plastic spring and dashpot (Ai, Chen, Rotter & Ooi 2011, model C), and
                        twisting by the same scheme; DEM_LINEAR | DEM_FRICTION | DEM_ROLLING
    contact_epsd_hertz  the same on Hertz-Mindlin; DEM_HERTZ | DEM_FRICTION | DEM_ROLLING
@@ -19,14 +30,38 @@
    contact_bonds       parallel bonds of Potyondy & Cundall (2004) that bend, twist and break, and linear friction where there is none;
                        DEM_LINEAR | DEM_FRICTION | DEM_ROLLING
 
-   Restitution, friction and stiffness come from dem_pair(). An instance of contact_laws must outlive the runs; it is not part of
-   dem_save(): set world.user again after dem_load(). SI units. No memory, no globals. docs/contact_laws.md has equations and checks. */
-#ifndef CONTACT_LAWS_H
-#define CONTACT_LAWS_H
+   Pairs    restitution, friction and stiffness come from dem_pair(), the rest from contact_pair(). An instance of contact_laws must
+            outlive the runs. It is no part of dem_save(): set world.user again after dem_load().
+   Units    SI.
+   Memory   none. Threads: those of dem.h. Bits: as dem.h.
+   Linking  with dem.h beside it. Every function is static inline; for one shared copy #define CONTACT_API extern before every inclusion,
+            and CONTACT_IMPLEMENTATION as well in one file; laws stay static inline, and dem.h has its own switch.
+   Not here polyhedra with torque about the normal, sintering, liquid (dem_wet.h). docs/contact_laws.md has equations and checks. */
+#ifndef RIDDLE_DEM_LAWS_H
+#define RIDDLE_DEM_LAWS_H
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "dem_laws.h needs NaN and infinity: compile without -ffast-math"
+#endif
 
 #include "dem.h"
 
-/* ---- parameters ---- */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#ifndef CONTACT_API
+#define CONTACT_API static inline
+#define CONTACT__BODIES
+#elif defined(CONTACT_IMPLEMENTATION)
+#define CONTACT__BODIES
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ====================================================== >>declarations ====================================================== */
 
 /* What the laws want of a pair of materials beside dem_pair_def. Zero: none of it. */
 typedef struct contact_pair_def {
@@ -47,58 +82,19 @@ typedef struct contact_laws {
     int bonding; /* 1: contacts that begin now become bonds (contact_bonds). Set it, run 0 s, set it back to 0; default 0 */
 } contact_laws;
 
-static inline contact_laws contact_default_laws(void) {
-    contact_laws laws;
-    memset(&laws, 0, sizeof laws);
-    for (int a = 0; a < DEM_MATERIALS_MAX; a++) {
-        for (int b = 0; b < DEM_MATERIALS_MAX; b++) {
-            contact_pair_def *p = &laws.pair[a][b];
-            p->rolling_damping = 0.3;
-            p->bond_shear = 0.4;
-            p->bond_radius = 1.0;
-            p->bond_damping = 0.1;
-            p->tensile = p->shear = HUGE_VAL;
-        }
-    }
-    return laws;
-}
+CONTACT_API contact_laws contact_default_laws(void);
 
 /* The parameters of a pair of materials, in either order, to be edited; NULL if an index is out of range. */
-static inline contact_pair_def *contact_pair(contact_laws *laws, int a, int b) {
-    if (!laws || a < 0 || b < 0 || a >= DEM_MATERIALS_MAX || b >= DEM_MATERIALS_MAX) return NULL;
-    return a < b ? &laws->pair[a][b] : &laws->pair[b][a];
-}
+CONTACT_API contact_pair_def *contact_pair(contact_laws *laws, int a, int b);
 
 /* The first field outside its range, or NULL if all is well. */
-static inline const char *contact_bad_field(const contact_laws *laws) {
-    if (!laws) return "laws";
-    for (int a = 0; a < DEM_MATERIALS_MAX; a++) {
-        for (int b = a; b < DEM_MATERIALS_MAX; b++) {
-            const contact_pair_def *p = &laws->pair[a][b];
-            if (!(p->rolling >= 0.0 && p->rolling <= DBL_MAX)) return "rolling";
-            if (!(p->rolling_damping >= 0.0 && p->rolling_damping <= DBL_MAX)) return "rolling_damping";
-            if (!(p->twisting >= 0.0 && p->twisting <= DBL_MAX)) return "twisting";
-            if (!(p->surface_energy >= 0.0 && p->surface_energy <= DBL_MAX)) return "surface_energy";
-            if (!(p->bond_modulus >= 0.0 && p->bond_modulus <= DBL_MAX)) return "bond_modulus";
-            if (!(p->bond_shear >= 0.0 && p->bond_shear <= DBL_MAX)) return "bond_shear";
-            if (!(p->bond_radius > 0.0 && p->bond_radius <= DBL_MAX)) return "bond_radius";
-            if (!(p->bond_damping >= 0.0 && p->bond_damping <= DBL_MAX)) return "bond_damping";
-            if (!(p->tensile > 0.0)) return "tensile";
-            if (!(p->shear > 0.0)) return "shear";
-        }
-    }
-    return NULL;
-}
+CONTACT_API const char *contact_bad_field(const contact_laws *laws);
 
 /* ---- pure laws of adhesion, NaN outside their domain. radius: R* = R_i R_j/(R_i + R_j), of a sphere on a plane its own [m] > 0;
         modulus: E* [Pa] > 0; energy: w [J/m2] >= 0 ---- */
 
-static inline double contact_jkr_pull_off(double radius, double energy) { /* [N], 1.5 pi w R */
-    return radius > 0.0 && energy >= 0.0 ? 1.5 * RIDDLE_PI * energy * radius : (double)NAN;
-}
-static inline double contact_dmt_pull_off(double radius, double energy) { /* [N], 2 pi w R */
-    return radius > 0.0 && energy >= 0.0 ? 2.0 * RIDDLE_PI * energy * radius : (double)NAN;
-}
+CONTACT_API double contact_jkr_pull_off(double radius, double energy); /* [N], 1.5 pi w R */
+CONTACT_API double contact_dmt_pull_off(double radius, double energy); /* [N], 2 pi w R */
 
 /* Square root s of the contact radius: delta = a^2/R - sqrt(2 pi w a/E*) is s^4 - g s = x with x = R delta, g^2 = 2 pi w R^2/E*. Ferrari's
    larger root, in an order in which nothing cancels; x >= -3/4 g (g/4)^(1/3), where the two roots meet. */
@@ -112,35 +108,19 @@ DEM_INLINE double contact__jkr_root(double g, double x) {
 DEM_INLINE double contact__jkr_least(double g) { return -0.75 * g * riddle_cbrt(0.25 * g); }
 
 /* Overlap, negative, at which a contact moved apart lets go [m]. */
-static inline double contact_jkr_release(double radius, double modulus, double energy) {
-    if (!(radius > 0.0 && modulus > 0.0 && energy >= 0.0)) return (double)NAN;
-    return contact__jkr_least(radius * sqrt(2.0 * RIDDLE_PI * energy / modulus)) / radius;
-}
+CONTACT_API double contact_jkr_release(double radius, double modulus, double energy);
 /* Contact radius [m] at an overlap [m]; NaN beyond the release. */
-static inline double contact_jkr_radius(double radius, double modulus, double energy, double overlap) {
-    if (!(overlap >= contact_jkr_release(radius, modulus, energy))) return (double)NAN;
-    const double s = contact__jkr_root(radius * sqrt(2.0 * RIDDLE_PI * energy / modulus), radius * overlap);
-    return s * s;
-}
+CONTACT_API double contact_jkr_radius(double radius, double modulus, double energy, double overlap);
 /* Force [N] at a contact radius a >= 0 [m]: 4 E* a^3/(3 R) - sqrt(8 pi w E* a^3). */
-static inline double contact_jkr_law(double radius, double modulus, double energy, double a) {
-    if (!(radius > 0.0 && modulus > 0.0 && energy >= 0.0 && a >= 0.0)) return (double)NAN;
-    return 4.0 / 3.0 * modulus * a * a * a / radius - sqrt(8.0 * RIDDLE_PI * energy * modulus * a) * a;
-}
+CONTACT_API double contact_jkr_law(double radius, double modulus, double energy, double a);
 /* Energy that an elastic JKR contact costs, from touching to release [J]: 7.09 (w^5 R^4/E*^2)^(1/3) (Thornton & Ning 1998). With
    b = (2 pi w R^2/E*)^(1/3), the contact radius at zero overlap, the integral of the force is E* b^5/R^2 times
    8/15 z^5 - 4/3 z^(7/2) + 1/2 z^2 between z = 1 and z = 4^(-2/3), which is 3/10 + 4^(-4/3)/5. */
-static inline double contact_jkr_work(double radius, double modulus, double energy) {
-    if (!(radius > 0.0 && modulus > 0.0 && energy >= 0.0)) return (double)NAN;
-    const double b = riddle_cbrt(2.0 * RIDDLE_PI * energy * radius * radius / modulus);
-    return (0.3 + 0.2 / riddle_cbrt(256.0)) * modulus * b * b * b * b * b / (radius * radius);
-}
+CONTACT_API double contact_jkr_work(double radius, double modulus, double energy);
 /* Slowest normal impact from which bodies of effective mass m [kg] > 0 come apart again [m/s]. */
-static inline double contact_jkr_sticking_speed(double radius, double modulus, double energy, double mass) {
-    return mass > 0.0 ? sqrt(2.0 * contact_jkr_work(radius, modulus, energy) / mass) : (double)NAN;
-}
+CONTACT_API double contact_jkr_sticking_speed(double radius, double modulus, double energy, double mass);
 
-/* ---- rolling and twisting ---- */
+/* ================================================= >>rolling and twisting =================================================== */
 
 /* Constants stand behind those of the shipped laws. */
 enum { CONTACT_ROLL = DEM_LINEAR_CONSTANTS, CONTACT_ROLL_DAMPING, CONTACT_TWIST, CONTACT_EPSD_CONSTANTS };
@@ -257,7 +237,7 @@ static const dem_law contact_epsd_hertz = {"Hertz-Mindlin, EPSD rolling, twistin
                                            NULL,
                                            NULL};
 
-/* ---- cohesion ---- */
+/* ======================================================== >>cohesion ======================================================== */
 
 enum { CONTACT_PULL = DEM_HERTZ_CONSTANTS, CONTACT_JKR_G, CONTACT_JKR_LEAST, CONTACT_JKR_TOUCHED, CONTACT_JKR_WORK, CONTACT_JKR_CONSTANTS };
 
@@ -317,7 +297,7 @@ static inline double contact_prepare_jkr(const dem_birth *b, double *constants) 
 static const dem_law contact_dmt = {"Hertz-Mindlin, DMT", 1, 4, 4, 1, CONTACT_JKR_G, contact_prepare_dmt, contact_dmt_force, NULL, NULL};
 static const dem_law contact_jkr = {"JKR", 1, 4, 4, 1, CONTACT_JKR_CONSTANTS, contact_prepare_jkr, contact_jkr_force, NULL, NULL};
 
-/* ---- bonds ---- */
+/* ========================================================= >>bonds ========================================================== */
 
 /* Constants: stiffness of stretching, shearing [N/m], bending, twisting [N m/rad]; damping time [s]; 1/area and 1/section modulus over the
    strengths, so that a bond breaks at 1. State: friction history, way sheared [m], angles bent and twisted [rad], 1 whole (2 new, 0 none),
@@ -410,7 +390,7 @@ static inline void contact_bonds_born(dem_world *world, const int32_t *numbers, 
     }
 }
 /* Is contact k (0 .. dem_contact_count-1) a whole bond? */
-static inline int contact_is_bond(const dem_world *world, ptrdiff_t k) { return dem_get_contact(world, k).state[CONTACT_WHOLE] > 0.0; }
+CONTACT_API int contact_is_bond(const dem_world *world, ptrdiff_t k);
 
 static const dem_law contact_bonds = {"bonds",
                                       1,
@@ -423,4 +403,90 @@ static const dem_law contact_bonds = {"bonds",
                                       contact_bonds_born,
                                       NULL};
 
+#ifdef CONTACT__BODIES
+
+/* ========================================================= >>bodies ========================================================= */
+
+CONTACT_API contact_laws contact_default_laws(void) {
+    contact_laws laws;
+    memset(&laws, 0, sizeof laws);
+    for (int a = 0; a < DEM_MATERIALS_MAX; a++) {
+        for (int b = 0; b < DEM_MATERIALS_MAX; b++) {
+            contact_pair_def *p = &laws.pair[a][b];
+            p->rolling_damping = 0.3;
+            p->bond_shear = 0.4;
+            p->bond_radius = 1.0;
+            p->bond_damping = 0.1;
+            p->tensile = p->shear = HUGE_VAL;
+        }
+    }
+    return laws;
+}
+
+CONTACT_API contact_pair_def *contact_pair(contact_laws *laws, int a, int b) {
+    if (!laws || a < 0 || b < 0 || a >= DEM_MATERIALS_MAX || b >= DEM_MATERIALS_MAX) return NULL;
+    return a < b ? &laws->pair[a][b] : &laws->pair[b][a];
+}
+
+CONTACT_API const char *contact_bad_field(const contact_laws *laws) {
+    if (!laws) return "laws";
+    for (int a = 0; a < DEM_MATERIALS_MAX; a++) {
+        for (int b = a; b < DEM_MATERIALS_MAX; b++) {
+            const contact_pair_def *p = &laws->pair[a][b];
+            if (!(p->rolling >= 0.0 && p->rolling <= DBL_MAX)) return "rolling";
+            if (!(p->rolling_damping >= 0.0 && p->rolling_damping <= DBL_MAX)) return "rolling_damping";
+            if (!(p->twisting >= 0.0 && p->twisting <= DBL_MAX)) return "twisting";
+            if (!(p->surface_energy >= 0.0 && p->surface_energy <= DBL_MAX)) return "surface_energy";
+            if (!(p->bond_modulus >= 0.0 && p->bond_modulus <= DBL_MAX)) return "bond_modulus";
+            if (!(p->bond_shear >= 0.0 && p->bond_shear <= DBL_MAX)) return "bond_shear";
+            if (!(p->bond_radius > 0.0 && p->bond_radius <= DBL_MAX)) return "bond_radius";
+            if (!(p->bond_damping >= 0.0 && p->bond_damping <= DBL_MAX)) return "bond_damping";
+            if (!(p->tensile > 0.0)) return "tensile";
+            if (!(p->shear > 0.0)) return "shear";
+        }
+    }
+    return NULL;
+}
+
+CONTACT_API double contact_jkr_pull_off(double radius, double energy) {
+    return radius > 0.0 && energy >= 0.0 ? 1.5 * RIDDLE_PI * energy * radius : (double)NAN;
+}
+
+CONTACT_API double contact_dmt_pull_off(double radius, double energy) {
+    return radius > 0.0 && energy >= 0.0 ? 2.0 * RIDDLE_PI * energy * radius : (double)NAN;
+}
+
+CONTACT_API double contact_jkr_release(double radius, double modulus, double energy) {
+    if (!(radius > 0.0 && modulus > 0.0 && energy >= 0.0)) return (double)NAN;
+    return contact__jkr_least(radius * sqrt(2.0 * RIDDLE_PI * energy / modulus)) / radius;
+}
+
+CONTACT_API double contact_jkr_radius(double radius, double modulus, double energy, double overlap) {
+    if (!(overlap >= contact_jkr_release(radius, modulus, energy))) return (double)NAN;
+    const double s = contact__jkr_root(radius * sqrt(2.0 * RIDDLE_PI * energy / modulus), radius * overlap);
+    return s * s;
+}
+
+CONTACT_API double contact_jkr_law(double radius, double modulus, double energy, double a) {
+    if (!(radius > 0.0 && modulus > 0.0 && energy >= 0.0 && a >= 0.0)) return (double)NAN;
+    return 4.0 / 3.0 * modulus * a * a * a / radius - sqrt(8.0 * RIDDLE_PI * energy * modulus * a) * a;
+}
+
+CONTACT_API double contact_jkr_work(double radius, double modulus, double energy) {
+    if (!(radius > 0.0 && modulus > 0.0 && energy >= 0.0)) return (double)NAN;
+    const double b = riddle_cbrt(2.0 * RIDDLE_PI * energy * radius * radius / modulus);
+    return (0.3 + 0.2 / riddle_cbrt(256.0)) * modulus * b * b * b * b * b / (radius * radius);
+}
+
+CONTACT_API double contact_jkr_sticking_speed(double radius, double modulus, double energy, double mass) {
+    return mass > 0.0 ? sqrt(2.0 * contact_jkr_work(radius, modulus, energy) / mass) : (double)NAN;
+}
+
+CONTACT_API int contact_is_bond(const dem_world *world, ptrdiff_t k) { return dem_get_contact(world, k).state[CONTACT_WHOLE] > 0.0; }
+
+#endif /* CONTACT__BODIES */
+
+#ifdef __cplusplus
+}
+#endif
 #endif

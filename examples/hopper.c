@@ -13,22 +13,24 @@
 
 #include "common.h"
 #include "dem.h"
+#include "steady.h"
 #include "world_picture.h"
 
-enum { RUNS_MAX = 8, BLOCKS = 20, FRAMES = 40 };
+enum { RUNS_MAX = 8, FRAMES = 40 };
 static const double g = 9.81;
-static const double orifices[] = {5.0, 6.5, 8.5, 11.0}, heights[] = {1.5, 2.5}; /* over the diameter; over the usual fill */
+static const double orifices[] = {5.0, 6.5, 8.5, 11.0},
+                    heights[] = {1.5, 2.5}; /* over the diameter; over the usual fill */
 
 typedef struct silo {
-    int dosta, material, spheres;                     /* spheres: 0: as the height says */
-    double diameter, spread, density;                 /* of the spheres [m], largest deviation from it [-], [kg/m3] */
-    double width, slope;                              /* diameter over the orifice's [-]; of the bottom [rad], 0: flat */
+    int dosta, material, spheres;     /* spheres: 0: as the height says */
+    double diameter, spread, density; /* of the spheres [m], largest deviation from it [-], [kg/m3] */
+    double width, slope;              /* diameter over the orifice's [-]; of the bottom [rad], 0: flat */
     double stiffness, restitution, friction, rolling; /* [N/m], [-], [-], lever arm [m] */
     double time;                                      /* longest discharge [s] */
     int passing;                                      /* spheres that a rate is taken from */
 } silo;
 
-static const picture_def view = {{NULL}, 0, 0.6, {0.25, 1.0, -0.25}};
+static const picture_def view = {{NULL}, 0, 0.6, {0.25, 1.0, -0.25}, 0, 0};
 
 typedef struct discharge {
     double orifice, radius, height;                  /* diameter, radius of the cylinder, fill [m] */
@@ -36,18 +38,23 @@ typedef struct discharge {
     int spheres, passed, room;                       /* numbers; of those that passed there is room for */
     double *time, *mass;                             /* [passed] of each that fell out [s], sum so far [kg] */
     dem_status status;
+    bool jammed;     /* an arch held, with spheres above it */
+    const char *why; /* there is no rate; NULL */
 } discharge;
 
 typedef struct study {
     silo s;
     discharge run[RUNS_MAX];
-    int runs, orifices, base; /* the first `orifices` runs differ in them; the others have the orifice of run `base` and more fill */
+    int runs, orifices,
+        base; /* the first `orifices` runs differ in them; the others have the orifice of run `base` and more fill */
     const program *self;
     bool film;
     progress bar;
 } study;
 
-static int features(const silo *s) { return (s->dosta ? DEM_HERTZ : DEM_LINEAR) | DEM_FRICTION | (s->rolling > 0.0 ? DEM_ROLLING : 0); }
+static int features(const silo *s) {
+    return (s->dosta ? DEM_HERTZ : DEM_LINEAR) | DEM_FRICTION | (s->rolling > 0.0 ? DEM_ROLLING : 0);
+}
 
 /* Times and speeds over those that suit spheres of 5 mm. */
 static double pace(const silo *s) { return s->dosta ? 1.0 : sqrt(s->diameter / 0.005); }
@@ -65,7 +72,8 @@ static dem_status build(dem_world *world, const silo *s, const discharge *d) {
     dem_add_material(&def, 7200.0, 210e9, 0.2); /* steel */
     for (int k = 0; k < 2; k++) {
         dem_pair_def *p = dem_pair(&def, 0, k);
-        p->stiffness = s->stiffness, p->restitution = s->restitution, p->friction = s->friction, p->rolling = s->rolling;
+        p->stiffness = s->stiffness, p->restitution = s->restitution, p->friction = s->friction,
+        p->rolling = s->rolling;
         if (s->dosta && k == 1) p->restitution = 0.4, p->friction = 0.2;
     }
     dem_status status = dem_init(world, &def, NULL);
@@ -73,7 +81,8 @@ static dem_status build(dem_world *world, const silo *s, const discharge *d) {
     dem_cone bottom = dem_default_cone();
     bottom.low = dem_vec3(0, 0, -depth(s, d)), bottom.high = dem_vec3(0, 0, 0);
     bottom.low_radius = 0.5 * d->orifice, bottom.high_radius = d->radius;
-    if (dem_add_cylinder(world, 1, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), d->radius, 1) < 0 || dem_add_cone(world, 1, &bottom) < 0 ||
+    if (dem_add_cylinder(world, 1, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), d->radius, 1) < 0 ||
+        dem_add_cone(world, 1, &bottom) < 0 ||
         dem_add_exit(world, dem_vec3(0, 0, -depth(s, d) - 2.0 * s->diameter), dem_vec3(0, 0, 1)) < 0)
         return DEM_TOO_MANY;
     return DEM_OK;
@@ -81,13 +90,15 @@ static dem_status build(dem_world *world, const silo *s, const discharge *d) {
 
 static double top_of(const dem_world *world) {
     double top = 0.0;
-    for (ptrdiff_t i = 0; i < world->count; i++) top = fmax(top, world->alive[i] ? dem_position(world, i).z + dem_radius(world, i) : 0.0);
+    for (ptrdiff_t i = 0; i < world->count; i++)
+        top = fmax(top, world->alive[i] ? dem_position(world, i).z + dem_radius(world, i) : 0.0);
     return top;
 }
 
 /* Rains spheres in, layer upon layer, with the orifice shut, until there are enough, and waits until they rest. */
 static dem_status fill(dem_world *world, const silo *s, discharge *d, dem_feed *feed, progress *bar, double work) {
-    const double layer = 6.0 * s->diameter, speed = 0.5 * pace(s), step = layer / speed / 2.0, volume = RIDDLE_PI * d->radius * d->radius;
+    const double layer = 6.0 * s->diameter, speed = 0.5 * pace(s), step = layer / speed / 2.0,
+                 volume = RIDDLE_PI * d->radius * d->radius;
     const int lid = dem_add_plane(world, 1, dem_vec3(0, 0, -depth(s, d)), dem_vec3(0, 0, 1));
     dem_status status = lid < 0 ? DEM_TOO_MANY : DEM_OK;
     feed->sizes = dem_uniform_sizes((1.0 - s->spread) * s->diameter, (1.0 + s->spread) * s->diameter, 0);
@@ -96,7 +107,10 @@ static dem_status fill(dem_world *world, const silo *s, discharge *d, dem_feed *
     const double mass = s->spheres ? s->spheres * RIDDLE_PI / 6.0 * s->density * pow(s->diameter, 3.0)
                                    : 0.58 * s->density * volume * d->height + 0.2 * s->density * volume * depth(s, d);
     while (status == DEM_OK && feed->placed_mass < mass && !common_interrupted()) {
-        const double bottom = world->count ? top_of(world) : s->slope > 0.0 ? -0.5 * depth(s, d) : 0.0, before = feed->placed_mass;
+        const double bottom = world->count     ? top_of(world)
+                              : s->slope > 0.0 ? -0.5 * depth(s, d)
+                                               : 0.0,
+                     before = feed->placed_mass;
         feed->region = dem_cylinder_region(dem_vec3(0, 0, fmax(bottom, 0.0)), dem_vec3(0, 0, 1), layer, d->radius);
         status = dem_fill_mass(world, feed, fmin(0.25 * s->density * volume * layer, mass - before));
         if (status == DEM_OK && before == 0.0)
@@ -119,20 +133,14 @@ static dem_status fill(dem_world *world, const silo *s, discharge *d, dem_feed *
     return status == DEM_OK ? dem_enable_wall(world, lid, 0) : status;
 }
 
-/* Mean rate and standard error from equal parts of the time, between two spheres that passed. */
+/* The rate between two spheres that passed, or why there is none. */
 static void find_rate(discharge *d, int first, int last) {
-    double sum = 0.0, square = 0.0;
-    d->rate = d->error = (double)NAN;
-    if (last - first < 3 * BLOCKS) return;
-    const double from = d->time[first], size = (d->time[last] - from) / BLOCKS;
-    for (int b = 0, k = first; b < BLOCKS; b++) {
-        const int begin = k;
-        while (k < last && d->time[k] < from + (b + 1) * size) k++;
-        const double rate = (d->mass[k] - d->mass[begin]) / size;
-        sum += rate, square += rate * rate;
-    }
-    d->rate = (d->mass[last] - d->mass[first]) / (d->time[last] - from);
-    d->error = sqrt(fmax(square / BLOCKS - sum * sum / BLOCKS / BLOCKS, 0.0) / (BLOCKS - 1));
+    const steady_flow f = steady_flow_of(d->time, d->mass, first, last);
+    d->why = d->jammed      ? "an arch holds the rest"
+             : !f.is_enough ? "too few spheres have passed"
+             : !f.is_steady ? "the rate is not steady"
+                            : NULL;
+    d->rate = d->why ? (double)NAN : f.rate, d->error = d->why ? (double)NAN : f.error;
 }
 
 /* Takes the records of the spheres that fell out. */
@@ -140,7 +148,8 @@ static void take(dem_world *world, const silo *s, double begin, discharge *d) {
     const int all = d->passed + (int)world->passed_count;
     if (all > d->room) {
         const int room = 2 * all;
-        double *time = realloc(d->time, (size_t)room * sizeof *time), *mass = time ? realloc(d->mass, (size_t)room * sizeof *mass) : NULL;
+        double *time = realloc(d->time, (size_t)room * sizeof *time),
+               *mass = time ? realloc(d->mass, (size_t)room * sizeof *mass) : NULL;
         d->time = time ? time : d->time, d->mass = mass ? mass : d->mass;
         if (!mass) {
             d->status = DEM_OUT_OF_MEMORY;
@@ -151,7 +160,8 @@ static void take(dem_world *world, const silo *s, double begin, discharge *d) {
     for (int k = d->passed; k < all; k++) {
         const dem_passed *p = &world->passed[k - d->passed];
         d->time[k] = p->time - begin;
-        d->mass[k] = (k ? d->mass[k - 1] : 0.0) + RIDDLE_PI / 6.0 * s->density * p->diameter * p->diameter * p->diameter;
+        d->mass[k] =
+            (k ? d->mass[k - 1] : 0.0) + RIDDLE_PI / 6.0 * s->density * p->diameter * p->diameter * p->diameter;
     }
     dem_take_passed(world, NULL, world->passed_count);
     d->passed = all;
@@ -184,7 +194,8 @@ static int run(int index, void *user) {
             world_movie_add(&reel, &world);
             next_shot += 0.02 * pace(s);
         }
-        if (shown && !pictured && world.time - begin >= start_up) draw_world(&world, &view, st->self->out, "hopper.png"), pictured = true;
+        if (shown && !pictured && world.time - begin >= start_up)
+            draw_world(&world, &view, st->self->out, "hopper.png"), pictured = true;
         if (series.particles && world.time - begin >= next_frame) {
             dem_io_add(&series, &world);
             next_frame = s->dosta ? next_frame + s->time / FRAMES : fmax(next_frame * 1.1, next_frame + 0.02 * pace(s));
@@ -192,21 +203,27 @@ static int run(int index, void *user) {
         d->status = dem_run(&world, sample, features(s));
         take(&world, s, begin, d);
         const int passed = d->passed;
-        if (!s->dosta && d->status == DEM_OK) d->status = dem_feed_number(&world, &feed, (double)(passed - before) / sample, sample);
+        if (!s->dosta && d->status == DEM_OK)
+            d->status = dem_feed_number(&world, &feed, (double)(passed - before) / sample, sample);
         if (passed > before) last_passing = world.time;
         if (first < 0 && world.time - begin >= start_up) first = passed;
-        const double now = s->dosta ? (world.time - begin) / s->time : first < 0 ? 0.0 : fmin((double)(passed - first) / s->passing, 1.0);
+        const double now = s->dosta    ? (world.time - begin) / s->time
+                           : first < 0 ? 0.0
+                                       : fmin((double)(passed - first) / s->passing, 1.0);
         progress_add(&st->bar, 0.7 * share * (now - done));
         done = now;
         if (!s->dosta && first >= 0 && passed - first >= s->passing) break;
-        if (passed == feed.placed || world.time - fmax(last_passing, begin) > pace(s)) break; /* empty, or an arch holds */
+        if (passed == feed.placed) break; /* empty */
+        if (world.time - fmax(last_passing, begin) <= pace(s)) continue;
+        d->jammed = passed < 0.9 * d->spheres || !s->dosta; /* on a flat bottom a rest stays */
+        break;
     }
     if (shown && !pictured && d->status == DEM_OK) draw_world(&world, &view, st->self->out, "hopper.png");
     if (series.particles) dem_io_close(&series);
     world_movie_close(&reel);
     d->ended = world.time - begin;
-    if (first >= 0) find_rate(d, first, s->dosta && d->passed > 0.8 * d->spheres ? (int)(0.8 * d->spheres) : d->passed - 1);
-    else d->rate = d->error = (double)NAN;
+    find_rate(d, first >= 0 ? first : d->passed,
+              s->dosta && d->passed > 0.8 * d->spheres ? (int)(0.8 * d->spheres) : d->passed - 1);
     dem_free(&world);
     return d->status != DEM_OK;
 }
@@ -231,19 +248,26 @@ static double logarithms(int n, const double *width, const double *rate, double 
 /* What the rates through orifices of several widths D/d tell of W = C rho_b sqrt(g) (D - k d)^n. */
 enum { EXPONENT, FREE_EXPONENT, FREE_K, K, CONSTANT, LOG_SCALE, ANSWERS };
 typedef struct beverloo {
-    double
-        answer[ANSWERS]; /* n at the k that is given; n and k, both free; k and C, n = 2.5; log of W where D = (k + 1) d, at the given k */
+    double answer
+        [ANSWERS]; /* n at the k that is given; n and k, both free; k and C, n = 2.5; log of W where D = (k + 1) d, at the given k */
     double error[ANSWERS]; /* standard errors of them, from those of the rates */
 } beverloo;
 
-static void fit_to(const study *st, const double *rate, double k, double *answer) {
-    const int n = st->orifices;
+/* Of the orifices that have a rate. */
+static void fit_to(const study *st, const double *rates, double k, double *answer) {
     const double d = st->s.diameter;
-    double width[RUNS_MAX] = {0.0}, root[RUNS_MAX] = {0.0}, density = 0.0, a, b, low = -3.0, high = orifices[0] - 0.2;
-    for (int r = 0; r < n; r++) {
-        width[r] = st->run[r].orifice / d, root[r] = pow(rate[r], 0.4);
-        density += st->run[r].bulk_density / n;
+    double width[RUNS_MAX] = {0.0}, root[RUNS_MAX] = {0.0}, rate[RUNS_MAX] = {0.0}, density = 0.0, a, b, low = -3.0,
+           high = orifices[0] - 0.2;
+    int n = 0;
+    for (int r = 0; r < st->orifices; r++) {
+        if (isnan(rates[r])) continue;
+        width[n] = st->run[r].orifice / d, rate[n] = rates[r], root[n] = pow(rates[r], 0.4);
+        density += st->run[r].bulk_density;
+        n++;
     }
+    density /= n;
+    for (int q = 0; q < ANSWERS; q++) answer[q] = (double)NAN;
+    if (n < 2) return;
     logarithms(n, width, rate, k, &answer[LOG_SCALE], &answer[EXPONENT]);
     while (high - low > 1e-6) { /* of two points in between, the worse is the new end */
         const double third = (high - low) / 3.0, left = logarithms(n, width, rate, low + third, &a, &b);
@@ -264,6 +288,7 @@ static beverloo fit(const study *st, double k) {
     fit_to(st, rate, k, b.answer);
     memset(b.error, 0, sizeof b.error);
     for (int r = 0; r < st->orifices; r++) {
+        if (isnan(rate[r])) continue;
         rate[r] += st->run[r].error;
         fit_to(st, rate, k, moved);
         rate[r] -= st->run[r].error;
@@ -275,34 +300,40 @@ static beverloo fit(const study *st, double k) {
 static void report(study *st, double k) {
     static const char *const keys[] = {"orifice_m",          "height_m", "rate_kg_s", "standard_error_kg_s",
                                        "bulk_density_kg_m3", "spheres",  "passed",    "duration_s"};
-    static const char *const answers[] = {"exponent", "exponent_of_free_k", "free_k", "k_of_exponent_2_5", "C_of_exponent_2_5"};
+    static const char *const answers[] = {"exponent", "exponent_of_free_k", "free_k", "k_of_exponent_2_5",
+                                          "C_of_exponent_2_5"};
     const silo *s = &st->s;
     const int n_orifices = st->orifices;
     double x[RUNS_MAX] = {0.0}, y[RUNS_MAX] = {0.0}, error[RUNS_MAX], fine[60], law[60];
     json *j = json_open(st->self->json);
-    riddle_io_file *rates = csv_open(st->self->out, "rates.csv",
-                                     "orifice_m,height_m,rate_kg_s,standard_error_kg_s,bulk_density_kg_m3,spheres,passed,duration_s");
+    riddle_io_file *rates =
+        csv_open(st->self->out, "rates.csv",
+                 "orifice_m,height_m,rate_kg_s,standard_error_kg_s,bulk_density_kg_m3,spheres,passed,duration_s");
     riddle_io_file *curves = csv_open(st->self->out, "curves.csv", "orifice_m,height_m,time_s,mass_kg");
-    riddle_io_table t = riddle_io_table_begin("orifice [mm]|fill [mm]|spheres|passed|rate [kg/s]|standard error|bulk density [kg/m3]");
-    riddle_plot *figure =
-        riddle_plot_new(s->dosta ? "Silo of Dosta et al." : "Discharge of silos with a fill of constant height", s->dosta ? 1 : 2, 1);
+    riddle_io_table t =
+        riddle_io_table_begin("orifice [mm]|fill [mm]|spheres|passed|rate [kg/s]|standard error|bulk density [kg/m3]");
+    riddle_plot *figure = riddle_plot_new(
+        s->dosta ? "Silo of Dosta et al." : "Discharge of silos with a fill of constant height", s->dosta ? 1 : 2, 1);
     riddle_plot_panel(figure, 0, 0, "time [s]", s->dosta ? "number left [-]" : "mass passed [kg]");
     json_array_begin(j, "runs");
     for (int r = 0; r < st->runs; r++) {
         const discharge *d = &st->run[r];
         char name[80];
-        const double row[] = {d->orifice, d->height, d->rate, d->error, d->bulk_density, d->spheres, d->passed, d->ended};
+        const double row[] = {d->orifice,      d->height,  d->rate,   d->error,
+                              d->bulk_density, d->spheres, d->passed, d->ended};
         riddle_io_row(rates, row, 8);
         json_object_begin(j, NULL);
         for (size_t c = 0; c < 8; c++) json_number(j, keys[c], row[c]);
+        json_string(j, "why_no_rate", d->why);
         json_object_end(j);
-        for (int q = 0; q < d->passed; q++) csv_line(curves, "%.9g,%.9g,%.9g,%.9g", d->orifice, d->height, d->time[q], d->mass[q]);
+        for (int q = 0; q < d->passed; q++)
+            csv_line(curves, "%.9g,%.9g,%.9g,%.9g", d->orifice, d->height, d->time[q], d->mass[q]);
         riddle_io_table_cell(&t, "%.3g", 1e3 * d->orifice);
         riddle_io_table_cell(&t, "%.3g", 1e3 * d->height);
         riddle_io_table_cell(&t, "%d", d->spheres);
         riddle_io_table_cell(&t, "%d", d->passed);
-        riddle_io_table_cell(&t, "%.4g", d->rate);
-        riddle_io_table_cell(&t, "%.2g", d->error);
+        riddle_io_table_cell(&t, d->why ? "-" : "%.4g", d->rate);
+        riddle_io_table_cell(&t, d->why ? "-" : "%.2g", d->error);
         riddle_io_table_cell(&t, "%.0f", d->bulk_density);
         snprintf(name, sizeof name, "D = %.3g mm, fill %.3g mm", 1e3 * d->orifice, 1e3 * d->height);
         for (int q = 0; q < d->passed && s->dosta; q++) d->mass[q] = d->spheres - 1 - q;
@@ -314,11 +345,18 @@ static void report(study *st, double k) {
     table_end(&t);
     riddle_io_close(rates);
     riddle_io_close(curves);
+    for (int r = 0; r < st->runs; r++) {
+        const discharge *d = &st->run[r];
+        if (d->why)
+            common_print("No rate of the orifice of %.3g mm under %.3g mm: %s (%d of %d passed in %.3g s).\n",
+                         1e3 * d->orifice, 1e3 * d->height, d->why, d->passed, d->spheres, d->ended);
+    }
     if (!s->dosta) {
         const beverloo b = fit(st, k);
         const double *a = b.answer, *e = b.error;
         const discharge *low = &st->run[st->base], *high = &st->run[st->runs - 1];
-        const double ratio = high->rate / low->rate, uncertain = ratio * hypot(high->error / high->rate, low->error / low->rate);
+        const double ratio = high->rate / low->rate,
+                     uncertain = ratio * hypot(high->error / high->rate, low->error / low->rate);
         for (int q = 0; q < 60; q++) {
             fine[q] = exp(log(0.8 * x[0]) + q / 59.0 * log(1.25 * 1.25 * x[n_orifices - 1] / x[0]));
             law[q] = exp(a[LOG_SCALE] + a[EXPONENT] * log(fine[q]));
@@ -329,13 +367,19 @@ static void report(study *st, double k) {
         snprintf(text, sizeof text, "exponent %.2f +- %.2f, k = %.3g", a[EXPONENT], e[EXPONENT], k);
         riddle_plot_error_bars(figure, "rate", x, y, error, n_orifices);
         riddle_plot_line(figure, text, fine, law, 60);
-        riddle_plot_error_bars(figure, "higher fills", x + n_orifices, y + n_orifices, error + n_orifices, st->runs - n_orifices);
-        common_print("+- are standard errors. Exponent %.3f +- %.3f at k = %.3g; with exponent 2.5: k = %.3f +- %.3f, C = %.3f +- %.3f\n",
-                     a[EXPONENT], e[EXPONENT], k, a[K], e[K], a[CONSTANT], e[CONSTANT]);
-        if (n_orifices > 2)
-            common_print("both free: exponent %.2f +- %.2f, k = %.2f +- %.2f\n", a[FREE_EXPONENT], e[FREE_EXPONENT], a[FREE_K], e[FREE_K]);
-        common_print("rate under a fill of %.3g mm over that under %.3g mm: %.3f +- %.3f\n", 1e3 * high->height, 1e3 * low->height, ratio,
-                     uncertain);
+        riddle_plot_error_bars(figure, "higher fills", x + n_orifices, y + n_orifices, error + n_orifices,
+                               st->runs - n_orifices);
+        if (isfinite(a[EXPONENT]))
+            common_print(
+                "+- are standard errors. Exponent %.3f +- %.3f at k = %.3g; with exponent 2.5: k = %.3f +- %.3f, "
+                "C = %.3f +- %.3f\n",
+                a[EXPONENT], e[EXPONENT], k, a[K], e[K], a[CONSTANT], e[CONSTANT]);
+        if (isfinite(a[FREE_EXPONENT]))
+            common_print("both free: exponent %.2f +- %.2f, k = %.2f +- %.2f\n", a[FREE_EXPONENT], e[FREE_EXPONENT],
+                         a[FREE_K], e[FREE_K]);
+        if (isfinite(ratio))
+            common_print("rate under a fill of %.3g mm over that under %.3g mm: %.3f +- %.3f\n", 1e3 * high->height,
+                         1e3 * low->height, ratio, uncertain);
         for (int q = 0; q < LOG_SCALE; q++) {
             snprintf(text, sizeof text, "beverloo_%s", answers[q]);
             json_number(j, text, a[q]);
@@ -357,13 +401,15 @@ int main(int argc, char **argv) {
     double diameter = 5.0, slope = 0.0, height = 1.0, orifice = 40.0, k = 1.4, longest = 0.5;
     int spheres = 2000;
     option options[] = {
-        option_choice("scene", &s.dosta, "beverloo|dosta", "several orifices and fills, or one silo of Dosta et al. (2024)"),
+        option_choice("scene", &s.dosta, "beverloo|dosta",
+                      "several orifices and fills, or one silo of Dosta et al. (2024)"),
         option_positive("diameter", "MM", &diameter, 1e3, "mean diameter of the spheres [mm]"),
         option_double("spread", "X", &s.spread, 0.0, 0.5, "largest deviation from it [-]"),
         option_double("width", "X", &s.width, 1.5, 20.0, "diameter of the silo over that of the orifice [-]"),
         option_double("height", "X", &height, 0.5, 20.0, "of the fill over the diameter of the orifice [-]"),
         option_double("slope", "DEG", &slope, 0.0, 85.0, "of a conical bottom, 0: flat [deg]"),
-        option_positive("stiffness", "N/M", &s.stiffness, 1e9, "of contacts, linear law [N/m]; default: 2000 for 5 mm, as d^2"),
+        option_positive("stiffness", "N/M", &s.stiffness, 1e9,
+                        "of contacts, linear law [N/m]; default: 2000 for 5 mm, as d^2"),
         option_double("friction", "MU", &s.friction, 0.0, 10.0, "coefficient of friction [-]"),
         option_double("rolling", "M", &s.rolling, 0.0, 1.0, "lever arm of rolling resistance [m]"),
         option_int("passing", "N", &s.passing, 100, 10000000, "spheres that a rate is taken from"),
@@ -376,20 +422,21 @@ int main(int argc, char **argv) {
     };
     program self = program_start("hopper", "Discharge of a silo: Beverloo's law, rate and height of fill.", options,
                                  sizeof options / sizeof *options, argc, argv);
-    if (!options[6].given) s.stiffness *= pow(diameter / 5.0, 2.0); /* the same overlaps over d */
+    if (!is_given(&self, "stiffness")) s.stiffness *= pow(diameter / 5.0, 2.0); /* the same overlaps over d */
     s.diameter = 1e-3 * diameter, s.slope = slope * RIDDLE_PI / 180.0;
     if (s.dosta) { /* the angle of the cone is not in the literature at hand: 45 degrees */
-        s.diameter = 0.004, s.spread = 0.0, s.slope = options[5].given ? s.slope : 0.25 * RIDDLE_PI, s.rolling = 0.0;
+        s.diameter = 0.004, s.spread = 0.0, s.slope = is_given(&self, "slope") ? s.slope : 0.25 * RIDDLE_PI,
+        s.rolling = 0.0;
         s.density = s.material == 2 ? 2000.0 : 2500.0, s.restitution = s.material == 2 ? 0.4 : 0.5;
         s.friction = s.material == 2 ? 0.4 : 0.3;
-        s.spheres = self.quick && !options[13].given ? 300 : spheres;
-        s.time = self.quick && !options[14].given ? 0.05 : longest;
+        s.spheres = self.quick && !is_given(&self, "spheres") ? 300 : spheres;
+        s.time = self.quick && !is_given(&self, "time") ? 0.05 : longest;
         st.run[0].orifice = 1e-3 * orifice, st.run[0].radius = 0.1;
         st.runs = st.orifices = 1;
     } else {
         const int n = (int)(sizeof orifices / sizeof *orifices);
         s.time = HUGE_VAL;
-        if (self.quick && !options[9].given) s.passing = 200;
+        if (self.quick && !is_given(&self, "passing")) s.passing = 200;
         for (int r = 0; r < (self.quick ? 2 : n); r++) st.run[st.runs++].orifice = orifices[r] * s.diameter;
         st.orifices = st.runs, st.base = self.quick ? 0 : 1;
         for (int r = 0; r < (self.quick ? 1 : 2); r++) st.run[st.runs++].orifice = orifices[st.base] * s.diameter;
@@ -401,15 +448,19 @@ int main(int argc, char **argv) {
     }
     double most = 0.0; /* spheres of a run; a fill has a density of 0.6 */
     for (int r = 0; r < st.runs; r++)
-        most = fmax(most, s.dosta ? s.spheres : 0.6 * 6.0 * st.run[r].radius * st.run[r].radius * st.run[r].height / pow(s.diameter, 3.0));
-    program_need_spheres(&self, s.dosta ? "spheres" : "height", most * (self.threads < st.runs ? self.threads : st.runs));
+        most = fmax(most, s.dosta ? s.spheres
+                                  : 0.6 * 6.0 * st.run[r].radius * st.run[r].radius * st.run[r].height /
+                                        pow(s.diameter, 3.0));
+    program_need_spheres(&self, s.dosta ? "spheres" : "height",
+                         most * (self.threads < st.runs ? self.threads : st.runs));
     st.s = s;
     st.self = &self;
     progress_begin(&st.bar, "running out", 1.0);
     jobs_run(st.runs, self.threads, run, &st);
     progress_end(&st.bar);
     for (int r = 0; r < st.runs; r++) {
-        if (st.run[r].status != DEM_OK) common_fail("orifice %g mm: %s", 1e3 * st.run[r].orifice, dem_status_text(st.run[r].status));
+        if (st.run[r].status != DEM_OK)
+            common_fail("orifice %g mm: %s", 1e3 * st.run[r].orifice, dem_status_text(st.run[r].status));
     }
     if (common_exit_status() == 0) report(&st, k);
     for (int r = 0; r < st.runs; r++) free(st.run[r].time), free(st.run[r].mass);

@@ -13,6 +13,7 @@
 
 #include "common.h"
 #include "dem.h"
+#include "steady.h"
 #include "world_picture.h"
 
 enum { SMALL, LARGE, SPECIES, CELLS = 24, SAMPLES_MAX = 2000 };
@@ -25,7 +26,7 @@ typedef struct drum {
     double stiffness, restitution, friction, rolling; /* [N/m], [-], [-], lever arm [m] */
 } drum;
 
-static const picture_def view = {{"small", "large"}, SPECIES, 0.0, {0.35, 1.0, -0.18}};
+static const picture_def view = {{"small", "large"}, SPECIES, 0.0, {0.35, 1.0, -0.18}, 0, 0};
 
 typedef struct curves {
     int n;
@@ -33,7 +34,9 @@ typedef struct curves {
     double quadrant[SPECIES][4][SAMPLES_MAX]; /* numbers; 0: x, z > 0, then counter-clockwise */
 } curves;
 
-static int features(const drum *d) { return (d->dosta ? DEM_HERTZ : DEM_LINEAR) | DEM_FRICTION | (d->rolling > 0.0 ? DEM_ROLLING : 0); }
+static int features(const drum *d) {
+    return (d->dosta ? DEM_HERTZ : DEM_LINEAR) | DEM_FRICTION | (d->rolling > 0.0 ? DEM_ROLLING : 0);
+}
 
 static dem_status build(dem_world *world, const drum *d, int *wall) {
     dem_def def = dem_default_def();
@@ -43,7 +46,8 @@ static dem_status build(dem_world *world, const drum *d, int *wall) {
     for (int a = 0; a <= SPECIES; a++) {
         for (int b = a; b <= SPECIES; b++) {
             dem_pair_def *p = dem_pair(&def, a, b);
-            p->stiffness = d->stiffness, p->restitution = d->restitution, p->friction = d->friction, p->rolling = d->rolling;
+            p->stiffness = d->stiffness, p->restitution = d->restitution, p->friction = d->friction,
+            p->rolling = d->rolling;
             if (!d->dosta) continue;
             p->restitution = b == SPECIES ? 0.4 : a != b ? 0.45 : a == SMALL ? 0.5 : 0.4;
             p->friction = b == SPECIES ? 0.2 : a != b ? 0.2 : a == SMALL ? 0.3 : 0.4;
@@ -76,12 +80,15 @@ static dem_status fill(dem_world *world, const drum *d, uint64_t seed, progress 
     }
     for (int round = 0; round < 400 && wanted > 0 && status == DEM_OK && !common_interrupted(); round++) {
         const ptrdiff_t before = wanted;
-        for (int s = SPECIES - 1; s >= 0 && status == DEM_OK; s--) { /* the large ones first; no more of one than of the other, by share */
-            const ptrdiff_t placed = feed[s].placed, due = (ptrdiff_t)ceil(fmin(0.1 * (round + 1), 1.0) * d->count[s]) - placed;
+        for (int s = SPECIES - 1; s >= 0 && status == DEM_OK;
+             s--) { /* the large ones first; no more of one than of the other, by share */
+            const ptrdiff_t placed = feed[s].placed,
+                            due = (ptrdiff_t)ceil(fmin(0.1 * (round + 1), 1.0) * d->count[s]) - placed;
             if (due > 0) status = dem_fill(world, &feed[s], due);
             wanted -= feed[s].placed - placed;
         }
-        if (status == DEM_OK && round == 0) status = dem_set_time_step(world, dem_advise(world, features(d), 1.0).advised);
+        if (status == DEM_OK && round == 0)
+            status = dem_set_time_step(world, dem_advise(world, features(d), 1.0).advised);
         if (status == DEM_OK) status = dem_run(world, 0.03, features(d));
         progress_add(bar, work * (double)(before - wanted) / (double)(d->count[SMALL] + d->count[LARGE]));
     }
@@ -96,7 +103,8 @@ static dem_status take(dem_world *world, const drum *d, const particles *given) 
         const double *v = given->velocity + 3 * (size_t)i, *w = given->spin + 3 * (size_t)i;
         const int species = given->group[i] ? LARGE : SMALL;
         status = dem_add_spheres(world, 1, given->centre + 3 * (size_t)i, &given->diameter[i], species, species);
-        if (status == DEM_OK) status = dem_set_motion(world, world->count - 1, dem_vec3(v[0], v[1], v[2]), dem_vec3(w[0], w[1], w[2]));
+        if (status == DEM_OK)
+            status = dem_set_motion(world, world->count - 1, dem_vec3(v[0], v[1], v[2]), dem_vec3(w[0], w[1], w[2]));
     }
     if (status == DEM_OK) status = dem_set_time_step(world, dem_advise(world, features(d), 1.0).advised);
     return status == DEM_OK ? dem_run(world, 0.0, features(d)) : status;
@@ -111,7 +119,8 @@ static double surface_angle(const dem_world *world, const drum *d) {
     for (ptrdiff_t i = 0; i < world->count; i++) {
         const dem_vec x = dem_position(world, i);
         const int k = (int)floor((x.x + reach) / (2.0 * reach) * STRIPS);
-        if (k >= 0 && k < STRIPS && world->touching[i] > 1) top[k] = fmax(top[k], x.z); /* those in flight are not the surface */
+        if (k >= 0 && k < STRIPS && world->touching[i] > 1)
+            top[k] = fmax(top[k], x.z); /* those in flight are not the surface */
     }
     for (int k = 0; k < STRIPS; k++) {
         const double x = (k + 0.5) / STRIPS * 2.0 * reach - reach;
@@ -138,8 +147,10 @@ static double radial_segregation(const dem_world *world) {
 static void look(curves *c, const dem_world *world, const drum *d, double time) {
     double of_small[CELLS * CELLS], of_all[CELLS * CELLS];
     const int across = (int)fmin(fmax(d->radius / (1.5 * d->diameter[LARGE]), 4.0), (double)CELLS), k = c->n++;
-    const dem_cells cells = {
-        dem_vec3(-d->radius, -d->width, -d->radius), dem_vec3(d->radius, d->width, d->radius), {across, 1, across}, {0, 0, 0}};
+    const dem_cells cells = {dem_vec3(-d->radius, -d->width, -d->radius),
+                             dem_vec3(d->radius, d->width, d->radius),
+                             {across, 1, across},
+                             {0, 0, 0}};
     dem_count_in_cells(world, &cells, SMALL, of_small, of_all);
     c->time[k] = time;
     c->lacey[k] = dem_mixing_of(across * across, of_small, of_all).lacey;
@@ -153,22 +164,30 @@ static void look(curves *c, const dem_world *world, const drum *d, double time) 
     }
 }
 
-/* Standard error of a mean in time: from the means of eight blocks of the samples first .. n-1, which are long enough to be independent
-   where a single sample is not. NaN for fewer than sixteen samples. */
-static double error_of_mean(const double *value, int first, int n) {
-    enum { BLOCKS = 8 };
-    double sum = 0.0, square = 0.0;
-    if (n - first < 2 * BLOCKS) return (double)NAN;
-    for (int b = 0; b < BLOCKS; b++) {
-        const int from = first + b * (n - first) / BLOCKS, to = first + (b + 1) * (n - first) / BLOCKS;
-        double mean = 0.0;
-        for (int k = from; k < to; k++) mean += value[k] / (to - from);
-        sum += mean, square += mean * mean;
-    }
-    return sqrt(fmax(square - sum * sum / BLOCKS, 0.0) / (BLOCKS - 1) / BLOCKS);
+/* Means of the second half of the time; scatter: standard deviation of the angle in time. */
+typedef struct means {
+    steady_mean angle, lacey, unlike, radial;
+    double scatter;
+    const char *why; /* the angle has no mean; NULL */
+} means;
+static means means_of(const curves *c, const drum *d) {
+    const int first = c->n / 2, n = c->n - first;
+    means m = {steady_mean_of(c->angle + first, n),
+               steady_mean_of(c->lacey + first, n),
+               steady_mean_of(c->unlike + first, n),
+               steady_mean_of(c->radial + first, n),
+               0.0,
+               NULL};
+    double square = 0.0;
+    for (int k = first; k < c->n; k++) square += (c->angle[k] - m.angle.mean) * (c->angle[k] - m.angle.mean) / n;
+    m.scatter = sqrt(square);
+    m.why = d->turns < 0.5       ? "the bed has not begun to flow: turn the drum by half a turn at least (--turns)"
+            : !m.angle.is_steady ? "it still changes: let the drum turn longer (--turns)"
+                                 : NULL;
+    return m;
 }
 
-static void draw(const curves *c, const dem_world *world, const drum *d, const char *out, double angle, double error) {
+static void draw(const curves *c, const dem_world *world, const drum *d, const char *out, const means *m) {
     char text[80];
     riddle_plot *figure = riddle_plot_new(d->dosta ? "Drum of Dosta et al." : "Two sizes in a drum", 2, 2);
     riddle_plot_panel(figure, 0, 0, "time [s]", "index [-]");
@@ -176,10 +195,11 @@ static void draw(const curves *c, const dem_world *world, const drum *d, const c
     riddle_plot_line(figure, "unlike contacts (1: mixed)", c->time, c->unlike, c->n);
     riddle_plot_line(figure, "radial segregation", c->time, c->radial, c->n);
     riddle_plot_panel(figure, 0, 1, "time [s]", "slope of the surface [degrees]");
-    snprintf(text, sizeof text, "mean of the second half: %.1f +- %.1f degrees", angle, error);
+    if (m->why) snprintf(text, sizeof text, "no mean yet");
+    else snprintf(text, sizeof text, "mean of the second half: %.1f +- %.1f degrees", m->angle.mean, m->angle.error);
     riddle_plot_line(figure, NULL, c->time, c->angle, c->n);
     riddle_plot_range_y(figure, 0.0, 60.0);
-    riddle_plot_horizontal(figure, NULL, angle);
+    if (!m->why) riddle_plot_horizontal(figure, NULL, m->angle.mean);
     riddle_plot_text_share(figure, 0.28, 0.92, text);
     riddle_plot_panel(figure, 1, 0, "time [s]", "small spheres [-]");
     for (int q = 0; q < 4; q++) {
@@ -204,7 +224,8 @@ static void choose_dosta(drum *d, double scale, double time) {
 static void count_by_fill(drum *d, const program *self) {
     for (int s = 0; s < SPECIES; s++) {
         const double wanted = 0.5 * 0.58 * d->fill * d->radius * d->radius * d->width * 6.0 / pow(d->diameter[s], 3.0);
-        if (!(wanted <= 1e7)) program_refuse(self, s == SMALL ? "small" : "large", NULL, "such that 10 000 000 spheres are enough");
+        if (!(wanted <= 1e7))
+            program_refuse(self, s == SMALL ? "small" : "large", NULL, "such that 10 000 000 spheres are enough");
         d->count[s] = (int)wanted;
     }
 }
@@ -220,7 +241,8 @@ static void read_spheres(drum *d, const program *self, const char *from, particl
 }
 
 static void check(const drum *d, const program *self, const char *from) {
-    if (!(d->width > 1.4999999 * d->diameter[LARGE] && d->radius > 3.0 * d->diameter[LARGE])) /* 1.5 itself passes: dosta's default */
+    if (!(d->width > 1.4999999 * d->diameter[LARGE] &&
+          d->radius > 3.0 * d->diameter[LARGE])) /* 1.5 itself passes: dosta's default */
         program_refuse(self, "large", NULL, "below a third of the drum's radius and at most two thirds of its width");
     if (d->count[SMALL] < 10 || d->count[LARGE] < 10)
         program_refuse(self, from ? "from" : "fill", from, "enough for ten spheres of each species");
@@ -230,11 +252,14 @@ static void check(const drum *d, const program *self, const char *from) {
 /* ---- the run and its results ---- */
 
 /* Turns the drum, whose wall and two ends begin at number `wall`. */
-static dem_status turn(dem_world *world, const drum *d, int wall, const program *self, bool film, progress *bar, curves *c) {
-    const double duration = d->turns * 2.0 * RIDDLE_PI / d->speed, sample = fmax(duration / (SAMPLES_MAX - 2), self->quick ? 0.01 : 0.02);
+static dem_status turn(dem_world *world, const drum *d, int wall, const program *self, bool film, progress *bar,
+                       curves *c) {
+    const double duration = d->turns * 2.0 * RIDDLE_PI / d->speed,
+                 sample = fmax(duration / (SAMPLES_MAX - 2), self->quick ? 0.01 : 0.02);
     const int samples = (int)(duration / sample + 0.5);
     dem_status status = DEM_OK;
-    for (int k = 0; k < 3 && status == DEM_OK; k++) status = dem_rotate(world, wall + k, dem_vec3(0, 0, 0), dem_vec3(0, 1, 0), d->speed);
+    for (int k = 0; k < 3 && status == DEM_OK; k++)
+        status = dem_rotate(world, wall + k, dem_vec3(0, 0, 0), dem_vec3(0, 1, 0), d->speed);
     dem_io_series series = dem_io_open(self->out, "particles");
     world_movie reel = film ? world_movie_open(self->out, "rotating_drum.mp4", &view) : (world_movie){0};
     for (int k = 0; k <= samples && status == DEM_OK && !common_interrupted(); k++) {
@@ -249,28 +274,11 @@ static dem_status turn(dem_world *world, const drum *d, int wall, const program 
     return status;
 }
 
-/* Means of the second half of the time; scatter: standard deviation of the angle in time. */
-typedef struct means {
-    double angle, scatter, error, lacey, unlike, radial;
-} means;
-static means means_of(const curves *c) {
-    means m = {0};
-    double square = 0.0;
-    const double late = c->n - c->n / 2;
-    for (int k = c->n / 2; k < c->n; k++) {
-        m.angle += c->angle[k], square += c->angle[k] * c->angle[k];
-        m.lacey += c->lacey[k], m.unlike += c->unlike[k], m.radial += c->radial[k];
-    }
-    m.angle /= late, m.lacey /= late, m.unlike /= late, m.radial /= late;
-    m.scatter = sqrt(fmax(square / late - m.angle * m.angle, 0.0));
-    m.error = error_of_mean(c->angle, c->n / 2, c->n);
-    return m;
-}
-
 static void write_curves(const curves *c, const char *out) {
     riddle_io_file *file =
         csv_open(out, "rotating_drum.csv",
-                 "time_s,lacey,unlike_contacts,radial_segregation,surface_angle_deg,small_upper_right,small_upper_left,small_lower_left,"
+                 "time_s,lacey,unlike_contacts,radial_segregation,surface_angle_deg,small_upper_right,small_upper_left,"
+                 "small_lower_left,"
                  "small_lower_right,large_upper_right,large_upper_left,large_lower_left,large_lower_right");
     for (int k = 0; k < c->n; k++) {
         double row[13] = {c->time[k], c->lacey[k], c->unlike[k], c->radial[k], c->angle[k]};
@@ -284,15 +292,19 @@ static void write_json(const program *self, const drum *d, const dem_world *worl
     json *j = json_open(self->json);
     json_integer(j, "small_spheres", d->count[SMALL]);
     json_integer(j, "large_spheres", d->count[LARGE]);
-    json_number(j, "angle_of_repose_deg", m->angle);
-    json_number(j, "angle_standard_error_deg", m->error);
+    json_number(j, "angle_of_repose_deg", m->why ? (double)NAN : m->angle.mean);
+    json_number(j, "angle_standard_error_deg", m->why ? (double)NAN : m->angle.error);
     json_number(j, "angle_scatter_deg", m->scatter);
+    json_string(j, "why_no_angle", m->why);
     json_number(j, "lacey_start", c->lacey[0]);
-    json_number(j, "lacey_end", m->lacey);
+    json_number(j, "lacey_end", m->lacey.mean);
+    json_bool(j, "lacey_steady", m->lacey.is_steady);
     json_number(j, "unlike_contacts_start", c->unlike[0]);
-    json_number(j, "unlike_contacts_end", m->unlike);
+    json_number(j, "unlike_contacts_end", m->unlike.mean);
+    json_bool(j, "unlike_contacts_steady", m->unlike.is_steady);
     json_number(j, "radial_segregation_start", c->radial[0]);
-    json_number(j, "radial_segregation_end", m->radial);
+    json_number(j, "radial_segregation_end", m->radial.mean);
+    json_bool(j, "radial_segregation_steady", m->radial.is_steady);
     json_array(j, "time_s", c->time, c->n);
     json_array(j, "lacey", c->lacey, c->n);
     json_number(j, "dt_s", world->def.dt);
@@ -301,14 +313,21 @@ static void write_json(const program *self, const drum *d, const dem_world *worl
 }
 
 static void report(const program *self, const drum *d, const dem_world *world, const curves *c) {
-    const means m = means_of(c);
+    const means m = means_of(c, d);
+    char angle[200];
     write_curves(c, self->out);
-    draw(c, world, d, self->out, m.angle, m.error);
+    draw(c, world, d, self->out, &m);
     draw_world(world, &view, self->out, "rotating_drum.png");
-    common_print("%d small, %d large spheres, %.3g turns, dt %.3g s. Second half of the time: angle %.1f degrees (standard error %.1f; it "
-                 "scatters by %.1f in time), Lacey %.3f, unlike contacts %.3f, radial segregation %.3f (at first %.3f, %.3f, %.3f)\n",
-                 d->count[SMALL], d->count[LARGE], d->turns, world->def.dt, m.angle, m.error, m.scatter, m.lacey, m.unlike, m.radial,
-                 c->lacey[0], c->unlike[0], c->radial[0]);
+    if (m.why) snprintf(angle, sizeof angle, "no angle: %s", m.why);
+    else
+        snprintf(angle, sizeof angle, "angle %.1f degrees (standard error %.1f; it scatters by %.1f in time)",
+                 m.angle.mean, m.angle.error, m.scatter);
+    common_print("%d small, %d large spheres, %.3g turns, dt %.3g s. Second half of the time: %s, Lacey %.3f%s, unlike "
+                 "contacts %.3f%s, radial "
+                 "segregation %.3f%s (at first %.3f, %.3f, %.3f)\n",
+                 d->count[SMALL], d->count[LARGE], d->turns, world->def.dt, angle, m.lacey.mean,
+                 m.lacey.is_steady ? "" : " and changing", m.unlike.mean, m.unlike.is_steady ? "" : " and changing",
+                 m.radial.mean, m.radial.is_steady ? "" : " and changing", c->lacey[0], c->unlike[0], c->radial[0]);
     write_json(self, d, world, c, &m);
 }
 
@@ -319,7 +338,8 @@ int main(int argc, char **argv) {
     particles given = {0};
     double small = 3.0, large = 6.0, radius = 50.0, width = 20.0, scale = 0.1, time = 0.1;
     option options[] = {
-        option_choice("scene", &d.dosta, "sizes|dosta", "two sizes of one material, or the drum of Dosta et al. (2024)"),
+        option_choice("scene", &d.dosta, "sizes|dosta",
+                      "two sizes of one material, or the drum of Dosta et al. (2024)"),
         option_choice("start", &d.start, "mixed|sides", "how the species lie at first"),
         option_positive("small", "MM", &small, 1e3, "diameter of the first species [mm]"),
         option_positive("large", "MM", &large, 1e3, "diameter of the second species [mm]"),
@@ -336,15 +356,18 @@ int main(int argc, char **argv) {
         option_positive("scale", "X", &scale, 1.0, "dosta: share of the numbers and of the width [-]"),
         option_positive("time", "S", &time, 1e4, "dosta: time that the drum turns, 5 in the paper [s]"),
         option_flag("movie", &film, "rotating_drum.mp4, by ffmpeg"),
-        option_string("from", "FILE", &from,
-                      "begin with the spheres of a table, CSV or .vtp (a frame of this program); group 0: the small ones"),
+        option_string(
+            "from", "FILE", &from,
+            "begin with the spheres of a table, CSV or .vtp (a frame of this program); group 0: the small ones"),
     };
-    program self = program_start("rotating_drum", "Two species of spheres in a turning drum: segregation and angle of repose.", options,
-                                 sizeof options / sizeof *options, argc, argv);
-    d.diameter[SMALL] = 1e-3 * small, d.diameter[LARGE] = 1e-3 * large, d.radius = 1e-3 * radius, d.width = 1e-3 * width;
-    if (self.quick && !options[9].given) d.turns = 0.2;
-    if (self.quick && !options[7].given) d.width = 0.012;
-    if (self.quick && !options[15].given) time = 0.01;
+    program self =
+        program_start("rotating_drum", "Two species of spheres in a turning drum: segregation and angle of repose.",
+                      options, sizeof options / sizeof *options, argc, argv);
+    d.diameter[SMALL] = 1e-3 * small, d.diameter[LARGE] = 1e-3 * large, d.radius = 1e-3 * radius,
+    d.width = 1e-3 * width;
+    if (self.quick && !is_given(&self, "turns")) d.turns = 0.2;
+    if (self.quick && !is_given(&self, "width")) d.width = 0.012;
+    if (self.quick && !is_given(&self, "time")) time = 0.01;
     if (d.dosta) choose_dosta(&d, scale, time);
     else count_by_fill(&d, &self);
     if (from) read_spheres(&d, &self, from, &given);
@@ -359,7 +382,8 @@ int main(int argc, char **argv) {
     dem_status status = build(&world, &d, &wall);
     if (status == DEM_OK) status = from ? take(&world, &d, &given) : fill(&world, &d, self.seed, &bar, 0.2);
     particles_free(&given);
-    if (status == DEM_BAD_ARGUMENT && !from) program_refuse(&self, "fill", NULL, "so much that the spheres find a place");
+    if (status == DEM_BAD_ARGUMENT && !from)
+        program_refuse(&self, "fill", NULL, "so much that the spheres find a place");
     if (status == DEM_OK) status = turn(&world, &d, wall, &self, film, &bar, &c);
     progress_end(&bar);
     if (status != DEM_OK) common_fail("%s", dem_status_text(status));

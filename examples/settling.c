@@ -19,7 +19,7 @@
 #include "common.h"
 #include "filtration.h"
 
-enum { MOST_SPHERES = 3, SAMPLES = 1500, LONGEST_TRACK = SAMPLES + 2, MOST_BESIDE = 10, LAWS = 5 };
+enum { MOST_SPHERES = 3, SAMPLES = 1500, LONGEST_TRACK = SAMPLES + 700, MOST_BESIDE = 10, LAWS = 5 };
 static const double pi = 3.14159265358979323846;
 
 /* ---- cases ---- */
@@ -39,10 +39,16 @@ typedef struct scene {
     const char *reference; /* whose wall_factor or velocity */
 } scene;
 
-#define PAPER(name, around, spheres, cloth, width, height, spacing, time, factor, reference)                                               \
-    { name, around, spheres, cloth, width, height, 80e-6, 2200.0, 1000.0, 1e-3, 722e-6, spacing, time, factor, 0.0, reference }
-#define TEN_CATE(name, density, viscosity, time, velocity)                                                                                 \
-    { name, SIDES_WALL, 1, 0, 0.1, 0.16, 0.015, 1120.0, density, viscosity, 0.1275, 0.0, time, 0.0, velocity, "measured, ten Cate et al." }
+#define PAPER(name, around, spheres, cloth, width, height, spacing, time, factor, reference)                           \
+    {                                                                                                                  \
+        name, around, spheres, cloth, width, height, 80e-6, 2200.0, 1000.0, 1e-3, 722e-6, spacing, time, factor, 0.0,  \
+            reference                                                                                                  \
+    }
+#define TEN_CATE(name, density, viscosity, time, velocity)                                                             \
+    {                                                                                                                  \
+        name, SIDES_WALL, 1, 0, 0.1, 0.16, 0.015, 1120.0, density, viscosity, 0.1275, 0.0, time, 0.0, velocity,        \
+            "measured, ten Cate et al."                                                                                \
+    }
 
 static const scene scenes[] = {
     PAPER("A1", SIDES_PERIODIC, 1, 0, 320e-6, 802e-6, 0.0, 0.29, 1.5549, "row of spheres, no net flux"),
@@ -63,7 +69,9 @@ static const scene scenes[] = {
 #define CASE_NAMES "A1|A2|A3|A4|A5|B1|C1|C2|C3|D1|E1|E2|E3|E4"
 
 static double volume(const scene *s) { return pi / 6.0 * s->diameter * s->diameter * s->diameter; }
-static double stokes(const scene *s) { return filtration_stokes_velocity(s->density - s->fluid_density, 9.81, s->diameter, s->viscosity); }
+static double stokes(const scene *s) {
+    return filtration_stokes_velocity(s->density - s->fluid_density, 9.81, s->diameter, s->viscosity);
+}
 static double reynolds(const scene *s, double v) { return fabs(v) * s->diameter * s->fluid_density / s->viscosity; }
 
 /* ---- drag laws ---- */
@@ -82,13 +90,15 @@ static double drag_factor(const scene *s, int k, double v) {
 
 static double terminal(const scene *s, int k) {
     double v = stokes(s);
-    for (int i = 0; i < 200; i++) v = 0.5 * (v + stokes(s) / drag_factor(s, k, v)); /* half steps: a fixed point of a falling function */
+    for (int i = 0; i < 200; i++)
+        v = 0.5 * (v + stokes(s) / drag_factor(s, k, v)); /* half steps: a fixed point of a falling function */
     return v;
 }
 
 /* Velocity in time by the balance of weight, drag and half the displaced mass (added mass); Runge-Kutta of fourth order. */
 static void balance(const scene *s, int k, const double *time, int n, double *re) {
-    const double mass = (s->density + 0.5 * s->fluid_density) * volume(s), weight = (s->density - s->fluid_density) * volume(s) * 9.81;
+    const double mass = (s->density + 0.5 * s->fluid_density) * volume(s),
+                 weight = (s->density - s->fluid_density) * volume(s) * 9.81;
     const double stiff = 3.0 * pi * s->viscosity * s->diameter;
     double v = 0.0;
     re[0] = 0.0;
@@ -119,7 +129,8 @@ typedef struct track {
 static void take_sample(track *t, double time, const double *centre, const double *velocity) {
     if (t->n >= LONGEST_TRACK) return;
     t->time[t->n] = time;
-    for (int i = 0; i < t->spheres; i++) t->height[i][t->n] = centre[3 * i + 2], t->velocity[i][t->n] = -velocity[3 * i + 2];
+    for (int i = 0; i < t->spheres; i++)
+        t->height[i][t->n] = centre[3 * i + 2], t->velocity[i][t->n] = -velocity[3 * i + 2];
     t->n++;
 }
 
@@ -140,8 +151,8 @@ static double terminal_velocity(const track *t, double diameter) {
 static void write_track(const program *self, const scene *s, const track *t) {
     char header[400] = "time_s";
     for (int i = 0; i < t->spheres; i++)
-        snprintf(header + strlen(header), sizeof header - strlen(header), ",height_%d_m,velocity_%d_m_per_s,re_%d,x_over_d_%d", i + 1,
-                 i + 1, i + 1, i + 1);
+        snprintf(header + strlen(header), sizeof header - strlen(header),
+                 ",height_%d_m,velocity_%d_m_per_s,re_%d,x_over_d_%d", i + 1, i + 1, i + 1, i + 1);
     riddle_io_file *file = csv_open(self->out, "track.csv", header);
     for (int k = 0; k < t->n; k++) {
         double cells[1 + 4 * MOST_SPHERES] = {t->time[k]};
@@ -177,7 +188,8 @@ static int read_beside(const program *self, const char *folders, beside *runs) {
         for (t->n = 0; t->n < data.rows && t->n < LONGEST_TRACK; t->n++) {
             const double *row = data.values + (ptrdiff_t)t->n * data.columns;
             t->time[t->n] = row[0];
-            for (int i = 0; i < t->spheres; i++) t->height[i][t->n] = row[1 + 4 * i], t->velocity[i][t->n] = row[2 + 4 * i];
+            for (int i = 0; i < t->spheres; i++)
+                t->height[i][t->n] = row[1 + 4 * i], t->velocity[i][t->n] = row[2 + 4 * i];
         }
         csv_free(&data);
         n++;
@@ -191,6 +203,8 @@ static int read_beside(const program *self, const char *folders, beside *runs) {
 /* What the command line chooses. */
 typedef struct choices {
     double voxel, tau, time; /* 0: by the case */
+    double field;            /* time at which the flow is drawn [s]; 0: never */
+    double sound_share; /* of the time that has passed, in which sound crosses the box; 0: tau holds from the start */
     int quarter, paper_force, half_way, float_storage, until_bottom, quiet_spheres;
 } choices;
 
@@ -208,7 +222,8 @@ static double seamed_distance(const void *self, const double point[3]) {
 }
 
 /* Of a sphere that does not touch the cut. */
-static int seamed_touch(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near) {
+static int seamed_touch(const void *self, const double centre[3], double radius, double reach, int most,
+                        filtration_near *near) {
     const seamed_cloth *c = self;
     const filtration_solid solid = filtration_cloth_solid(&c->cloth);
     double inside[3] = {centre[0], centre[1], centre[2]};
@@ -229,17 +244,33 @@ typedef struct run {
     double seconds;
 } run;
 
-/* Relaxation time for a lattice speed of 0.02, kept where the scheme is accurate. */
+/* Time in which a sphere at rest comes to 63 % of its velocity, by the drag beside walls at rest [s]. */
+static double response(const scene *s) {
+    return (s->density + 0.5 * s->fluid_density) * s->diameter * s->diameter /
+           (18.0 * s->viscosity * fmax(s->wall_factor, 1.0));
+}
+
+/* Relaxation time for a lattice speed of 0.02, kept where the scheme is accurate: once the start is over. */
 static double fitting_tau(const scene *s, double voxel) {
     const double cell_reynolds = terminal(s, 1) * voxel * s->fluid_density / s->viscosity;
     return fmin(fmax(0.5 + 0.06 / cell_reynolds, 0.6), 3.5);
+}
+
+/* Relaxation time with which sound crosses the height of the box in `share` of the time that has passed since the start, or that the sphere
+   needs to respond. In a closed box there is no return flow before sound has crossed it. */
+static double sound_tau(const run *r) {
+    const scene *s = r->s;
+    const double shown = fmax(r->fluid.time, 0.5 * response(s));
+    const double crossing =
+        s->height * r->choice.voxel * s->fluid_density / (s->viscosity * sqrt(3.0)); /* times tau - 1/2 [s] */
+    return 0.5 + r->choice.sound_share * shown / crossing;
 }
 
 static filtration_fluid_def fluid_def(run *r, int threads) {
     const scene *s = r->s;
     const choices *c = &r->choice;
     filtration_fluid_def def = filtration_fluid_default_def();
-    def.voxel = c->voxel, def.tau = c->tau, def.threads = threads;
+    def.voxel = c->voxel, def.tau = c->sound_share > 0.0 ? fmin(c->tau, sound_tau(r)) : c->tau, def.threads = threads;
     def.density = s->fluid_density, def.viscosity = s->viscosity;
     const int across = (int)floor(s->width / c->voxel + 0.5);
     def.nodes[0] = def.nodes[1] = c->quarter ? across / 2 : across;
@@ -247,7 +278,8 @@ static filtration_fluid_def fluid_def(run *r, int threads) {
     for (int f = 0; f < 4; f++) def.face[f] = s->around == SIDES_WALL ? FILTRATION_WALL : FILTRATION_PERIODIC;
     if (c->quarter) {
         def.face[FILTRATION_LOW_X] = def.face[FILTRATION_LOW_Y] = FILTRATION_SYMMETRY;
-        if (s->around == SIDES_PERIODIC) def.face[FILTRATION_HIGH_X] = def.face[FILTRATION_HIGH_Y] = FILTRATION_SYMMETRY;
+        if (s->around == SIDES_PERIODIC)
+            def.face[FILTRATION_HIGH_X] = def.face[FILTRATION_HIGH_Y] = FILTRATION_SYMMETRY;
     }
     def.face[FILTRATION_LOW_Z] = def.face[FILTRATION_HIGH_Z] = FILTRATION_WALL;
     if (c->paper_force) def.force = FILTRATION_SHEAR_LAYER;
@@ -300,17 +332,57 @@ static int is_terminal(const run *r, const track *t) {
     return k > 0 && t->velocity[0][k] > 0.999 * -r->velocity[2];
 }
 
-static filtration_status go(run *r, track *t, progress *bar) {
-    const double began = machine_seconds(), every = r->choice.time / SAMPLES;
-    double next = every, fastest = 0.0;
+/* Longer time steps as the start fades away. */
+static filtration_status lengthen_step(run *r) {
+    const double now = r->fluid.def.tau - 0.5, next = fmin(sound_tau(r), r->choice.tau);
+    return r->choice.sound_share > 0.0 && next - 0.5 > 1.1 * now ? filtration_fluid_set_tau(&r->fluid, next)
+                                                                 : FILTRATION_OK;
+}
+
+/* Time between two samples: short at the start, where the figures' first milliseconds are. */
+static double sample_every(const run *r) {
+    return fmin(r->choice.time / SAMPLES, fmax(0.02 * r->fluid.time, 0.05 * response(r->s)));
+}
+
+/* Speed of the liquid in the plane through the axis, as the paper's Figs 12, 14 and 16 show it. */
+static void draw_flow(const program *self, const run *r) {
+    const int *n = r->fluid.def.nodes, y = r->choice.quarter ? 0 : n[1] / 2;
+    const double width = 1e3 * n[0] * r->choice.voxel, height = 1e3 * n[2] * r->choice.voxel;
+    char title[80];
+    double *values = malloc(sizeof(double) * (size_t)n[0] * (size_t)n[2]);
+    if (!values) {
+        common_fail("out of memory for flow.svg");
+        return;
+    }
+    for (int z = 0; z < n[2]; z++)
+        for (int x = 0; x < n[0]; x++) {
+            filtration_sample at;
+            const bool fluid = filtration_fluid_at(&r->fluid, x, y, z, &at) == FILTRATION_OK && at.owner == -1;
+            const double *v = at.velocity;
+            values[z * n[0] + x] = fluid ? 1e3 * sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) : (double)NAN;
+        }
+    snprintf(title, sizeof title, "Speed of the liquid after %.3g ms", 1e3 * r->fluid.time);
+    riddle_plot *figure = riddle_plot_new(title, 1, 1);
+    riddle_plot_panel(figure, 0, 0, r->choice.quarter ? "from the axis [mm]" : "x [mm]", "height [mm]");
+    riddle_plot_panel_size(figure, 180.0, 180.0 * fmin(height / width, 5.0));
+    riddle_plot_heat(figure, "speed [mm/s]", values, n[0], n[2], 0.0, width, 0.0, height);
+    riddle_plot_write(figure, self->out, "flow.svg");
+    free(values);
+}
+
+static filtration_status go(const program *self, run *r, track *t, progress *bar) {
+    const double began = machine_seconds();
+    double next = sample_every(r), fastest = 0.0, field = r->choice.field > 0.0 ? r->choice.field : HUGE_VAL;
     filtration_status status = FILTRATION_OK;
     t->spheres = r->s->spheres;
     take_sample(t, 0.0, r->centre, r->velocity);
     while (status == FILTRATION_OK && r->fluid.time < r->choice.time && !common_interrupted()) {
         status = filtration_fluid_step(&r->fluid, &r->spheres);
         if (status == FILTRATION_OK) status = filtration_move(&r->motion, &r->fluid, &r->spheres, r->share, NULL);
+        if (status == FILTRATION_OK) status = lengthen_step(r);
+        if (status == FILTRATION_OK && r->fluid.time >= field) draw_flow(self, r), field = HUGE_VAL;
         if (r->fluid.time < next) continue;
-        next += every;
+        next = r->fluid.time + sample_every(r);
         fastest = fmax(fastest, -r->velocity[2]);
         take_sample(t, r->fluid.time, r->centre, r->velocity);
         progress_update(bar, r->fluid.time);
@@ -366,9 +438,10 @@ static void report_run(json *report, const run *r, const track *t) {
 
 static void print_run(const run *r, const track *t) {
     const scene *s = r->s;
-    common_print("%s: %.3g cells a diameter, tau %.3g, %d x %d x %d nodes%s, %lld steps, %.1f s, %.0f MLUPS\n\n", s->name,
-                 s->diameter / r->fluid.def.voxel, r->fluid.def.tau, r->fluid.def.nodes[0], r->fluid.def.nodes[1], r->fluid.def.nodes[2],
-                 r->choice.quarter ? " (a quarter)" : "", (long long)r->fluid.steps, r->seconds,
+    common_print("%s: %.3g cells a diameter, tau %.3g, %d x %d x %d nodes%s, %lld steps, %.1f s, %.0f MLUPS\n\n",
+                 s->name, s->diameter / r->fluid.def.voxel, r->fluid.def.tau, r->fluid.def.nodes[0],
+                 r->fluid.def.nodes[1], r->fluid.def.nodes[2], r->choice.quarter ? " (a quarter)" : "",
+                 (long long)r->fluid.steps, r->seconds,
                  r->seconds > 0.0 ? 1e-6 * (double)r->fluid.updates / r->seconds : 0.0);
     riddle_io_table rows = riddle_io_table_begin("terminal velocity|[mm/s]|Re [-]|simulated over it");
     riddle_io_table_cell(&rows, "%s", "simulated"), riddle_io_table_cell(&rows, "%.4g", 1e3 * t->terminal),
@@ -379,7 +452,8 @@ static void print_run(const run *r, const track *t) {
                          : k == LAWS ? (s->wall_factor > 0.0 ? stokes(s) / s->wall_factor : (double)NAN)
                                      : s->velocity;
         if (!(v > 0.0)) continue;
-        riddle_io_table_cell(&rows, "%s", k < LAWS ? law_names[k] : s->reference), riddle_io_table_cell(&rows, "%.4g", 1e3 * v);
+        riddle_io_table_cell(&rows, "%s", k < LAWS ? law_names[k] : s->reference),
+            riddle_io_table_cell(&rows, "%.4g", 1e3 * v);
         riddle_io_table_cell(&rows, "%.3g", reynolds(s, v)), riddle_io_table_cell(&rows, "%.4f", t->terminal / v);
     }
     table_end(&rows);
@@ -392,13 +466,17 @@ typedef enum quantity { TIME, HEIGHT, VELOCITY, REYNOLDS, GAP, RELATIVE } quanti
 static void values_of(const scene *s, const track *t, int sphere, quantity q, double *out) {
     for (int k = 0; k < t->n; k++) {
         const double h = t->height[sphere][k], v = t->velocity[sphere][k];
-        out[k] = q == TIME ? 1e3 * t->time[k] : q == HEIGHT ? h / s->diameter - 0.5 : q == VELOCITY ? 1e3 * v : reynolds(s, v);
+        out[k] = q == TIME       ? 1e3 * t->time[k]
+                 : q == HEIGHT   ? h / s->diameter - 0.5
+                 : q == VELOCITY ? 1e3 * v
+                                 : reynolds(s, v);
         if (q == GAP) out[k] = h / s->diameter - 0.5;
         if (q == RELATIVE) out[k] = v / t->terminal;
     }
 }
 
-static void add_track(riddle_plot *figure, const scene *s, const char *name, const track *t, quantity x, quantity y, int flags) {
+static void add_track(riddle_plot *figure, const scene *s, const char *name, const track *t, quantity x, quantity y,
+                      int flags) {
     double *values = malloc(2 * LONGEST_TRACK * sizeof *values);
     for (int i = 0; values && i < t->spheres; i++) {
         char label[80];
@@ -411,7 +489,8 @@ static void add_track(riddle_plot *figure, const scene *s, const char *name, con
     free(values);
 }
 
-static void add_all(riddle_plot *figure, const scene *s, const track *t, const beside *runs, int n, quantity x, quantity y) {
+static void add_all(riddle_plot *figure, const scene *s, const track *t, const beside *runs, int n, quantity x,
+                    quantity y) {
     add_track(figure, s, s->name, t, x, y, 0);
     for (int i = 0; i < n; i++) add_track(figure, s, runs[i].name, runs[i].t, x, y, 0);
 }
@@ -436,9 +515,11 @@ static void draw_bottom(const program *self, const scene *s, const track *t, con
     enum { POINTS = 200 };
     double gap[POINTS], slowed[POINTS];
     riddle_plot *figure = riddle_plot_new("Approach to the bottom", 1, 1);
-    riddle_plot_panel(figure, 0, 0, "gap to the bottom over the diameter, x / d [-]", "velocity over its largest, v / v_t [-]");
+    riddle_plot_panel(figure, 0, 0, "gap to the bottom over the diameter, x / d [-]",
+                      "velocity over its largest, v / v_t [-]");
     add_all(figure, s, t, runs, n, GAP, RELATIVE);
-    for (int i = 0; i < POINTS; i++) gap[i] = 4.0 * (i + 1) / POINTS, slowed[i] = 1.0 / filtration_wall_brenner(2.0 * gap[i]);
+    for (int i = 0; i < POINTS; i++)
+        gap[i] = 4.0 * (i + 1) / POINTS, slowed[i] = 1.0 / filtration_wall_brenner(2.0 * gap[i]);
     riddle_plot_line(figure, "Brenner, no side walls", gap, slowed, POINTS);
     riddle_plot_style(figure, RIDDLE_PLOT_DASHED, RIDDLE_PLOT_BLACK);
     riddle_plot_range_x(figure, 0.0, 4.0);
@@ -461,33 +542,46 @@ static void draw(const program *self, const scene *s, const track *t, const besi
 
 /* ---- the command line ---- */
 
-static choices completed(const program *self, const scene *s, choices c, double voxel_um, double time_ms, int symmetry) {
-    const int usual = s->name[0] == 'B' ? 20 : s->name[0] == 'E' ? 20 : 40; /* cells a diameter in the paper; 20 for ten Cate */
+static choices completed(const program *self, const scene *s, choices c, double voxel_um, double time_ms,
+                         int symmetry) {
+    const int usual = s->name[0] == 'B'   ? 20
+                      : s->name[0] == 'E' ? 20
+                                          : 40; /* cells a diameter in the paper; 20 for ten Cate */
     c.voxel = voxel_um > 0.0 ? 1e-6 * voxel_um : s->diameter / usual;
     if (self->quick && !(voxel_um > 0.0)) c.voxel = s->diameter / 8.0;
     c.quarter = symmetry == 0 && s->spheres == 1 && !s->cloth;
-    if (!(c.tau > 0.0)) c.tau = fitting_tau(s, c.voxel);
+    if (c.tau > 0.0) c.sound_share = 0.0;
+    else c.tau = fitting_tau(s, c.voxel);
     c.time = time_ms > 0.0 ? 1e-3 * time_ms : self->quick ? 0.1 * s->time : s->time;
     return c;
 }
 
 int main(int argc, char **argv) {
     int which = 0, symmetry = 0, until = 0, boundary = 0, force = 0, precision = 0;
-    double voxel = 0.0, time = 0.0;
+    double voxel = 0.0, time = 0.0, field = 0.0;
     const char *folders = NULL;
     bool drawn = false;
     choices chosen;
     memset(&chosen, 0, sizeof chosen);
+    chosen.sound_share = 0.2;
     option options[] = {
         option_choice("case", &which, CASE_NAMES, "A, B, C, D: the paper; E: ten Cate et al."),
         option_positive("voxel-um", "L", &voxel, 1e5, "edge of a voxel [um]; default: the paper's, 2 or 4; 750 for E"),
-        option_choice("symmetry", &symmetry, "quarter|full", "one sphere on the axis: a quarter of the box between mirrors, or all of it"),
-        option_choice("until", &until, "bottom|terminal", "run until the spheres rest, or until the lowest no longer speeds up"),
+        option_choice("symmetry", &symmetry, "quarter|full",
+                      "one sphere on the axis: a quarter of the box between mirrors, or all of it"),
+        option_choice("until", &until, "bottom|terminal",
+                      "run until the spheres rest, or until the lowest no longer speeds up"),
         option_positive("time-ms", "T", &time, 1e7, "and at most so long [ms]; default: by the case"),
         option_positive("tau", "TAU", &chosen.tau, 10.0,
-                        "relaxation time [-], above 0.5; default: for a lattice speed of 0.02, 0.6 to 3.5"),
-        option_choice("boundary", &boundary, "central-linear|half-way", "surface of the spheres: interpolated, or a staircase"),
-        option_choice("force", &force, "momentum-exchange|shear-layer", "as it is, or the paper's shear over one voxel without pressure"),
+                        "relaxation time [-], above 0.5, from the start; default: by --sound-share, then for a lattice "
+                        "speed of 0.02, 0.6 to 3.5"),
+        option_positive("sound-share", "S", &chosen.sound_share, 1.0,
+                        "sound crosses the box in this share of the time that has passed [-]; default 0.2"),
+        option_positive("field-ms", "T", &field, 1e7, "draw the flow at this time [ms]: flow.svg"),
+        option_choice("boundary", &boundary, "central-linear|half-way",
+                      "surface of the spheres: interpolated, or a staircase"),
+        option_choice("force", &force, "momentum-exchange|shear-layer",
+                      "as it is, or the paper's shear over one voxel without pressure"),
         option_choice("precision", &precision, "double|float", "in which the flow is stored"),
         option_string("beside", "DIR,DIR", &folders, "folders of earlier runs, to draw beside"),
         option_flag("draw", &drawn, "run nothing: draw the runs of --beside, the first of which is --case"),
@@ -499,8 +593,10 @@ int main(int argc, char **argv) {
     static track t;
     run r;
     memset(&r, 0, sizeof r);
-    if (options[5].given && !(chosen.tau > 0.5)) program_refuse(&self, "tau", NULL, "a number above 0.5 and at most 10");
-    chosen.until_bottom = until == 0, chosen.half_way = boundary, chosen.paper_force = force, chosen.float_storage = precision;
+    if (is_given(&self, "tau") && !(chosen.tau > 0.5))
+        program_refuse(&self, "tau", NULL, "a number above 0.5 and at most 10");
+    chosen.field = 1e-3 * field, chosen.until_bottom = until == 0, chosen.half_way = boundary,
+    chosen.paper_force = force, chosen.float_storage = precision;
     r.s = s, r.choice = completed(&self, s, chosen, voxel, time, symmetry);
     if (s->diameter / r.choice.voxel < 4.0 || s->width / r.choice.voxel > 2000.0)
         program_refuse(&self, "voxel-um", NULL, "at least 4 voxels a diameter and at most 2000 a width of the box");
@@ -516,7 +612,7 @@ int main(int argc, char **argv) {
     filtration_status status = set_up(&r, &self);
     common_interrupt_at_once(false);
     progress_begin(&bar, s->name, r.choice.time);
-    if (status == FILTRATION_OK) status = go(&r, &t, &bar);
+    if (status == FILTRATION_OK) status = go(&self, &r, &t, &bar);
     progress_end(&bar);
     if (status != FILTRATION_OK)
         common_fail("%s at %.3g ms: %s%s%s", s->name, 1e3 * r.fluid.time, filtration_status_text(status),

@@ -4,9 +4,10 @@
 
 /* ==== >>motion ==== */
 
-FILTRATION_API double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity, double cutoff,
-                                                   double least) {
-    if (!(r1 > 0.0 && r2 > 0.0 && viscosity > 0.0 && cutoff > 0.0 && least > 0.0 && gap == gap && closing == closing)) return (double)NAN;
+FILTRATION_API double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity,
+                                                   double cutoff, double least) {
+    if (!(r1 > 0.0 && r2 > 0.0 && viscosity > 0.0 && cutoff > 0.0 && least > 0.0 && gap == gap && closing == closing))
+        return (double)NAN;
     double r = r2 < HUGE_VAL ? r1 * r2 / (r1 + r2) : r1, h = gap > least ? gap : least;
     return h < cutoff ? 6.0 * RIDDLE_PI * viscosity * r * r * (1.0 / h - 1.0 / cutoff) * closing : 0.0;
 }
@@ -56,10 +57,12 @@ static inline double filtration__damping(double restitution) {
     return -log_e / sqrt(log_e * log_e + RIDDLE_PI * RIDDLE_PI);
 }
 
-FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *def, double dt, double radius, double speed) {
+FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *def, double dt, double radius,
+                                                   double speed) {
     if (!def || !(dt > 0.0 && radius > 0.0 && speed > 0.0)) return (double)NAN;
     double m = 0.5 * 4.0 / 3.0 * RIDDLE_PI * radius * radius * radius * def->density, r = 0.5 * radius;
-    double time = 2.87 * riddle_pow(m * m / (r * def->modulus * def->modulus * speed), 0.2); /* Hertz: E* in place of E/(1 - nu^2) */
+    double time = 2.87 * riddle_pow(m * m / (r * def->modulus * def->modulus * speed),
+                                    0.2); /* Hertz: E* in place of E/(1 - nu^2) */
     return time / (dt / def->sub_steps);
 }
 
@@ -70,33 +73,37 @@ typedef struct filtration__touch {
     double force[3];                     /* on the first [N] */
 } filtration__touch;
 
-/* Computes the force along the normal: Hertz with Tsuji's damping (which pulls at the end of a contact: a push clipped at 0 would need another
-   damping for the same restitution); returns it without lubrication, which is implicit in the closing velocity. */
-static inline double filtration__touch_normal(const filtration_motion_def *def, const filtration_fluid *fluid, double h, double damping,
-                                              double closing, filtration__touch *t) {
+/* Computes the force along the normal: Hertz with Tsuji's damping, which pulls at the end of a contact (a push clipped at 0 would need
+   another damping for the same restitution). Returns it without lubrication, which is implicit in the closing velocity. */
+static inline double filtration__touch_normal(const filtration_motion_def *def, const filtration_fluid *fluid, double h,
+                                              double damping, double closing, filtration__touch *t) {
     double push = 0.0, film = 0.0;
     if (t->gap < 0.0) {
         const double r = t->r2 < HUGE_VAL ? t->r1 * t->r2 / (t->r1 + t->r2) : t->r1, root = sqrt(-r * t->gap);
         const double stiffness = 2.0 * def->modulus * root;
-        push = -2.0 / 3.0 * stiffness * t->gap + 2.0 * 0.91287092917527686 * damping * sqrt(stiffness * t->mass) * closing;
+        push =
+            -2.0 / 3.0 * stiffness * t->gap + 2.0 * 0.91287092917527686 * damping * sqrt(stiffness * t->mass) * closing;
     }
     if (def->lubrication) {
         const double least = def->least_gap * 2.0 * t->r1, cutoff = fluid->def.voxel * (2.0 / 3.0);
-        const double rate = filtration_lubrication_force(t->r1, t->r2, t->gap, 1.0, fluid->def.viscosity, cutoff, least);
+        const double rate =
+            filtration_lubrication_force(t->r1, t->r2, t->gap, 1.0, fluid->def.viscosity, cutoff, least);
         film = rate * closing / (1.0 + rate * h / t->mass);
     }
     for (int a = 0; a < 3; a++) t->force[a] = -(push + film) * t->normal[a];
     return push;
 }
 
-/* Computes the force of a contact: along the normal, or the friction (Coulomb's, which at most stops sliding within a sub-step). Friction comes
-   after all normal forces, so that it sees no velocity that another contact takes away: spheres come to rest. */
-static inline void filtration__touch_force(const filtration_motion_def *def, const filtration_fluid *fluid, double h, double damping,
-                                           int friction, filtration__touch *t) {
-    const double closing = filtration__dot(t->velocity, t->normal), push = filtration__touch_normal(def, fluid, h, damping, closing, t);
+/* Computes the force of a contact: along the normal, or the friction (Coulomb's, which at most stops sliding within a sub-step). Friction
+   comes after all normal forces, so that it sees no velocity that another contact takes away: spheres come to rest. */
+static inline void filtration__touch_force(const filtration_motion_def *def, const filtration_fluid *fluid, double h,
+                                           double damping, int friction, filtration__touch *t) {
+    const double closing = filtration__dot(t->velocity, t->normal),
+                 push = filtration__touch_normal(def, fluid, h, damping, closing, t);
     double slide = 0.0, tangential[3];
     if (!friction) return;
-    for (int a = 0; a < 3; a++) tangential[a] = t->velocity[a] - closing * t->normal[a], slide += tangential[a] * tangential[a];
+    for (int a = 0; a < 3; a++)
+        tangential[a] = t->velocity[a] - closing * t->normal[a], slide += tangential[a] * tangential[a];
     slide = sqrt(slide);
     const double cap = t->mass * slide / ((def->spin ? 3.5 : 1.0) * h), most = def->friction * push;
     const double grip = most < cap ? most : cap;
@@ -104,7 +111,8 @@ static inline void filtration__touch_force(const filtration_motion_def *def, con
 }
 
 /* Computes the velocity of the surface of sphere n towards `normal`. */
-static inline void filtration__rim_velocity(const filtration_spheres *s, ptrdiff_t n, const double normal[3], double sign, double u[3]) {
+static inline void filtration__rim_velocity(const filtration_spheres *s, ptrdiff_t n, const double normal[3],
+                                            double sign, double u[3]) {
     const double *v = s->velocity + 3 * n, *w = s->spin + 3 * n;
     double r = sign * s->radius[n];
     u[0] = v[0] + r * (w[1] * normal[2] - w[2] * normal[1]);
@@ -117,22 +125,26 @@ static inline double filtration__sphere_mass(const filtration_motion_def *def, d
 }
 
 /* Kicks sphere n by a force at its surface point towards `normal`. */
-static inline void filtration__kick(const filtration_motion_def *def, filtration_spheres *s, ptrdiff_t n, const double normal[3],
-                                    double sign, const double force[3], double h, double *contact) {
+static inline void filtration__kick(const filtration_motion_def *def, filtration_spheres *s, ptrdiff_t n,
+                                    const double normal[3], double sign, const double force[3], double h,
+                                    double *contact) {
     double m = filtration__sphere_mass(def, s->radius[n]), turn = h * sign / (0.4 * m * s->radius[n]);
     for (int a = 0; a < 3; a++) {
         if (!def->fixed_axes[a]) s->velocity[3 * n + a] += force[a] * h / m;
         if (contact) contact[3 * n + a] += force[a] / def->sub_steps;
-        if (def->spin) s->spin[3 * n + a] += turn * (normal[(a + 1) % 3] * force[(a + 2) % 3] - normal[(a + 2) % 3] * force[(a + 1) % 3]);
+        if (def->spin)
+            s->spin[3 * n + a] +=
+                turn * (normal[(a + 1) % 3] * force[(a + 2) % 3] - normal[(a + 2) % 3] * force[(a + 1) % 3]);
     }
 }
 
 /* Applies the contact of sphere n with sphere k, or with a wall (k < 0) whose gap and normal are in t. */
-static inline void filtration__collide_pair(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                            ptrdiff_t n, ptrdiff_t k, double h, double damping, int friction, filtration__touch *t,
-                                            double *contact) {
+static inline void filtration__collide_pair(const filtration_motion_def *def, const filtration_fluid *fluid,
+                                            filtration_spheres *s, ptrdiff_t n, ptrdiff_t k, double h, double damping,
+                                            int friction, filtration__touch *t, double *contact) {
     double u[3] = {0, 0, 0}, back[3];
-    double m1 = filtration__sphere_mass(def, s->radius[n]), m2 = k >= 0 ? filtration__sphere_mass(def, s->radius[k]) : 0.0;
+    double m1 = filtration__sphere_mass(def, s->radius[n]),
+           m2 = k >= 0 ? filtration__sphere_mass(def, s->radius[k]) : 0.0;
     t->r1 = s->radius[n], t->r2 = k >= 0 ? s->radius[k] : HUGE_VAL, t->mass = k >= 0 ? m1 * m2 / (m1 + m2) : m1;
     filtration__rim_velocity(s, n, t->normal, 1.0, t->velocity);
     if (k >= 0) filtration__rim_velocity(s, k, t->normal, -1.0, u);
@@ -146,8 +158,8 @@ static inline void filtration__collide_pair(const filtration_motion_def *def, co
 #define FILTRATION__TOUCHES 32 /* most places at which a sphere touches the solid */
 
 /* Finds the nearest place of a solid by differences of its distance. Returns their number, 0 or 1. */
-static inline int filtration__touch_nearest(const filtration_solid *solid, const double centre[3], double radius, double reach, double step,
-                                            filtration_near *near) {
+static inline int filtration__touch_nearest(const filtration_solid *solid, const double centre[3], double radius,
+                                            double reach, double step, filtration_near *near) {
     double length = 0.0;
     near->gap = solid->distance(solid->self, centre) - radius;
     if (!(near->gap < reach)) return 0;
@@ -164,8 +176,8 @@ static inline int filtration__touch_nearest(const filtration_solid *solid, const
     return length > 0.0;
 }
 
-static inline int filtration__touch_solid(const filtration_fluid *fluid, const double centre[3], double radius, double reach,
-                                          filtration_near *near) {
+static inline int filtration__touch_solid(const filtration_fluid *fluid, const double centre[3], double radius,
+                                          double reach, filtration_near *near) {
     const filtration_solid *solid = &fluid->def.solid;
     double box[3], p[3];
     for (int a = 0; a < 3; a++) {
@@ -177,8 +189,9 @@ static inline int filtration__touch_solid(const filtration_fluid *fluid, const d
     return n < 0 ? 0 : n < FILTRATION__TOUCHES ? n : FILTRATION__TOUCHES;
 }
 
-static inline void filtration__touch_walls(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                           ptrdiff_t n, double h, double damping, double reach, int friction, double *contact) {
+static inline void filtration__touch_walls(const filtration_motion_def *def, const filtration_fluid *fluid,
+                                           filtration_spheres *s, ptrdiff_t n, double h, double damping, double reach,
+                                           int friction, double *contact) {
     filtration__touch t;
     const double *x = s->centre + 3 * n;
     filtration_near near[FILTRATION__TOUCHES];
@@ -199,8 +212,9 @@ static inline void filtration__touch_walls(const filtration_motion_def *def, con
     }
 }
 
-static inline void filtration__touch_pairs(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
-                                           ptrdiff_t n, double h, double damping, double reach, int friction, double *contact) {
+static inline void filtration__touch_pairs(const filtration_motion_def *def, const filtration_fluid *fluid,
+                                           filtration_spheres *s, ptrdiff_t n, double h, double damping, double reach,
+                                           int friction, double *contact) {
     for (ptrdiff_t k = n + 1; k < s->n; k++) {
         filtration__touch t;
         double dd = 0.0, sum = s->radius[n] + s->radius[k];
@@ -220,27 +234,31 @@ static inline void filtration__touch_pairs(const filtration_motion_def *def, con
 }
 
 /* Applies weight less buoyancy and the fluid's force and torque for a time h. */
-static inline void filtration__push(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s, ptrdiff_t n,
-                                    double share, double h) {
+static inline void filtration__push(const filtration_motion_def *def, const filtration_fluid *fluid,
+                                    filtration_spheres *s, ptrdiff_t n, double share, double h) {
     double r = s->radius[n], m = filtration__sphere_mass(def, r), light = 1.0 - fluid->def.density / def->density;
     for (int a = 0; a < 3; a++) {
-        if (!def->fixed_axes[a]) s->velocity[3 * n + a] += h * (light * def->gravity[a] + share * s->force[3 * n + a] / m);
+        if (!def->fixed_axes[a])
+            s->velocity[3 * n + a] += h * (light * def->gravity[a] + share * s->force[3 * n + a] / m);
         if (def->spin) s->spin[3 * n + a] += h * share * s->torque[3 * n + a] / (0.4 * m * r * r);
     }
 }
 
 /* Returns whether the numbers of sphere n are in range, and with them the speed that weight, fluid and films give it. */
-static inline int filtration__can_move(const filtration_motion_def *def, const filtration_fluid *fluid, const filtration_spheres *s,
-                                       ptrdiff_t n, double share) {
+static inline int filtration__can_move(const filtration_motion_def *def, const filtration_fluid *fluid,
+                                       const filtration_spheres *s, ptrdiff_t n, double share) {
     const double r = s->radius[n], m = filtration__sphere_mass(def, r), light = 1.0 - fluid->def.density / def->density;
-    const double film =
-        filtration_lubrication_force(r, HUGE_VAL, 0.0, 1.0, fluid->def.viscosity, fluid->def.voxel * (2.0 / 3.0), def->least_gap * 2.0 * r);
+    const double film = filtration_lubrication_force(r, HUGE_VAL, 0.0, 1.0, fluid->def.viscosity,
+                                                     fluid->def.voxel * (2.0 / 3.0), def->least_gap * 2.0 * r);
     if (r == 0.0) return 1;
-    if (!(r > 0.0 && m > 1e-100 && m < 1e100) || (def->lubrication && !filtration__is_finite(film * fluid->dt / m))) return 0;
+    if (!(r > 0.0 && m > 1e-100 && m < 1e100) || (def->lubrication && !filtration__is_finite(film * fluid->dt / m)))
+        return 0;
     for (int a = 0; a < 3; a++) {
-        const double pushed = s->velocity[3 * n + a] + fluid->dt * (light * def->gravity[a] + share * s->force[3 * n + a] / m);
+        const double pushed =
+            s->velocity[3 * n + a] + fluid->dt * (light * def->gravity[a] + share * s->force[3 * n + a] / m);
         const double turned = s->spin[3 * n + a] + fluid->dt * share * s->torque[3 * n + a] / (0.4 * m * r * r);
-        if (!(fabs(s->centre[3 * n + a]) < 1e100 && fabs(pushed) < 1e100 && fabs(turned * r) < 1e100)) return 0; /* squares are finite */
+        if (!(fabs(s->centre[3 * n + a]) < 1e100 && fabs(pushed) < 1e100 && fabs(turned * r) < 1e100))
+            return 0; /* squares are finite */
     }
     return 1;
 }
@@ -256,9 +274,12 @@ static inline int filtration__has_moved(const filtration_spheres *s, ptrdiff_t n
 FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid,
                                                  filtration_spheres *spheres, double share, double *contact) {
     if (filtration_motion_check_def(def, NULL) != FILTRATION_OK) return FILTRATION_BAD_DEF;
-    if (!fluid || !fluid->lattice || !spheres || spheres->n < 0 || !(share > 0.0 && share < HUGE_VAL)) return FILTRATION_BAD_ARGUMENT;
-    if (spheres->n > 0 && !(spheres->centre && spheres->velocity && spheres->spin && spheres->radius && spheres->force && spheres->torque))
+    if (!fluid || !fluid->lattice || !spheres || spheres->n < 0 || !(share > 0.0 && share < HUGE_VAL))
         return FILTRATION_BAD_ARGUMENT;
+    if (spheres->n > 0 && !(spheres->centre && spheres->velocity && spheres->spin && spheres->radius &&
+                            spheres->force && spheres->torque))
+        return FILTRATION_BAD_ARGUMENT;
+    if (!(def->density >= 0.4 * fluid->def.density)) return FILTRATION_BAD_ARGUMENT;
     for (ptrdiff_t n = 0; n < spheres->n; n++)
         if (!filtration__can_move(def, fluid, spheres, n, share)) return FILTRATION_BAD_ARGUMENT;
     double h = fluid->dt / def->sub_steps, damping = filtration__damping(def->restitution);
@@ -278,7 +299,8 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
             }
         for (ptrdiff_t n = 0; n < spheres->n; n++)
             for (int a = 0; a < 3; a++)
-                if (spheres->radius[n] > 0.0 && !def->fixed_axes[a]) spheres->centre[3 * n + a] += h * spheres->velocity[3 * n + a];
+                if (spheres->radius[n] > 0.0 && !def->fixed_axes[a])
+                    spheres->centre[3 * n + a] += h * spheres->velocity[3 * n + a];
         for (ptrdiff_t n = 0; n < spheres->n; n++)
             if (spheres->radius[n] > 0.0 && !filtration__has_moved(spheres, n, contact)) return FILTRATION_TOO_FAST;
     }

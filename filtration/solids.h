@@ -6,7 +6,8 @@
 
 /* Finds the sign change of the distance along a link by regula falsi, which halves the weight of an end that stays (Dowell and Jarratt
    1971). */
-FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const double fluid[3], const double in_solid[3]) {
+FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const double fluid[3],
+                                           const double in_solid[3]) {
     double low = 0.0, high = 1.0, point[3];
     if (!solid || !solid->distance || !fluid || !in_solid) return (double)NAN;
     double at_low = solid->distance(solid->self, fluid), at_high = solid->distance(solid->self, in_solid);
@@ -33,13 +34,14 @@ FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const 
 
 /* ---- woven cloth ---- */
 
-FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, double wire, double opening, filtration_weave weave,
-                                                       double centre) {
+FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, double wire, double opening,
+                                                       filtration_weave weave, double centre) {
     if (!cloth || !(wire > 0.0 && opening > 0.0 && filtration__is_finite(wire) && filtration__is_finite(opening)) ||
-        !(wire + opening < 1e100 && fabs(centre) < 1e100) || (weave != FILTRATION_PLAIN_WEAVE && weave != FILTRATION_TWILL_WEAVE))
+        !(wire + opening < 1e100 && fabs(centre) < 1e100) ||
+        (weave != FILTRATION_PLAIN_WEAVE && weave != FILTRATION_TWILL_WEAVE))
         return FILTRATION_BAD_ARGUMENT;
     cloth->wire = wire, cloth->opening = opening, cloth->weave = weave, cloth->centre = centre;
-    cloth->reach = 4.0 * wire;
+    cloth->reach = 4.0 * wire, cloth->offset[0] = cloth->offset[1] = 0.0;
     return FILTRATION_OK;
 }
 
@@ -50,12 +52,15 @@ static inline double filtration__cloth_side(const filtration_cloth *cloth, int w
 }
 
 /* Returns the height of a wire's axis above the plane at the place s along it, and its first two derivatives. */
-static inline double filtration__cloth_axis(const filtration_cloth *cloth, int warp, int own, double s, double *first, double *second) {
-    const double pitch = cloth->wire + cloth->opening, place = s / pitch - 0.5, crossing = floor(place), amplitude = 0.5 * cloth->wire;
+static inline double filtration__cloth_axis(const filtration_cloth *cloth, int warp, int own, double s, double *first,
+                                            double *second) {
+    const double pitch = cloth->wire + cloth->opening, place = s / pitch - 0.5, crossing = floor(place),
+                 amplitude = 0.5 * cloth->wire;
     const double here = filtration__cloth_side(cloth, warp, own, (int)crossing);
     *first = *second = 0.0;
     if (filtration__cloth_side(cloth, warp, own, (int)crossing + 1) == here) return here * amplitude;
-    const double turn = RIDDLE_PI / pitch, angle = RIDDLE_PI * (place - crossing), height = here * amplitude * riddle_cos(angle);
+    const double turn = RIDDLE_PI / pitch, angle = RIDDLE_PI * (place - crossing),
+                 height = here * amplitude * riddle_cos(angle);
     *first = -here * amplitude * turn * riddle_sin(angle);
     *second = -height * turn * turn;
     return height;
@@ -63,8 +68,8 @@ static inline double filtration__cloth_axis(const filtration_cloth *cloth, int w
 
 /* Returns the square of the distance from a point to the axis of a wire at the place s along it, and half of its first and second
    derivatives by s. aside, along, z: the point relative to the wire's middle line. */
-static inline double filtration__axis_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
-                                               double s, double *slope, double *curve) {
+static inline double filtration__axis_distance(const filtration_cloth *cloth, int warp, int own, double aside,
+                                               double along, double z, double s, double *slope, double *curve) {
     double first, second;
     const double away = z - filtration__cloth_axis(cloth, warp, own, s, &first, &second), way = s - along;
     *slope = way - away * first;
@@ -73,15 +78,16 @@ static inline double filtration__axis_distance(const filtration_cloth *cloth, in
 }
 
 /* Moves a place s along a wire's axis, whose squared distance is `least`, to the nearest one by Newton's method. */
-static inline void filtration__nearest_place(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
-                                             double *s, double *least) {
+static inline void filtration__nearest_place(const filtration_cloth *cloth, int warp, int own, double aside,
+                                             double along, double z, double *s, double *least) {
     double slope, curve, ignored[2];
     for (int i = 0; i < 20; i++) {
         const double before = *least;
         filtration__axis_distance(cloth, warp, own, aside, along, z, *s, &slope, &curve);
         double move = curve > 0.1 ? -slope / curve : -slope;
         for (int half = 0; half < 8; half++, move *= 0.5) {
-            const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, *s + move, &ignored[0], &ignored[1]);
+            const double square =
+                filtration__axis_distance(cloth, warp, own, aside, along, z, *s + move, &ignored[0], &ignored[1]);
             if (!(square < *least)) continue;
             *least = square, *s += move;
             break;
@@ -91,7 +97,8 @@ static inline void filtration__nearest_place(const filtration_cloth *cloth, int 
 }
 
 /* Returns the distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined. */
-static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z) {
+static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside,
+                                               double along, double z) {
     double slope, curve, best = along;
     double least = filtration__axis_distance(cloth, warp, own, aside, along, z, along, &slope, &curve);
     const double reach = sqrt(least), step = (cloth->wire + cloth->opening) / 8.0;
@@ -107,8 +114,8 @@ static inline double filtration__wire_distance(const filtration_cloth *cloth, in
 
 /* Returns the distance to the nearest wire of one direction. across: the place across the wires; along: along them. A wire is no nearer
    than its axis is, seen from above. */
-static inline double filtration__wires_distance(const filtration_cloth *cloth, int warp, double across, double along, double z,
-                                                double nearest) {
+static inline double filtration__wires_distance(const filtration_cloth *cloth, int warp, double across, double along,
+                                                double z, double nearest) {
     const double pitch = cloth->wire + cloth->opening, radius = 0.5 * cloth->wire;
     const int middle = (int)floor(across / pitch);
     const int reaching = (int)(cloth->reach / pitch) + 2;
@@ -125,12 +132,13 @@ static inline double filtration__wires_distance(const filtration_cloth *cloth, i
 FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, const double point[3]) {
     if (!cloth || !point) return (double)NAN;
     const double z = point[2] - cloth->centre, above = fabs(z) - cloth->wire, pitch = cloth->wire + cloth->opening;
-    const double far = fabs(point[0]) > fabs(point[1]) ? fabs(point[0]) : fabs(point[1]);
+    const double x = point[0] - cloth->offset[0], y = point[1] - cloth->offset[1];
+    const double far = fabs(x) > fabs(y) ? fabs(x) : fabs(y);
     if (!(far < 1e9 * pitch && pitch < 1e100 && fabs(z) < 1e100 && cloth->reach <= 4.0 * pitch))
         return (double)NAN; /* more wires than integers count, or a cloth that filtration_cloth_make did not make */
     if (above > cloth->reach) return above;
-    const double nearest = filtration__wires_distance(cloth, 1, point[0], point[1], z, cloth->reach);
-    return filtration__wires_distance(cloth, 0, point[1], point[0], z, nearest);
+    const double nearest = filtration__wires_distance(cloth, 1, x, y, z, cloth->reach);
+    return filtration__wires_distance(cloth, 0, y, x, z, nearest);
 }
 
 static inline double filtration__cloth_at(const void *self, const double point[3]) {
@@ -139,10 +147,13 @@ static inline double filtration__cloth_at(const void *self, const double point[3
 
 /* Lists the places of a wire that are near to a sphere: at each place where its axis comes no nearer on either side. A wire in a bend may
    touch a sphere twice. */
-static inline int filtration__wire_touch(const filtration_cloth *cloth, int warp, int own, const double centre[3], double radius,
-                                         double reach, int most, filtration_near *near) {
-    const double along = centre[warp ? 1 : 0], aside = centre[warp ? 0 : 1] - (own + 0.5) * (cloth->wire + cloth->opening);
-    const double z = centre[2] - cloth->centre, limit = radius + reach + 0.5 * cloth->wire, span = limit * limit - aside * aside;
+static inline int filtration__wire_touch(const filtration_cloth *cloth, int warp, int own, const double centre[3],
+                                         double radius, double reach, int most, filtration_near *near) {
+    const double along = centre[warp ? 1 : 0] - cloth->offset[warp ? 1 : 0];
+    const double aside =
+        centre[warp ? 0 : 1] - cloth->offset[warp ? 0 : 1] - (own + 0.5) * (cloth->wire + cloth->opening);
+    const double z = centre[2] - cloth->centre, limit = radius + reach + 0.5 * cloth->wire,
+                 span = limit * limit - aside * aside;
     double slope, curve, square[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
     int found = 0;
     if (!(span > 0.0)) return 0;
@@ -150,7 +161,8 @@ static inline int filtration__wire_touch(const filtration_cloth *cloth, int warp
     const int samples = (int)(half / (cloth->wire + cloth->opening) * 8.0) + 4;
     for (int i = -samples; i <= samples + 1 && found < most; i++) {
         square[0] = square[1], square[1] = square[2];
-        square[2] = filtration__axis_distance(cloth, warp, own, aside, along, z, along + half * i / samples, &slope, &curve);
+        square[2] =
+            filtration__axis_distance(cloth, warp, own, aside, along, z, along + half * i / samples, &slope, &curve);
         if (i == -samples || !(square[1] <= square[0] && square[1] < square[2])) continue;
         double s = along + half * (i - 1) / samples, least = square[1];
         filtration__nearest_place(cloth, warp, own, aside, along, z, &s, &least);
@@ -164,13 +176,15 @@ static inline int filtration__wire_touch(const filtration_cloth *cloth, int warp
     return found;
 }
 
-static int filtration__cloth_touch(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near) {
+static int filtration__cloth_touch(const void *self, const double centre[3], double radius, double reach, int most,
+                                   filtration_near *near) {
     const filtration_cloth *cloth = (const filtration_cloth *)self;
     const double pitch = cloth->wire + cloth->opening, wide = radius + reach + 0.5 * cloth->wire;
     int found = 0;
     if (!(fabs(centre[2] - cloth->centre) < wide + 0.5 * cloth->wire)) return 0;
     for (int warp = 0; warp < 2; warp++) {
-        const double across = centre[warp ? 0 : 1];
+        const double across = centre[warp ? 0 : 1] - cloth->offset[warp ? 0 : 1];
+        if (!(fabs(across) + wide < 1e9 * pitch)) return 0;
         const int first = (int)floor((across - wide) / pitch), last = (int)floor((across + wide) / pitch);
         for (int own = first; own <= last; own++)
             found += filtration__wire_touch(cloth, warp, own, centre, radius, reach, most - found, near + found);
@@ -194,7 +208,8 @@ typedef struct filtration__bed_entry {
 /* Returns the distance from a point to the axis of a fibre, or to the centre of a sphere (b NULL), and the way there. */
 static inline double filtration__axis_way(const double point[3], const double *a, const double *b, double way[3]) {
     double along = 0.0, length = 0.0, square = 0.0;
-    for (int k = 0; k < 3 && b; k++) along += (point[k] - a[k]) * (b[k] - a[k]), length += (b[k] - a[k]) * (b[k] - a[k]);
+    for (int k = 0; k < 3 && b; k++)
+        along += (point[k] - a[k]) * (b[k] - a[k]), length += (b[k] - a[k]) * (b[k] - a[k]);
     double share = length > 0.0 ? along / length : 0.0;
     if (share < 0.0) share = 0.0;
     if (share > 1.0) share = 1.0;
@@ -207,11 +222,13 @@ static inline double filtration__axis_way(const double point[3], const double *a
 }
 
 /* Finds the range of cells that object i, moved by an image, can be near to. Returns 0 if there are none. */
-static inline int filtration__bed_range(const filtration_bed *bed, ptrdiff_t i, const int image[3], int from[3], int to[3]) {
+static inline int filtration__bed_range(const filtration_bed *bed, ptrdiff_t i, const int image[3], int from[3],
+                                        int to[3]) {
     for (int k = 0; k < 3; k++) {
         const double a = bed->a[3 * i + k], b = bed->b ? bed->b[3 * i + k] : a, wide = bed->radius[i] + bed->reach;
         const double cell = bed->box[k] / bed->cells[k];
-        const double low = (a < b ? a : b) - wide + image[k] * bed->box[k], high = (a > b ? a : b) + wide + image[k] * bed->box[k];
+        const double low = (a < b ? a : b) - wide + image[k] * bed->box[k],
+                     high = (a > b ? a : b) + wide + image[k] * bed->box[k];
         if (high < 0.0 || low > bed->box[k]) return 0;
         from[k] = low > 0.0 ? (int)(low / cell) : 0;
         to[k] = high < bed->box[k] ? (int)(high / cell) : bed->cells[k] - 1;
@@ -262,7 +279,8 @@ static inline size_t filtration__bed_cells(const filtration_bed *bed) {
 
 FILTRATION_API void filtration_bed_free(filtration_bed *bed) {
     if (!bed) return;
-    if (bed->start) filtration__resize(&bed->memory, bed->start, (filtration__bed_cells(bed) + 1) * sizeof *bed->start, 0);
+    if (bed->start)
+        filtration__resize(&bed->memory, bed->start, (filtration__bed_cells(bed) + 1) * sizeof *bed->start, 0);
     if (bed->entry) filtration__resize(&bed->memory, bed->entry, bed->entries * sizeof *bed->entry, 0);
     memset(bed, 0, sizeof *bed);
 }
@@ -282,8 +300,8 @@ static inline int filtration__bed_is_good(const filtration_bed *bed) {
 }
 
 FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdiff_t n, const double *a, const double *b,
-                                                     const double *radius, const double box[3], const int periodic[3], double reach,
-                                                     const filtration_memory *memory) {
+                                                     const double *radius, const double box[3], const int periodic[3],
+                                                     double reach, const filtration_memory *memory) {
     if (!bed) return FILTRATION_BAD_ARGUMENT;
     memset(bed, 0, sizeof *bed);
     if (!box || !periodic) return FILTRATION_BAD_ARGUMENT;
@@ -295,7 +313,8 @@ FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdif
         return FILTRATION_BAD_ARGUMENT;
     }
     const double edge = riddle_cbrt(box[0]) * riddle_cbrt(box[1]) * riddle_cbrt(box[2]) / riddle_cbrt((double)n + 1.0);
-    for (int k = 0; k < 3; k++) bed->cells[k] = box[k] / edge < 1.0 ? 1 : box[k] / edge < 64.0 ? (int)(box[k] / edge) : 64;
+    for (int k = 0; k < 3; k++)
+        bed->cells[k] = box[k] / edge < 1.0 ? 1 : box[k] / edge < 64.0 ? (int)(box[k] / edge) : 64;
     const size_t cells = filtration__bed_cells(bed);
     bed->start = (size_t *)filtration__resize(&bed->memory, NULL, 0, (cells + 1) * sizeof *bed->start);
     if (!bed->start) {
@@ -330,8 +349,8 @@ static inline size_t filtration__bed_cell(const filtration_bed *bed, const doubl
 }
 
 /* Returns the distance from a point (inside the box) to the surface of an object of a cell, and the way to its axis. */
-static inline double filtration__bed_way(const filtration_bed *bed, const filtration__bed_entry *entry, const double inside[3],
-                                         double way[3]) {
+static inline double filtration__bed_way(const filtration_bed *bed, const filtration__bed_entry *entry,
+                                         const double inside[3], double way[3]) {
     double moved[3];
     for (int k = 0; k < 3; k++) moved[k] = inside[k] - entry->image[k] * bed->box[k];
     const double *b = bed->b ? bed->b + 3 * entry->index : NULL;
@@ -350,14 +369,16 @@ FILTRATION_API double filtration_bed_distance(const filtration_bed *bed, const d
     return nearest;
 }
 
-static int filtration__bed_touch(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near) {
+static int filtration__bed_touch(const void *self, const double centre[3], double radius, double reach, int most,
+                                 filtration_near *near) {
     const filtration_bed *bed = (const filtration_bed *)self;
     double inside[3], way[3];
     int found = 0;
     if (!bed->entry) return 0;
     const size_t c = filtration__bed_cell(bed, centre, inside);
     for (size_t e = bed->start[c]; e < bed->start[c + 1] && found < most; e++) {
-        const double distance = filtration__bed_way(bed, &bed->entry[e], inside, way), axis = distance + bed->radius[bed->entry[e].index];
+        const double distance = filtration__bed_way(bed, &bed->entry[e], inside, way),
+                     axis = distance + bed->radius[bed->entry[e].index];
         if (!(distance - radius < reach) || !(axis > 0.0)) continue;
         near[found].gap = distance - radius;
         for (int k = 0; k < 3; k++) near[found].normal[k] = way[k] / axis;
@@ -416,7 +437,8 @@ FILTRATION_API double filtration_image_distance(const filtration_image *m, const
     }
     const int own = filtration__cube_is_solid(m, home);
     double nearest = m->reach;
-    for (int ring = 0; ring <= m->reach && ring - 1.0 < nearest; ring++) /* shells of cubes, until the next one is farther away than the
+    for (int ring = 0; ring <= m->reach && ring - 1.0 < nearest;
+         ring++) /* shells of cubes, until the next one is farther away than the
                                                                             nearest found */
         for (c[2] = home[2] - ring; c[2] <= home[2] + ring; c[2]++)
             for (c[1] = home[1] - ring; c[1] <= home[1] + ring; c[1]++) {

@@ -35,19 +35,21 @@ typedef enum filtration_weave {
     FILTRATION_TWILL_WEAVE  /* 2/2 twill: over two, under two: repeats after 4 wires */
 } filtration_weave;
 
-/* Woven wire cloth in a plane z = centre, of round wires at x, y = (i + 1/2) pitch, pitch = wire + opening. At crossings their axes are
-   wire / 2 above or below the plane; between crossings on the same side they are straight, between two sides half a cosine wave. A section
-   perpendicular to the sloping axis is a circle. Warp wires lie along y, above the weft at crossing (i, j) where (i + j) mod 4 < 2 (twill)
-   or (i + j) mod 2 = 0 (plain). */
+/* Woven wire cloth in a plane z = centre, of round wires at x, y = offset + (i + 1/2) pitch, pitch = wire + opening. At crossings their
+   axes are wire / 2 above or below the plane; between crossings on the same side they are straight, between two sides half a cosine wave. A
+   section perpendicular to the sloping axis is a circle. Warp wires lie along y, above the weft at crossing (i, j) where (i + j) mod 4 < 2
+   (twill) or (i + j) mod 2 = 0 (plain). */
 typedef struct filtration_cloth {
     double wire;    /* diameter [m] > 0 */
     double opening; /* between two wires [m] > 0 */
     filtration_weave weave;
     double centre; /* z of the plane [m] */
     double reach;  /* distances above this may be returned too small [m] > 0; at least the largest sphere's radius */
+    double offset[2]; /* by which the weave is shifted along x, y [m]; finite. Coarse voxels see another cloth at each place */
 } filtration_cloth;
 
-/* Makes a cloth with a reach of 4 wires. BAD_ARGUMENT: wire or opening not > 0 and finite, centre not finite, unknown weave. */
+/* Makes a cloth with a reach of 4 wires and no offset. BAD_ARGUMENT: wire or opening not > 0 and finite, centre not finite, unknown
+   weave. */
 FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, double wire, double opening, filtration_weave weave,
                                                        double centre);
 /* Returns the length after which the cloth repeats along x and y [m]; a periodic box is a multiple of it. */

@@ -1,18 +1,22 @@
 #!/usr/bin/env python3
 """Makes the binding from the headers: declarations for cffi, their comments as docstrings, and the C file of the shared library.
 
-    python/generate.py FOLDER      writes api.json, _types.py and riddle_shared.c to FOLDER
+    python/generate.py FOLDER      writes api.json, _types.py, riddle_shared.c and the stubs (.pyi) to FOLDER
 
 What cannot be read off a declaration, how long an array is and what is an answer, stands in shapes.txt. A pointer to numbers without a
 line there is an error, so that a new function cannot be forgotten.
 """
 import json
+import keyword
 import os
 import re
+import shlex
 import subprocess
 import sys
 
 from pycparser import c_ast, c_generator, c_parser
+
+import stubs
 
 here = os.path.dirname(os.path.abspath(__file__))
 root = os.path.dirname(here)
@@ -29,7 +33,7 @@ def prefix_of(text):
 def preprocessed(header, prefix):
     """Declarations of a header without comments, and the numbers that it defines."""
     source = f'#define {prefix}_API extern\n#include "{header}"\n'
-    cpp = [os.environ.get("CC", "cc"), "-E", "-I", root, "-x", "c", "-std=c99", "-O0", "-D__attribute__(x)=", "-D__restrict__=", "-D__extension__=", "-"]
+    cpp = [*shlex.split(os.environ.get("CC", "cc")), "-E", "-I", root, "-x", "c", "-std=c99", "-O0", "-D__attribute__(x)=", "-D__restrict__=", "-D__extension__=", "-"]
     text = subprocess.run(cpp, input=source, capture_output=True, text=True, check=True).stdout
     lines, inside = [], False
     for line in text.split("\n"):
@@ -38,7 +42,7 @@ def preprocessed(header, prefix):
             inside = os.path.basename(marker[1]) == header
         elif inside and not line.startswith("#"):
             lines.append(line)
-    macros = subprocess.run(cpp[:1] + ["-dM"] + cpp[1:], input=source, capture_output=True, text=True, check=True).stdout
+    macros = subprocess.run([*cpp[:-1], "-dM", "-"], input=source, capture_output=True, text=True, check=True).stdout
     constants = {}
     for name, value in re.findall(rf"^#define ({prefix}_[A-Z0-9_]*[A-Z0-9]) (.+)$", macros, re.M):
         if "__" not in name and re.fullmatch(r"\(?-?\d[\w.+-]*\)?", value.strip()):
@@ -184,16 +188,66 @@ class Header:
                                             "doc": self.about.get(declaration.name, ""), "signature": f"{returns} {declaration.name}({arguments})"}
 
 
-def read_shapes():
+def read_shapes(path=os.path.join(here, "shapes.txt")):
     """function.parameter -> shape; and roles. See the head of shapes.txt."""
     shapes = {}
-    with open(os.path.join(here, "shapes.txt"), encoding="utf-8") as file:
+    with open(path, encoding="utf-8") as file:
         for line in file:
             line = line.split("#")[0].strip()
             if line:
-                key, _, value = line.partition(":")
-                shapes[key.strip()] = value.strip()
+                key, _, value = (part.strip() for part in line.partition(":"))
+                if key in shapes:
+                    sys.exit(f"{path}: {key} stands there twice")
+                shapes[key] = value
     return shapes
+
+
+def parts_of(shape):
+    """The axes of a shape as they stand there, without what comes before the brackets."""
+    found = re.search(r"\[(.*)\]", shape)
+    return [part.strip() for part in re.sub(r"\bdef\b", "definition", found[1]).split(",")] if found else []
+
+
+def give_roles(headers, shapes):
+    """Tells of each parameter what Python does with it: given, optional, made (an answer), length (told by an array) or hidden."""
+    opaque = {name for h in headers for name, kind in h.types.items() if kind["opaque"]}
+    for h in headers:
+        for name, f in h.functions.items():
+            for p in f["parameters"]:
+                p["called"] = "definition" if p["name"] == "def" else p["name"] + "_" * keyword.iskeyword(p["name"])
+                p["base"] = re.sub(r"\bconst\b|\bstruct\b|\*|\[.*", "", p["type"]).strip()
+                p["shape"] = shapes.get(f"{name}.{p['name']}", "")
+                inout, optional = p["shape"].startswith("inout"), p["shape"].startswith("optional")
+                constant = p["const"] or "const" in p["type"]
+                if p["deep"] and p["base"] == "char" or p["pointer"] and p["base"] == "void" or p["base"].endswith(("_memory", "_allocator")):
+                    p["role"] = "hidden"
+                elif p["pointer"] and not constant and not inout and not optional and not p["callback"] and (p["base"] not in opaque or name.endswith("_init")):
+                    p["role"] = "made"
+                else:
+                    p["role"] = "optional" if optional else "given"
+                p["function"] = p["callback"] or "_fn" in p["type"] or p["base"].endswith(("_function", "_kernel"))
+            # what a definition holds and C calls with the definition's data
+            f["hook"] = not any(p["function"] for p in f["parameters"]) and any(
+                p["pointer"] and p["base"] == "void" and (p["name"] == "data" or "user" in p["name"]) for p in f["parameters"])
+            f["lengths"] = lengths_of(f["parameters"])
+            for p in f["parameters"]:
+                if p["called"] in f["lengths"]:
+                    p["role"] = "length"
+
+
+def lengths_of(parameters):
+    """Integers that the length of an array tells: parameter -> array's parameter, axis, what to take off."""
+    found = {}
+    names = {p["called"] for p in parameters if not p["pointer"]}
+    for optional in (False, True):
+        for p in parameters:
+            if p["role"] in ("made", "hidden") or (p["role"] == "optional") != optional:
+                continue
+            for axis, part in enumerate(parts_of(p["shape"])):
+                parameter, _, more = part.partition("+")
+                if parameter.strip() in names and more.strip() in ("", "1"):
+                    found.setdefault(parameter.strip(), [p["called"], axis, int(more or 0)])
+    return found
 
 
 def without_shape(header, shapes):
@@ -251,6 +305,11 @@ def cdef(headers):
     return "\n".join(lines)
 
 
+def version():
+    with open(os.path.join(root, "VERSION"), encoding="utf-8") as file:
+        return file.read().strip()
+
+
 def main():
     folder = sys.argv[1]
     os.makedirs(folder, exist_ok=True)
@@ -260,8 +319,9 @@ def main():
     if missing:
         print("python/shapes.txt lacks:\n" + "\n".join(missing), file=sys.stderr)
         return 1
+    give_roles(headers, shapes)
     source, layout = c_file(headers)
-    api = {"layout": layout, "headers": {h.lower: {"file": h.file, "constants": h.constants, "enums": h.enums, "enumerators": h.enumerators, "types": h.types, "functions": h.functions} for h in headers}, "shapes": shapes}
+    api = {"version": version(), "layout": layout, "headers": {h.lower: {"file": h.file, "constants": h.constants, "enums": h.enums, "enumerators": h.enumerators, "types": h.types, "functions": h.functions} for h in headers}, "shapes": shapes}
     with open(os.path.join(folder, "riddle_shared.c"), "w", encoding="utf-8") as file:
         file.write(source)
     with open(os.path.join(folder, "api.json"), "w", encoding="utf-8") as file:
@@ -271,6 +331,7 @@ def main():
     ffi.cdef(cdef(headers))
     ffi.set_source("riddle._types", None)
     ffi.emit_python_code(os.path.join(folder, "_types.py"))
+    stubs.write(folder, headers, shapes)
     return 0
 
 

@@ -1,4 +1,8 @@
 /* helpers.h - what Python needs of a world beside the headers' own functions: its records, and states of all particles by one call. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
 #define RIDDLE_EXPORT extern
 
 /* What is read as it is stored. */
@@ -21,6 +25,16 @@ RIDDLE_EXPORT void riddle_records(const dem_world *world, int what, int64_t *out
 RIDDLE_EXPORT int riddle_is_present(const dem_world *world, ptrdiff_t i);
 /* Sets the definition's function stop, or takes it out with NULL. Returns 0 where the definition came with one, which stays. */
 RIDDLE_EXPORT int riddle_set_stop(dem_world *world, int (*stop)(void *user));
+/* kind, material, enabled, spin, coordinate, rate; position, velocity, normal, force, torque, impulse. Returns 1 where there is no such wall. */
+RIDDLE_EXPORT int riddle_wall(const dem_world *world, int index, double *out);
+
+/* What riddle_io.h told of the last file that could not be written; empty where it told nothing. Asking forgets it at the next file. */
+RIDDLE_EXPORT const char *riddle_last_line(void);
+RIDDLE_EXPORT int riddle_picture(const dem_world *world, char **names, int n_names, double speed, const double *direction, int width, int height, unsigned char *rgb);
+RIDDLE_EXPORT int riddle_section(const dem_world *world, const char *title, const double *point, const double *normal, const double *right, char **names, int n_names, const char *folder, const char *name);
+RIDDLE_EXPORT void *riddle_series_open(const char *folder, const char *name);
+RIDDLE_EXPORT int riddle_series_add(void *series, const dem_world *world);
+RIDDLE_EXPORT int riddle_series_close(void *series);
 
 ptrdiff_t riddle_count(const dem_world *world) { return world->count; }
 double riddle_time(const dem_world *world) { return world->time; }
@@ -60,4 +74,93 @@ void riddle_records(const dem_world *world, int what, int64_t *out) {
                  : what == RIDDLE_GROUPS    ? world->group[i]
                  : what == RIDDLE_MATERIALS ? world->material[i]
                                             : world->alive[i];
+}
+
+int riddle_wall(const dem_world *world, int index, double *out) {
+    if (index < 0 || index >= world->walls) return 1;
+    const dem_wall *w = &world->wall[index];
+    const double numbers[6] = {w->kind, w->material, w->enabled, w->spin, w->coordinate, w->rate};
+    const dem_vec vectors[6] = {w->position, w->velocity, w->axis[2], w->force, w->torque, w->impulse};
+    for (int k = 0; k < 6; k++) {
+        out[k] = numbers[k];
+        out[6 + 3 * k] = vectors[k].x, out[7 + 3 * k] = vectors[k].y, out[8 + 3 * k] = vectors[k].z;
+    }
+    return 0;
+}
+
+/* ---- files and pictures ---- */
+
+static char riddle_line[600]; /* one thread at a time holds the interpreter's lock */
+static void riddle_tell(const char *line) { snprintf(riddle_line, sizeof riddle_line, "%s", line); }
+const char *riddle_last_line(void) { return riddle_line; }
+
+#define RIDDLE_IO_API extern
+#define RIDDLE_IO_IMPLEMENTATION
+#define RIDDLE_IO_FAIL(line) riddle_tell(line)
+#define RIDDLE_PLOT_API extern
+#define RIDDLE_PLOT_IMPLEMENTATION
+#define DEM_IO_API extern
+#define DEM_IO_IMPLEMENTATION
+#include "dem_io.h"
+
+#include "examples/common/world_picture.h"
+
+/* What render.c says; it says nothing but that memory is short. */
+int common_fail(const char *format, ...) { return (void)format, -1; }
+void common_print(const char *format, ...) { (void)format; }
+
+int riddle_picture(const dem_world *world, char **names, int n_names, double speed, const double *direction, int width, int height, unsigned char *rgb) {
+    picture_def look = {{NULL}, n_names, speed, {direction[0], direction[1], direction[2]}, width, height};
+    for (int k = 0; k < n_names; k++) look.names[k] = names[k];
+    picture *s = picture_of_world(world, &look);
+    const int status = s ? picture_draw(s, rgb) : -1;
+    picture_free(s);
+    return status;
+}
+
+int riddle_section(const dem_world *world, const char *title, const double *point, const double *normal, const double *right, char **names, int n_names,
+                   const char *folder, const char *name) {
+    riddle_line[0] = 0;
+    riddle_plot *figure = riddle_plot_new(title, 1, 1);
+    const dem_status status = dem_io_section(world, figure, dem_vec3(point[0], point[1], point[2]), dem_vec3(normal[0], normal[1], normal[2]),
+                                             dem_vec3(right[0], right[1], right[2]), n_names ? (const char *const *)names : NULL, n_names);
+    const int written = (int)riddle_plot_write(figure, folder, name);
+    return status ? (int)status : written;
+}
+
+/* A series keeps its names. */
+typedef struct riddle_frames {
+    dem_io_series series;
+    char *names;
+} riddle_frames;
+
+void *riddle_series_open(const char *folder, const char *name) {
+    const size_t length = strlen(folder) + 1, more = strlen(name) + 1;
+    riddle_frames *f = (riddle_frames *)malloc(sizeof *f);
+    riddle_line[0] = 0;
+    if (!f) return NULL;
+    f->names = (char *)malloc(length + more);
+    if (f->names) {
+        memcpy(f->names, folder, length);
+        memcpy(f->names + length, name, more);
+        f->series = dem_io_open(f->names, f->names + length);
+        if (f->series.particles) return f;
+        free(f->names);
+    }
+    free(f);
+    return NULL;
+}
+
+int riddle_series_add(void *series, const dem_world *world) {
+    riddle_line[0] = 0;
+    return (int)dem_io_add(&((riddle_frames *)series)->series, world);
+}
+
+int riddle_series_close(void *series) {
+    riddle_frames *f = (riddle_frames *)series;
+    riddle_line[0] = 0;
+    const int status = (int)dem_io_close(&f->series);
+    free(f->names);
+    free(f);
+    return status;
 }

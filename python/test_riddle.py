@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Tests of the Python binding: python/test_riddle.py [--seconds N]. Prints "N passed, N failed"."""
+"""Tests of the Python binding: python/test_riddle.py [--seconds N] [Class.test...]. Prints "N passed, N failed"."""
+import ast
 import contextlib
 import copy
 import gc
+import inspect
 import io
 import json
 import os
@@ -11,14 +13,18 @@ import pickle
 import random
 import re
 import resource
+import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
 import warnings
+import zlib
 
 here = os.path.dirname(os.path.abspath(__file__))
 root = os.path.dirname(here)
@@ -71,7 +77,7 @@ class Complete(unittest.TestCase):
             module = getattr(riddle, lower)
             for name in header["functions"]:
                 if _core.in_python(name):
-                    self.assertIn(name, module.functions)
+                    self.assertIn(name, module._functions)
                 else:
                     self.assertRegex(_core.api["shapes"][name], r"^C only \(.+\)$", name)
 
@@ -80,7 +86,7 @@ class Complete(unittest.TestCase):
         never = []
         for lower, header in _core.api["headers"].items():
             for name, about in header["functions"].items():
-                if not _core.in_python(name) or _core._is_hook(about):
+                if not _core.in_python(name) or about["hook"]:
                     continue
                 for p in _core.Function(lower, name, about).parameters:
                     known = p.hidden or p.opaque or p.structure or p.dtype is not None and (not p.made or p.shape is not None)
@@ -167,13 +173,13 @@ class Values(unittest.TestCase):
         self.assertTrue((np.diff(curves, axis=1) < 0.0).all())
 
     def test_classifier_and_granulation(self):
-        model = classifier.init(classifier.paper_def(classifier.LIMESTONE, 9000.0).value)
-        x50 = classifier.quantile(model, 0.5)
-        self.assertAlmostEqual(classifier.tromp(model, x50).value, 0.5, 6)
-        sim = granulation.sim_init(granulation.def_(seed=3))
-        granulation.sim_add(sim, granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12), 50)
-        granulation.sim_run(sim, 5)
-        self.assertGreater(granulation.sim_mean(sim, 4, 3), 0.0)
+        model = classifier.Model(classifier.paper_def(classifier.LIMESTONE, 9000.0).value)
+        x50 = model.quantile(0.5)
+        self.assertAlmostEqual(model.tromp(x50).value, 0.5, 6)
+        sim = granulation.Sim(granulation.def_(seed=3))
+        sim.add(granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12), 50)
+        sim.run(5)
+        self.assertGreater(sim.mean(4, 3), 0.0)
 
 
     def test_polyhedra(self):
@@ -193,21 +199,21 @@ class Values(unittest.TestCase):
         self.assertTrue(np.isnan(dem.shape_of_drag(2.0, 0.8, 0.8)).all())
 
     def test_vectors_of_granulation_and_classifier(self):
-        sim, granule = granulation.sim_init(granulation.def_(seed=1)), granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12)
-        granulation.sim_put(sim, granule, (1e-4, 0.0, 0.0), (0.0, 0.0, 0.5))
-        granulation.sim_put(sim, granule, [2e-4, 3e-4, 1e-4], np.array([0.0, 0.1, 0.5]))
-        totals = granulation.sim_totals(sim)
+        sim, granule = granulation.Sim(granulation.def_(seed=1)), granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12)
+        sim.put(granule, (1e-4, 0.0, 0.0), (0.0, 0.0, 0.5))
+        sim.put(granule, [2e-4, 3e-4, 1e-4], np.array([0.0, 0.1, 0.5]))
+        totals = sim.totals()
         self.assertAlmostEqual(totals.volumes.s, 1.04e-12, 20)
         self.assertAlmostEqual(totals.momentum[2] / totals.momentum[1], 10.0, 9)
         self.assertEqual(totals.momentum[0], 0.0)
         self.assertAlmostEqual(totals.kinetic / totals.momentum[2], 0.51 / 2.0, 9)
-        granulation.sim_impeller(sim, [0.0, 0.0, 3.0], [0.1, 0.1, 0.1], True)
-        self.assertGreater(abs(granulation.sim_totals(sim).momentum[2]), 2.0 * totals.momentum[2])
+        sim.impeller([0.0, 0.0, 3.0], [0.1, 0.1, 0.1], True)
+        self.assertGreater(abs(sim.totals().momentum[2]), 2.0 * totals.momentum[2])
         with self.assertRaises(ValueError):
-            granulation.sim_put(sim, granule, (1e-4, 0.0), (0.0, 0.0, 0.5))
+            sim.put(granule, (1e-4, 0.0), (0.0, 0.0, 0.5))
         definition = classifier.paper_def(classifier.LIMESTONE, 3000.0).value
-        model = classifier.init(definition)
-        cases = classifier.tromp_cases(model, classifier.quantile(model, 0.5))
+        model = classifier.Model(definition)
+        cases = model.tromp_cases(model.quantile(0.5))
         self.assertTrue(((cases >= 0.0) & (cases <= 1.0)).all() and cases.shape == (3,) and cases.min() < 0.5 < cases.max(), cases)
         speed = 3000.0 / 60.0 * 2.0 * np.pi
         straight = classifier.approach(definition.wheel, speed, 0.1, 1.0, 1.0)
@@ -220,8 +226,8 @@ class Values(unittest.TestCase):
         above = (15e-6, 15e-6, 60e-6)  # a wire above the crossing
         self.assertAlmostEqual(filtration.cloth_distance(cloth, above), 10e-6, 10)
         self.assertAlmostEqual(filtration.solid_cut(filtration.cloth_solid(cloth), above, (15e-6, 15e-6, 45e-6)), 2.0 / 3.0, 6)
-        bed_of_one = filtration.bed_init([[40e-6, 40e-6, 40e-6]], None, [15e-6], [80e-6] * 3, [1, 1, 1], 20e-6)
-        self.assertAlmostEqual(filtration.bed_distance(bed_of_one, (60e-6, 40e-6, 40e-6)), 5e-6, 12)
+        bed_of_one = filtration.Bed([[40e-6, 40e-6, 40e-6]], None, [15e-6], [80e-6] * 3, [1, 1, 1], 20e-6)
+        self.assertAlmostEqual(bed_of_one.distance((60e-6, 40e-6, 40e-6)), 5e-6, 12)
         voxels = np.zeros((8, 8, 8), np.uint8)
         voxels[:4] = 1
         image = filtration.image(n=[8, 8, 8], edge=1e-6, solid=voxels, reach=4)
@@ -230,18 +236,18 @@ class Values(unittest.TestCase):
         for use in (lambda image: filtration.image_distance(image, (0, 0, 0)), filtration.image_solid):
             with self.assertRaises(riddle.Error):  # C would divide by 0
                 use(filtration.image(n=[0, 0, 0], edge=1e-6, reach=4))
-        definition = filtration.fluid_def(nodes=[16, 16, 16], voxel=5e-6, solid=filtration.bed_solid(bed_of_one))
-        fluid = filtration.fluid_init(definition)
-        filtration.fluid_set_body_force(fluid, [0.0, 0.0, 1e3])
-        filtration.fluid_run(fluid, 400)
-        velocity, force = filtration.fluid_mean_velocity(fluid), filtration.fluid_solid_force(fluid)
+        definition = filtration.fluid_def(nodes=[16, 16, 16], voxel=5e-6, solid=bed_of_one.solid())
+        fluid = filtration.Fluid(definition)
+        fluid.set_body_force([0.0, 0.0, 1e3])
+        fluid.run(400)
+        velocity, force = fluid.mean_velocity(), fluid.solid_force()
         self.assertGreater(velocity[2], 1e-7)
         self.assertLess(np.abs(velocity[:2]).max(), 1e-6 * velocity[2])
-        self.assertTrue(0.6 < force[2] / (1e3 * (80e-6) ** 3) < filtration.fluid_porosity(fluid))  # the rest still accelerates it
-        sheared = filtration.fluid_init(filtration.fluid_def(nodes=[8, 8, 8], face=[0, 0, 0, 0, filtration.WALL, filtration.WALL]))
-        filtration.fluid_set_face_velocity(sheared, filtration.HIGH_Z, [1e-3, 0.0, 0.0])
-        filtration.fluid_run(sheared, 400)
-        self.assertAlmostEqual(filtration.fluid_mean_velocity(sheared)[0], 0.5e-3, 5)
+        self.assertTrue(0.6 < force[2] / (1e3 * (80e-6) ** 3) < fluid.porosity())  # the rest still accelerates it
+        sheared = filtration.Fluid(filtration.fluid_def(nodes=[8, 8, 8], face=[0, 0, 0, 0, filtration.WALL, filtration.WALL]))
+        sheared.set_face_velocity(filtration.HIGH_Z, [1e-3, 0.0, 0.0])
+        sheared.run(400)
+        self.assertAlmostEqual(sheared.mean_velocity()[0], 0.5e-3, 5)
 
 
 class Worlds(unittest.TestCase):
@@ -328,7 +334,7 @@ class Worlds(unittest.TestCase):
             self.assertEqual((twin.name, twin.hash()), (["mine"], world.hash()))
             twin.run(1e-3, LAW)
         self.assertEqual(world.step, 0)
-        sim = granulation.sim_init(granulation.def_(seed=1))
+        sim = granulation.Sim(granulation.def_(seed=1))
         for use in (copy.copy, copy.deepcopy, pickle.dumps):
             with self.assertRaisesRegex(TypeError, "cannot be copied"):
                 use(sim)
@@ -339,10 +345,11 @@ class Worlds(unittest.TestCase):
                 dem.World(*wrong)
         with self.assertRaisesRegex(ValueError, "freed"):
             dem.World.__new__(dem.World).run(0.1, LAW)
-        with self.assertRaisesRegex(TypeError, "granulation.sim_init"):
-            granulation.sim()
-        with self.assertRaisesRegex(TypeError, "classifier.init"):
-            classifier.model()
+        with self.assertRaisesRegex(TypeError, "granulation.Sim"):
+            _core.Handle.__init__(granulation.Sim.__new__(granulation.Sim, granulation.def_()))
+        for wrong in ((), (None,), (5,), (dem.def_(),)):
+            with self.assertRaises(TypeError):
+                classifier.Model(*wrong)
 
     def test_materials(self):
         definition = dem.def_()
@@ -360,7 +367,7 @@ class Worlds(unittest.TestCase):
 
     def test_a_fill_that_places_nothing(self):
         world, feed = bed(0), dem.default_feed()
-        feed.sizes = dem.one_size(5.0)
+        feed.sizes = dem.one_size(0.5)
         with self.assertWarnsRegex(UserWarning, "none of 5"):
             world.fill(feed, 5)
         feed.sizes = dem.one_size(5e-3)
@@ -667,7 +674,7 @@ class Kept(unittest.TestCase):
     def test_solids_and_regions(self):
         definition = filtration.fluid_def(nodes=[24, 24, 32], solid=filtration.cloth_solid(filtration.cloth_make(10e-6, 20e-6, 0, 16 * 2.5e-6)))
         taken = self.fresh()
-        self.assertAlmostEqual(filtration.fluid_porosity(filtration.fluid_init(definition)), 0.9288194444, 9)
+        self.assertAlmostEqual(filtration.Fluid(definition).porosity(), 0.9288194444, 9)
         corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], float) * 0.05
         faces = [(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5)]
         world, feed, mesh = bed(0), dem.default_feed(), dem.mesh(vertices=8, triangles=12, vertex=corners, triangle=faces)
@@ -690,7 +697,7 @@ class Kept(unittest.TestCase):
         definition = filtration.fluid_def(nodes=[16, 16, 16], voxel=1e-5)
         definition.solid.distance = lambda _, point: point[2] - 40e-6
         taken = self.fresh()
-        self.assertAlmostEqual(filtration.fluid_porosity(filtration.fluid_init(definition)), 0.75, 1)
+        self.assertAlmostEqual(filtration.Fluid(definition).porosity(), 0.75, 1)
         del taken
 
     def test_arrays_of_fields(self):
@@ -707,21 +714,21 @@ class Kept(unittest.TestCase):
             count = [0]
             counts.append(count)
             definition.on_collision = lambda user, event, count=count: count.__setitem__(0, count[0] + 1)
-            sims.append(granulation.sim_init(definition))
-            granulation.sim_add(sims[-1], granule, 100)
+            sims.append(granulation.Sim(definition))
+            sims[-1].add(granule, 100)
         definition.on_collision = None
         taken = self.fresh()
         for sim in sims:
-            granulation.sim_run(sim, 4)
+            sim.run(4)
         self.assertEqual(counts[0], counts[1])
         self.assertGreater(counts[0][0], 0)
         balance = granulation.balance_def(selection=lambda g, user: counts[0].append(1) or 0.1, kernel=granulation.collision_kernel,
                                           kernel_user=granulation.kernel_data(laws=granulation.def_().laws, speed=0.3, rate=1e-9))
-        state = granulation.balance_init(balance, np.geomspace(1e-13, 1e-11, 11), None)
-        granulation.balance_add(state, granule, 100.0)
+        state = granulation.Balance(balance, np.geomspace(1e-13, 1e-11, 11), None)
+        state.add(granule, 100.0)
         balance.selection = balance.kernel = balance.kernel_user = None
         taken += self.fresh()
-        granulation.balance_run(state, 1e-3)
+        state.run(1e-3)
         self.assertGreater(len(counts[0]), 1)
         parts = dem.def_(parallel=lambda user, tasks, task, context: [task(context, k) for k in range(tasks)] and None, threads=2, dt=1e-5)
         dem.add_material(parts, 2500.0, 5e10, 0.2)
@@ -788,22 +795,22 @@ class Functions(unittest.TestCase):
     def test_collisions(self):
         definition, granule = granulation.def_(seed=1), granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12)
         definition.on_collision, calls = self.failing(None, 3)
-        sim = granulation.sim_init(definition)
-        granulation.sim_add(sim, granule, 200)
-        self.assertEqual(self.raises(lambda: granulation.sim_run(sim, 10**6)), 3)
+        sim = granulation.Sim(definition)
+        sim.add(granule, 200)
+        self.assertEqual(self.raises(lambda: sim.run(10**6)), 3)
         self.assertEqual(len(calls), 3)
-        whole, pieces = (granulation.sim_init(granulation.def_(seed=1)) for _ in range(2))
+        whole, pieces = (granulation.Sim(granulation.def_(seed=1)) for _ in range(2))
         for sim in (whole, pieces):
-            granulation.sim_add(sim, granule, 200)
+            sim.add(granule, 200)
         _core.lib.granulation_sim_run(whole._c, 40)
-        granulation.sim_run(pieces, 40)
-        self.assertEqual(granulation.sim_mean(whole, 4, 3), granulation.sim_mean(pieces, 4, 3))
+        pieces.run(40)
+        self.assertEqual(whole.mean(4, 3), pieces.mean(4, 3))
         with self.assertRaises(riddle.Error):
-            granulation.sim_run(pieces, -1)
+            pieces.run(-1)
         threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
         begun = time.monotonic()
         with self.assertRaises(KeyboardInterrupt):
-            granulation.sim_run(pieces, 10**6)
+            pieces.run(10**6)
         self.assertLess(time.monotonic() - begun, 30.0)
 
     def test_stop_and_parallel(self):
@@ -832,9 +839,9 @@ class Functions(unittest.TestCase):
         granule, edges = granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12), np.geomspace(1e-13, 1e-11, 11)
         for name, answer in (("selection", 0.1), ("kernel", 1e-9)):
             function, calls = self.failing(answer, 5)
-            balance = granulation.balance_init(granulation.balance_def(**{name: function}), edges, None)
-            granulation.balance_add(balance, granule, 100.0)
-            self.assertEqual(self.raises(lambda: granulation.balance_run(balance, 1.0)), 5)
+            balance = granulation.Balance(granulation.balance_def(**{name: function}), edges, None)
+            balance.add(granule, 100.0)
+            self.assertEqual(self.raises(lambda: balance.run(1.0)), 5)
             self.assertEqual(len(calls), 5)
 
         def rates(user, now, k1, k2):
@@ -844,10 +851,10 @@ class Functions(unittest.TestCase):
         self.raises(lambda: blocking.integrate(blocking.ode_def(rates=rates), [0.0, 1.0, 5.0]))
         definition = filtration.fluid_def(nodes=[8, 8, 8])
         definition.solid.distance, calls = self.failing(1e-5, 3)
-        self.raises(lambda: filtration.fluid_init(definition))
+        self.raises(lambda: filtration.Fluid(definition))
         definition.solid.distance = lambda self, point: "far"
         with self.assertRaises(TypeError):
-            filtration.fluid_init(definition)
+            filtration.Fluid(definition)
 
     def test_two_threads(self):
         """Each call raises what its own function raised."""
@@ -871,6 +878,187 @@ class Functions(unittest.TestCase):
         self.assertEqual(raised, {0: 0, 1: 1, 2: 2})
 
 
+class Shown(unittest.TestCase):
+    """What a user sees: signatures, stubs, errors, pictures, files."""
+
+    def test_signatures_and_names(self):
+        self.assertEqual(str(inspect.signature(dem.World.add_plane)), "(self, material, point, normal)")
+        self.assertEqual(str(inspect.signature(blocking.fit)), "(definition, t, f, sigma=None)")
+        self.assertIn("gravity", inspect.signature(dem.def_).parameters)
+        with open(os.path.join(root, "VERSION"), encoding="utf-8") as file:
+            self.assertEqual(riddle.__version__, file.read().strip())
+        for module in (riddle, dem, screen, granulation):
+            self.assertFalse([name for name in dir(module) if name in ("np", "os", "sys", "json", "fill", "lib", "ffi") or name.startswith("_") and name != "__version__"])
+        for shown in (bed(), dem.def_(), granulation.Sim(granulation.def_(seed=1)), bed().wall(0), dem.default_feed()):
+            self.assertLess(len(repr(shown)), 1500, repr(shown))
+
+    def test_stubs_have_all_names(self):
+        def names(body):
+            return {n for node in body for n in ([node.name] if isinstance(node, (ast.FunctionDef, ast.ClassDef)) else [node.target.id] if isinstance(node, ast.AnnAssign) else [])
+                    if not n.startswith("_")}
+
+        for lower in _core.api["headers"]:
+            module = getattr(riddle, lower)
+            with open(os.path.join(here, "riddle", f"{lower}.pyi"), encoding="utf-8") as file:
+                tree = ast.parse(file.read())
+            self.assertEqual(names(tree.body), set(dir(module)), lower)
+            for node in tree.body:
+                cls = getattr(module, node.name, None) if isinstance(node, ast.ClassDef) else None
+                if isinstance(cls, type) and issubclass(cls, _core.Handle):
+                    own = {n for n in dir(cls) if not n.startswith("_") and n != "free"}
+                    self.assertEqual(names(node.body), own, node.name)
+
+    def test_mypy(self):
+        """The examples pass; what is wrong does not."""
+        if not shutil.which("mypy"):
+            self.skipTest("mypy is missing (Debian: mypy)")
+        with tempfile.TemporaryDirectory() as folder:
+            wrong = os.path.join(folder, "wrong.py")
+            with open(wrong, "w", encoding="utf-8") as file:
+                file.write("from riddle import dem\nd = dem.def_(dt='1e-5')\nd.gravty = 3.0\nw = dem.World(d)\nw.runn(1.0)\nw.add_plane(0, (0, 0, 0))\nw.count.x\n")
+            programs = [os.path.join(here, "examples", name) for name in sorted(os.listdir(os.path.join(here, "examples"))) if name.endswith(".py")]
+            done = subprocess.run(["mypy", "--ignore-missing-imports", "--no-error-summary", "--cache-dir", folder, *programs, wrong], capture_output=True, text=True,
+                                  env={**os.environ, "MYPYPATH": here})
+            lines = [line.split(":")[1] for line in done.stdout.split("\n") if ": error:" in line and line.startswith(wrong)]
+            self.assertEqual(lines, ["2", "3", "5", "6", "7"], done.stdout)
+            self.assertEqual([line for line in done.stdout.split("\n") if ": error:" in line and not line.startswith(wrong)], [])
+
+    def test_errors_name_argument_and_value(self):
+        world = bed(3)
+        screen_def = dem.default_screen()
+        screen_def.aperture = -8e-3
+        for use, said in ((lambda: world.add_plane(7, (0, 0, 0), (0, 0, 1)), "material = 7: the world has no such material"),
+                          (lambda: world.add_plane(0, (0, 0, 0), (0, 0, 0)), r"normal = .*: a direction of length 0"),
+                          (lambda: world.add_cylinder(0, (0, 0, 0), (0, 0, 1), -1.0, 1), "radius = -1: must be above 0"),
+                          (lambda: world.move(5, (0, 0, 1)), "wall = 5: the world has 1 walls"),
+                          (lambda: world.set_motion(99, (0, 0, 0), (0, 0, 0)), "i = 99: there is no such particle: there are 3"),
+                          (lambda: world.add_screen(0, screen_def), "screen.aperture = -0.008"),
+                          (lambda: world.add_spheres([[0, 0, 1]], [-1e-3], 0), "diameters = .*: must be above 0"),
+                          (lambda: world.add_spheres([[0, 0, np.nan]], [1e-3], 0), "centres = .*: not finite"),
+                          (lambda: dem.World(dem.def_(dt=-1.0)), "materials: is 0")):
+            with self.assertRaisesRegex(riddle.Error, said) as raised:
+                use()
+            again = pickle.loads(pickle.dumps(raised.exception))
+            self.assertEqual((str(again), again.hint), (str(raised.exception), raised.exception.hint))
+
+    def test_millimetres_are_refused(self):
+        world, feed = bed(0), dem.default_feed()
+        with self.assertRaisesRegex(ValueError, "3 m is above 1 m: are lengths in metres"):
+            world.add_spheres([[0, 0, 5]], [3.0], 0)
+        for sizes in (dem.one_size(3.0), dem.uniform_sizes(1.0, 3.0, 0), dem.size_list([1e-3, 3.0], [1.0, 1.0], 0)):
+            feed.sizes = sizes
+            with self.assertRaisesRegex(ValueError, "are lengths in metres"):
+                world.fill(feed, 1)
+        world.largest_diameter = 5.0
+        world.add_spheres([[0, 0, 5]], [3.0], 0)
+        self.assertEqual(world.count, 1)
+
+    def test_lengths_come_from_arrays(self):
+        case = screen.case(time=[0.0, 1.0, 2.0], retained=[[1.0, 0.5, 0.2]])
+        self.assertEqual(case.times, 3)
+        self.assertEqual(screen.def_(diameters=[1e-3, 2e-3]).classes, 2)
+        data = classifier.balance_data(**{name: [0.1, 0.5, 0.4] for name in ("feed", "coarse", "fine", "feed_sd", "coarse_sd", "fine_sd")})
+        self.assertEqual(data.classes, 3)
+        self.assertEqual(dem.mesh(vertex=np.zeros((5, 3)), triangle=np.zeros((2, 3), dtype=int)).triangles, 2)
+        for wrong in (dict(times=4, time=[0.0, 1.0, 2.0]), dict(time=[0.0, 1.0, 2.0], times=4)):  # a length that is given stays
+            self.assertEqual(screen.case(**wrong).times, 4)
+
+    def test_a_wall_tells_its_force(self):
+        world = bed(40)
+        world.run(1.5, LAW)
+        wall, before, begun = world.wall(0), world.wall(0).impulse, world.time
+        world.run(0.1, LAW)
+        weight = 9.81 * world.masses().sum()
+        self.assertAlmostEqual(-(wall.impulse - before)[2] / (world.time - begun) / weight, 1.0, 2)
+        self.assertAlmostEqual(-wall.force[2] / weight, 1.0, 1)
+        self.assertEqual((wall.kind, wall.enabled, wall.torque.shape), ("plane", True, (3,)))
+        with self.assertRaises(IndexError):
+            world.wall(1)
+        with self.assertRaises(AttributeError):
+            wall.fource
+
+    def test_a_driven_wall_tells_torque_and_coordinate(self):
+        definition = dem.def_(dt=1e-5)
+        glass = dem.add_material(definition, 2500.0, 5e10, 0.2)
+        dem.pair(definition, glass, glass).stiffness = 1e4
+        world = dem.World(definition)
+        drum = world.add_cylinder(glass, (0, 0, 0), (0, 1, 0), 0.05, 1)
+        world.add_spheres([[0.045, 0, 0]], [0.01], glass)  # beside the axis: its weight turns the drum, by friction only
+        world.control_torque(drum, (0, 0, 0), (0, 1, 0), 1e-4, 1e-3, 0.0)
+        world.run(0.01, LAW)
+        self.assertAlmostEqual(world.wall(drum).rate, 1e-3 / 1e-4 * 0.01, 3)
+        self.assertGreater(world.wall(drum).coordinate, 0.0)
+
+    def test_pictures_and_sections(self):
+        world = bed(40)
+        picture = world.picture(size=(200, 100), names=["beads"], speed=0.0)
+        self.assertEqual(picture.pixels.shape, (100, 200, 3))
+        self.assertGreater(len(np.unique(picture.pixels.reshape(-1, 3), axis=0)), 50)
+        data = picture._repr_png_()
+        self.assertEqual((data[:8], struct.unpack(">II", data[16:24])), (b"\x89PNG\r\n\x1a\n", (200, 100)))
+        size = struct.unpack(">I", data[33:37])[0]
+        rows = np.frombuffer(zlib.decompress(data[41:41 + size]), dtype=np.uint8).reshape(100, 601)
+        self.assertTrue(np.array_equal(rows[:, 1:].reshape(100, 200, 3), picture.pixels))
+        drawing = world.section(title="Beads & <more>", names=["beads"])
+        self.assertTrue(drawing.svg.startswith("<svg") and "beads" in drawing.svg and drawing.svg.rstrip().endswith("</svg>"))
+        with tempfile.TemporaryDirectory() as folder:
+            picture.save(os.path.join(folder, "a.png")), drawing.save(os.path.join(folder, "a.svg"))
+            with dem.Series(os.path.join(folder, "new"), "beads") as frames:
+                for _ in range(2):
+                    world.run(1e-3, LAW)
+                    frames.add(world)
+            with open(os.path.join(folder, "new", "beads.pvd"), encoding="utf-8") as file:
+                self.assertEqual(file.read().count("<DataSet"), 2)
+            with self.assertRaisesRegex(ValueError, "closed"):
+                frames.add(world)
+            with self.assertRaises(OSError):
+                dem.Series(os.path.join(folder, "a.png"), "beads")
+        for wrong in (dict(size=(10, 10)), dict(size=(99999, 100)), dict(size="ab"), dict(direction=(0, 0)), dict(names="beads"), dict(names=[1])):
+            with self.assertRaises((ValueError, TypeError)):
+                world.picture(**wrong)
+        for wrong in (dict(normal=(1, 0, 0)), dict(normal=(0, 0, 0)), dict(point=(0, 0, np.nan)), dict(names="beads")):
+            with self.assertRaises((ValueError, TypeError)):
+                world.section(**wrong)
+        self.assertIsNone(bed(0)._repr_png_())
+
+    def test_fits_say_what_is_open(self):
+        free = blocking.fit(blocking.fit_def(), [0, 5, 10, 20, 30, 60, 90], [1.0, 0.93, 0.885, 0.83, 0.80, 0.762, 0.753])
+        self.assertEqual([row["note"] for row in free.rows()], ["", "", ""])
+        self.assertRegex(str(free), r"k \[1/s\] +0.05947 +0.05157 \.\. 0.06832\n")
+        definition = screen.def_(diameters=[5e-3])
+        times = np.linspace(0.0, 10.0, 11)
+        case = screen.case(operation=screen.operation(amplitude=1e-3, frequency=50.0), time=times, retained=[np.exp(-0.3 * times)])
+        fit = screen.fit(definition, screen.DONG, [case], screen.default_fit_options(screen.DONG))
+        notes = [row["note"] for row in fit.rows()]
+        self.assertIn("without influence on these data", notes)
+        self.assertNotIn("1000", str(fit))
+        self.assertIn("<table>", fit._repr_html_())
+
+    def test_a_monte_carlo(self):
+        """A constant kernel: the number halves in the time 2 / (number per volume x kernel)."""
+        sample = [granulation.granule(s=1e-15) for _ in range(400)]
+        box = granulation.Montecarlo(sample, 4e-7, lambda i, j, user: 1e-9, 7)
+        self.assertTrue([name for name in dir(box) if not name.startswith("_")])
+
+    def test_a_notebook(self):
+        try:
+            import ipykernel  # noqa: F401
+            import nbclient
+            import nbformat
+            import pandas  # noqa: F401
+        except ImportError as error:
+            self.skipTest(f"{error.name} is missing (Debian: python3-nbclient, python3-ipykernel, python3-pandas)")
+        notebook = nbformat.read(os.path.join(here, "examples", "heap.ipynb"), 4)
+        self.assertFalse([cell for cell in notebook.cells if cell.get("outputs")])
+        with tempfile.TemporaryDirectory() as folder, unittest.mock.patch.dict(os.environ, {"PYTHONPATH": here, "PYDEVD_DISABLE_FILE_VALIDATION": "1", "IPYTHONDIR": folder}):
+            nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
+        kinds = {kind for cell in notebook.cells for output in cell.get("outputs", []) for kind in output.get("data", {})}
+        self.assertTrue({"image/png", "image/svg+xml", "text/html"} <= kinds, kinds)
+        printed = "".join(o.get("text", "") for cell in notebook.cells for o in cell.get("outputs", []) if o.get("name") == "stdout")
+        on_floor, weight = (float(number) for number in re.findall(r"([\d.]+) N", printed))
+        self.assertAlmostEqual(on_floor / weight, 1.0, 2)
+
+
 class Hostile(unittest.TestCase):
     """Wrong arguments raise; nothing crashes the interpreter."""
 
@@ -880,7 +1068,7 @@ class Hostile(unittest.TestCase):
         rng = random.Random(7)
         odd = [0, -1, 1, 7, 10**12, 1e308, -1e308, 5e-324, float("nan"), float("inf"), None, "text", b"bytes", [], [1.0], [[1.0]], [1.0, 2.0, 3.0], np.zeros(3), np.zeros((2, 3)),
                (0, 0, 1), {}, object(), True, np.float32(2), np.arange(4), lambda *a: 0.0]
-        functions = [f for lower in _core.api["headers"] for f in getattr(riddle, lower).functions.values() if not self.LONG.search(f.c_name)]
+        functions = [f for lower in _core.api["headers"] for f in getattr(riddle, lower)._functions.values() if not self.LONG.search(f.c_name)]
         structures = [c for c in _core._classes.values() if issubclass(c, _core.Structure)]
         kinds = {c._name: c for c in structures}
         end, calls = time.monotonic() + SECONDS, 0
@@ -929,7 +1117,7 @@ class Programs(unittest.TestCase):
         except ImportError:
             self.skipTest("python3-matplotlib is missing")
         with tempfile.TemporaryDirectory() as folder:
-            for name in sorted(os.listdir(os.path.join(here, "examples"))):
+            for name in sorted(name for name in os.listdir(os.path.join(here, "examples")) if name.endswith(".py")):
                 done = subprocess.run([sys.executable, os.path.join(here, "examples", name), "--quick"], cwd=folder, capture_output=True, text=True,
                                       env={**os.environ, "PYTHONPATH": here})
                 self.assertEqual(done.returncode, 0, done.stderr)
@@ -977,8 +1165,22 @@ class Programs(unittest.TestCase):
             self.assertEqual(os.listdir(folder), ["mine.py"])
 
 
+class Made(unittest.TestCase):
+    def test_shapes_twice(self):
+        """A row of shapes.txt that stands there twice is refused."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "shapes.txt")
+            call = [sys.executable, "-B", "-c", "import sys, generate; print(len(generate.read_shapes(sys.argv[1])))", path]
+            for rows, status in (("a.b: [n]\n# a\na.c: [n]\n", 0), ("a.b: [n]\na.c: [n]\na.b : [n] # again\n", 1)):
+                pathlib.Path(path).write_text(rows, encoding="utf-8")
+                done = subprocess.run(call, capture_output=True, text=True, check=False, cwd=here)
+                self.assertEqual(done.returncode, status, done.stderr)
+            self.assertIn("a.b stands there twice", done.stderr)
+
+
 if __name__ == "__main__":
-    result = unittest.main(argv=[sys.argv[0]], exit=False, verbosity=1).result
+    only = [word for word in sys.argv[1:] if word[0].isupper()]  # Shown.test_mypy
+    result = unittest.main(argv=[sys.argv[0], *only], exit=False, verbosity=1).result
     bad = len(result.failures) + len(result.errors)
     print(f"{result.testsRun - bad - len(result.skipped)} passed, {bad} failed, {len(result.skipped)} skipped")
     sys.exit(bad > 0)

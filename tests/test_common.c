@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "common.h"
+#include "steady.h"
 
 static char folder[200]; /* made new for each test */
 
@@ -30,7 +31,8 @@ static int make_folder(void **state) {
 static int files_in(const char *path) {
     int n = 0;
     DIR *d = opendir(path);
-    for (struct dirent *e; d && (e = readdir(d)) != NULL;) n += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
+    for (struct dirent *e; d && (e = readdir(d)) != NULL;)
+        n += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
     if (d) closedir(d);
     return d ? n : -1;
 }
@@ -105,7 +107,7 @@ static int parse(line *l, const char *arguments) {
         option_seed("other-seed", "N", &l->seed2, "seed"),
     };
     memcpy(l->options, options, sizeof options);
-    program self = {"prog", "out/prog", NULL, 2, 1, false, false, 0.0};
+    program self = {"prog", "out/prog", NULL, 2, 1, false, false, false, 0.0, NULL, 0};
     l->self = self;
     l->message[0] = '\0';
     snprintf(storage, sizeof storage, "%s", arguments);
@@ -117,9 +119,13 @@ static void test_options_good(void **state) {
     (void)state;
     line l;
     assert_int_equal(parse(&l, ""), 0);
-    assert_true(l.run == 5 && l.time == 5.0 && l.angle == -10.0 && !l.flag && l.law == 0 && !l.text && l.self.seed == 1);
-    assert_int_equal(parse(&l, "--case 15 --time=0.25 --angle -1e1 --wet --law hertz --input a=b --seed 18446744073709551615 --threads 3"),
-                     0);
+    assert_true(l.run == 5 && l.time == 5.0 && l.angle == -10.0 && !l.flag && l.law == 0 && !l.text &&
+                l.self.seed == 1);
+    assert_int_equal(
+        parse(
+            &l,
+            "--case 15 --time=0.25 --angle -1e1 --wet --law hertz --input a=b --seed 18446744073709551615 --threads 3"),
+        0);
     assert_true(l.run == 15 && l.time == 0.25 && l.angle == -10.0 && l.flag && l.law == 1 && l.self.threads == 3);
     assert_string_equal(l.text, "a=b");
     assert_true(l.self.seed == UINT64_MAX && l.options[0].given && l.options[2].given && !l.options[6].given);
@@ -144,7 +150,8 @@ static void test_options_bad(void **state) {
         {"--case=", "prog: --case : allowed: a whole number from 1 to 15"},
         {"--case", "prog: --case has no value; allowed: a whole number from 1 to 15"},
         {"--case --wet", "prog: --case has no value; allowed: a whole number from 1 to 15"},
-        {"--case 99999999999999999999999", "prog: --case 99999999999999999999999: allowed: a whole number from 1 to 15"},
+        {"--case 99999999999999999999999",
+         "prog: --case 99999999999999999999999: allowed: a whole number from 1 to 15"},
         {"--time nan", "prog: --time nan: allowed: a number above 0 and at most 10000"},
         {"--time NAN(1)", "prog: --time NAN(1): allowed: a number above 0 and at most 10000"},
         {"--time inf", "prog: --time inf: allowed: a number above 0 and at most 10000"},
@@ -164,7 +171,8 @@ static void test_options_bad(void **state) {
         {"--threads 0", "prog: --threads 0: allowed: a whole number from 1 to 4096"},
         {"--threads 1000000000", "prog: --threads 1000000000: allowed: a whole number from 1 to 4096"},
         {"--seed -1", "prog: --seed -1: allowed: a whole number from 0 to 18446744073709551615"},
-        {"--seed 18446744073709551616", "prog: --seed 18446744073709551616: allowed: a whole number from 0 to 18446744073709551615"},
+        {"--seed 18446744073709551616",
+         "prog: --seed 18446744073709551616: allowed: a whole number from 0 to 18446744073709551615"},
         {"--tme 3", "prog: unknown option --tme, did you mean --time?; --help lists all"},
         {"--Time 3", "prog: unknown option --Time, did you mean --time?; --help lists all"},
         {"--thread=3", "prog: unknown option --thread, did you mean --threads?; --help lists all"},
@@ -190,7 +198,8 @@ static void test_output_whole_or_absent(void **state) {
     assert_non_null(f);
     assert_int_equal(riddle_io_print(f, "%d\n", 1), 0);
     char path[300];
-    assert_int_equal(access(riddle_io_path(path, sizeof path, folder, "a.txt"), F_OK), -1); /* not there before it is whole */
+    assert_int_equal(access(riddle_io_path(path, sizeof path, folder, "a.txt"), F_OK),
+                     -1); /* not there before it is whole */
     assert_int_equal(riddle_io_close(f), 0);
     expect_file("a.txt", "1\n");
     assert_int_equal(files_in(folder), 1);
@@ -214,8 +223,9 @@ static void test_output_through_a_link(void **state) {
     (void)state;
     char target[300], link_name[300];
     riddle_io_close(riddle_io_open(folder, "target"));
-    assert_int_equal(
-        symlink(riddle_io_path(target, sizeof target, folder, "target"), riddle_io_path(link_name, sizeof link_name, folder, "link")), 0);
+    assert_int_equal(symlink(riddle_io_path(target, sizeof target, folder, "target"),
+                             riddle_io_path(link_name, sizeof link_name, folder, "link")),
+                     0);
     riddle_io_file *f = riddle_io_open(folder, "link");
     riddle_io_print(f, "through\n");
     assert_int_equal(riddle_io_close(f), 0);
@@ -302,7 +312,8 @@ static void test_json(void **state) {
     expect_file("a.json",
                 "{\n  \"time_s\": 0.10000000000000001,\n  \"steps\": 9007199254740993,\n"
                 "  \"text\": \"\\\"a\\\\b\\\"\\u000a\\u0001 \xC3\xA9\",\n  \"none\": null,\n  \"yes\": true,\n"
-                "  \"values\": [0.10000000000000001, -1.0000000000000001e+300, null, null],\n  \"empty\": [],\n  \"whole\": [1, -2],\n"
+                "  \"values\": [0.10000000000000001, -1.0000000000000001e+300, null, null],\n  \"empty\": [],\n  "
+                "\"whole\": [1, -2],\n"
                 "  \"inner\": {\n    \"x\": -0\n  },\n  \"list\": [\n    1,\n    {\n    }\n  ]\n}\n");
 }
 
@@ -362,8 +373,8 @@ static void test_csv_round_trip(void **state) {
             double back = data.values[3 * i + k], out = rows[i][k];
             assert_true(out - out == 0.0 ? memcmp(&back, &out, sizeof out) == 0 : back != back);
         }
-    assert_true(csv_value(&data, 3, "time_s") == 7.0 && isnan(csv_value(&data, 3, "mass_kg")) && isnan(csv_value(&data, 4, "time_s")) &&
-                isnan(csv_value(&data, 0, "none")));
+    assert_true(csv_value(&data, 3, "time_s") == 7.0 && isnan(csv_value(&data, 3, "mass_kg")) &&
+                isnan(csv_value(&data, 4, "time_s")) && isnan(csv_value(&data, 0, "none")));
     csv_free(&data);
     csv_free(&data); /* twice does no harm */
 }
@@ -391,7 +402,8 @@ static void test_particles_as_others_write_them(void **state) {
         {"x,y,z,size\n1,2,3,4\n", "f.csv: no column diameter or radius; the columns are x, y, z, size"},
         {"x [furlong],y,z,diameter\n1,2,3,4\n",
          "f.csv: the unit of column x cannot be converted; the columns are x [furlong], y, z, diameter"},
-        {"x_m,x_mm,y,z,diameter\n1,2,3,4,5\n", "f.csv: two columns are named x; the columns are x_m, x_mm, y, z, diameter"},
+        {"x_m,x_mm,y,z,diameter\n1,2,3,4,5\n",
+         "f.csv: two columns are named x; the columns are x_m, x_mm, y, z, diameter"},
         {"\xFF\xFEx,y,z", "f.csv: not a text file in UTF-8"},
         {"x,x,y,z,diameter\n1,2,3,4,5\n", "f.csv: two columns are named x; the columns are x, x, y, z, diameter"},
         {"x [mm2],y,z,diameter\n1,2,3,4\n", "f.csv: the unit of column x [mm2] cannot be that of x"},
@@ -400,8 +412,10 @@ static void test_particles_as_others_write_them(void **state) {
         {"x,y,z,diameter,radius\n1,2,3,4,3\n", "f.csv:2: the diameter is not twice the radius"},
         {"x,y,z,diameter\n\"1\"5,2,3,4\n", "f.csv:2: column x: '\"1\"5' is not a number"},
         {"x,y,z,diameter,group_t\n1,2,3,4,1\n", "f.csv: the unit of column group_t cannot be that of group"},
-        {"x;y;z;diameter\n1,5;2;3;4\n1;2;1.250;4\n", "f.csv:3: column z: '1.250' may be in thousands: other numbers have decimal commas"},
-        {"x\ty\tz\tdiameter\n1,250\t2\t3.5\t4\n", "f.csv:2: column x: '1,250' may be in thousands: other numbers have decimal points"},
+        {"x;y;z;diameter\n1,5;2;3;4\n1;2;1.250;4\n",
+         "f.csv:3: column z: '1.250' may be in thousands: other numbers have decimal commas"},
+        {"x\ty\tz\tdiameter\n1,250\t2\t3.5\t4\n",
+         "f.csv:2: column x: '1,250' may be in thousands: other numbers have decimal points"},
     };
     char message[900];
     particles p;
@@ -425,7 +439,8 @@ static void test_particles_as_others_write_them(void **state) {
 /* Arrays of a .vtp file under other names and types: read as they are meant, or refused; never left out without a word. */
 static void test_vtp_arrays_as_others_write_them(void **state) {
     (void)state;
-    double x[] = {0.1, 0.2}, y[] = {0.25, 0.25}, z[] = {0.5, 0.5}, size[] = {5000.0, 5000.0}, radius[] = {2.5, 2.5}, wide[] = {3.0, 3.0};
+    double x[] = {0.1, 0.2}, y[] = {0.25, 0.25}, z[] = {0.5, 0.5}, size[] = {5000.0, 5000.0}, radius[] = {2.5, 2.5},
+           wide[] = {3.0, 3.0};
     double velocity[] = {1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
     float group[] = {0.0f, 1.0f}, part[] = {0.0f, 0.5f};
     struct {
@@ -433,8 +448,8 @@ static void test_vtp_arrays_as_others_write_them(void **state) {
         int n;
         const char *message; /* NULL: right */
     } cases[] = {
-        {{riddle_io_scalar("Diameter [um]", size), riddle_io_scalar("radius_mm", radius), riddle_io_vector("velocity_mm_s", velocity),
-          riddle_io_scalar_float("Group", group)},
+        {{riddle_io_scalar("Diameter [um]", size), riddle_io_scalar("radius_mm", radius),
+          riddle_io_vector("velocity_mm_s", velocity), riddle_io_scalar_float("Group", group)},
          4,
          NULL},
         {{riddle_io_scalar("diameter_um", size), riddle_io_scalar_float("group", part)},
@@ -443,7 +458,9 @@ static void test_vtp_arrays_as_others_write_them(void **state) {
         {{riddle_io_scalar("diameter_um", size), riddle_io_scalar("radius_mm", wide)},
          2,
          "f.vtp: the array radius_mm is damaged or of another type"},
-        {{riddle_io_scalar("diameter_um", size), riddle_io_scalar("diameter_mm", radius)}, 2, "f.vtp: two arrays are named diameter"},
+        {{riddle_io_scalar("diameter_um", size), riddle_io_scalar("diameter_mm", radius)},
+         2,
+         "f.vtp: two arrays are named diameter"},
         {{riddle_io_scalar("diameter_um", size), riddle_io_vector("velocity_mm", velocity)},
          2,
          "f.vtp: the unit of array velocity_mm cannot be that of velocity"},
@@ -454,13 +471,17 @@ static void test_vtp_arrays_as_others_write_them(void **state) {
         char message[400] = "";
         long bytes;
         particles p;
-        assert_int_equal(riddle_io_points(folder, "f.vtp", 2, riddle_io_vector3("position", x, y, z), cases[k].array, cases[k].n), 0);
+        assert_int_equal(
+            riddle_io_points(folder, "f.vtp", 2, riddle_io_vector3("position", x, y, z), cases[k].array, cases[k].n),
+            0);
         char *text = slurp("f.vtp", &bytes);
-        assert_int_equal(particles_parse(text, (size_t)bytes, "f.vtp", &p, message, sizeof message), cases[k].message ? -1 : 0);
+        assert_int_equal(particles_parse(text, (size_t)bytes, "f.vtp", &p, message, sizeof message),
+                         cases[k].message ? -1 : 0);
         assert_string_equal(message, cases[k].message ? cases[k].message : "");
         if (!cases[k].message) {
             assert_true(p.n == 2 && p.group[0] == 0 && p.group[1] == 1);
-            assert_true(fabs(p.diameter[1] - 0.005) < 1e-9 && fabs(p.velocity[4] - 0.005) < 1e-9 && fabs(p.centre[3] - 0.2) < 1e-7);
+            assert_true(fabs(p.diameter[1] - 0.005) < 1e-9 && fabs(p.velocity[4] - 0.005) < 1e-9 &&
+                        fabs(p.centre[3] - 0.2) < 1e-7);
         }
         particles_free(&p);
         free(text);
@@ -471,7 +492,9 @@ static void test_csv_forms(void **state) {
     (void)state;
     char message[200];
     csv_data data;
-    assert_int_equal(parse_csv("# c\r\n\r\n a , \"b, c\" ,d # note, with a comma\r\n1, 2 ,x\r\n # c\n-3e2,,\"y, z\"", &data, message), 0);
+    assert_int_equal(parse_csv("# c\r\n\r\n a , \"b, c\" ,d # note, with a comma\r\n1, 2 ,x\r\n # c\n-3e2,,\"y, z\"",
+                               &data, message),
+                     0);
     assert_int_equal(data.columns, 3);
     assert_int_equal(data.rows, 2);
     assert_string_equal(data.names[0], "a");
@@ -499,7 +522,8 @@ static void test_csv_forms(void **state) {
     }
     /* comments behind rows: only of numbers */
     assert_int_equal(parse_csv("a,b # names\n1,2 # one, two\n3,4.5\t#\n5,\n", &data, message), 0);
-    assert_true(data.rows == 3 && csv_value(&data, 0, "b") == 2.0 && csv_value(&data, 1, "b") == 4.5 && isnan(csv_value(&data, 2, "b")));
+    assert_true(data.rows == 3 && csv_value(&data, 0, "b") == 2.0 && csv_value(&data, 1, "b") == 4.5 &&
+                isnan(csv_value(&data, 2, "b")));
     csv_free(&data);
     assert_int_equal(parse_csv("a;b\n1;x #1\n2;7 #2\n", &data, message), 0);
     assert_string_equal(data.cells[1], "x #1");
@@ -608,8 +632,10 @@ static void test_vtp_polygons_and_image(void **state) {
     (void)state;
     double xyz[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
     int corners[] = {0, 1, 2, 0, 2, 3}, ends[] = {3, 6};
-    assert_int_equal(riddle_io_polygons(folder, "p.vtp", 4, riddle_io_vector("position", xyz), 2, ends, corners, NULL, 0), 0);
-    assert_int_equal(riddle_io_lines(folder, "l.vtp", 4, riddle_io_vector("position", xyz), 2, ends, corners, NULL, 0), 0);
+    assert_int_equal(
+        riddle_io_polygons(folder, "p.vtp", 4, riddle_io_vector("position", xyz), 2, ends, corners, NULL, 0), 0);
+    assert_int_equal(riddle_io_lines(folder, "l.vtp", 4, riddle_io_vector("position", xyz), 2, ends, corners, NULL, 0),
+                     0);
     char *text = slurp("p.vtp", NULL);
     assert_non_null(strstr(text, "NumberOfPolys=\"2\""));
     const char *a = array_of(text, "connectivity", 24);
@@ -639,13 +665,15 @@ static void test_pvd(void **state) {
     double xyz[3] = {0.0, 0.0, 0.0};
     riddle_io_series *series = riddle_io_series_open(folder, "run.pvd");
     for (int i = 0; i < 3; i++)
-        assert_int_equal(riddle_io_points(folder, riddle_io_series_name(series, 0.1 * i), 1, riddle_io_vector("position", xyz), NULL, 0),
+        assert_int_equal(riddle_io_points(folder, riddle_io_series_name(series, 0.1 * i), 1,
+                                          riddle_io_vector("position", xyz), NULL, 0),
                          0);
     assert_int_equal(riddle_io_series_close(series), 0);
-    expect_file("run.pvd",
-                "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n"
-                "<DataSet timestep=\"0\" part=\"0\" file=\"run_0000.vtp\"/>\n<DataSet timestep=\"0.1\" part=\"0\" file=\"run_0001.vtp\"/>\n"
-                "<DataSet timestep=\"0.2\" part=\"0\" file=\"run_0002.vtp\"/>\n</Collection>\n</VTKFile>\n");
+    expect_file("run.pvd", "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
+                           "byte_order=\"LittleEndian\">\n<Collection>\n"
+                           "<DataSet timestep=\"0\" part=\"0\" file=\"run_0000.vtp\"/>\n<DataSet timestep=\"0.1\" "
+                           "part=\"0\" file=\"run_0001.vtp\"/>\n"
+                           "<DataSet timestep=\"0.2\" part=\"0\" file=\"run_0002.vtp\"/>\n</Collection>\n</VTKFile>\n");
     assert_int_equal(files_in(folder), 4);
 }
 
@@ -703,6 +731,46 @@ static void test_seeds_of_runs(void **state) {
     assert_true(program_seed_of(UINT64_MAX, 1) != program_seed_of(0, 0));
 }
 
+/* Means of what is steady; none of what climbs, drifts or has hardly begun. */
+static void test_steady(void **state) {
+    enum { N = 400 };
+    double level[N], climb[N], time[N], sum[N], slower[N], jump[N];
+    uint64_t random = 1;
+    (void)state;
+    for (int k = 0; k < N; k++) {
+        random = random * 6364136223846793005u + 1442695040888963407u;
+        const double noise = (double)(random >> 40) / 16777216.0 - 0.5;
+        level[k] = 30.0 + 4.0 * noise;
+        climb[k] = 30.0 * (1.0 - exp(-k / 200.0)) + 4.0 * noise;
+        jump[k] = (k < N / 2 ? 20.0 : 25.0) + noise;
+        time[k] = (k ? time[k - 1] : 0.0) + 0.01 * (1.0 + noise);
+        sum[k] = k * 2e-3;
+        slower[k] = 1.0 - exp(-0.5 * time[k]);
+    }
+    const steady_mean right = steady_mean_of(level, N);
+    assert_true(right.is_steady && fabs(right.mean - 30.0) < 4.0 * right.error && right.error > 0.01 &&
+                right.error < 0.15);
+    assert_false(steady_mean_of(climb, N).is_steady);
+    assert_false(steady_mean_of(jump, N).is_steady);
+    assert_true(isnan(steady_mean_of(level, 15).error) && !steady_mean_of(level, 15).is_steady &&
+                isnan(steady_mean_of(level, 0).mean));
+    int refused = 0; /* of steady ones one in two hundred is taken for a climb */
+    for (int trial = 0; trial < 2000; trial++) {
+        double noise[64];
+        for (int k = 0; k < 64; k++)
+            random = random * 6364136223846793005u + 1442695040888963407u,
+            noise[k] = (double)(random >> 40) / 16777216.0;
+        for (int k = 0; k < 64; k++) noise[k] -= 0.5; /* about 0: the 1 % of the mean do not help */
+        refused += !steady_mean_of(noise, 64).is_steady;
+    }
+    assert_true(refused > 1 && refused < 25);
+    const steady_flow flow = steady_flow_of(time, sum, 0, N - 1);
+    assert_true(flow.is_enough && flow.is_steady && fabs(flow.rate - 0.2) < 4.0 * flow.error && flow.error < 0.01);
+    assert_true(!steady_flow_of(time, slower, 0, N - 1).is_steady &&
+                isnan(steady_flow_of(time, slower, 0, N - 1).rate));
+    assert_true(!steady_flow_of(time, sum, 0, 59).is_enough && isnan(steady_flow_of(time, sum, 0, 59).rate));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_seeds_of_runs),
@@ -718,6 +786,7 @@ int main(void) {
         cmocka_unit_test(test_particles_as_others_write_them),
         cmocka_unit_test_setup_teardown(test_vtp_arrays_as_others_write_them, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_csv_forms, make_folder, remove_folder),
+        cmocka_unit_test(test_steady),
         cmocka_unit_test(test_table),
         cmocka_unit_test_setup_teardown(test_vtp, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_vtp_polygons_and_image, make_folder, remove_folder),

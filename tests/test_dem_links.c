@@ -222,6 +222,14 @@ static void test_saving(void **state) {
     assert_true(of.kinetic == loaded.kinetic && of.link_work == loaded.link_work);
     assert_int_equal(dem_run_law(&copy, 1e-3, &crowd_kernel), DEM_LAW_MISMATCH); /* whose links are these? */
     assert_int_equal(dem_set_links(&copy, &other_kernel, 5e-5, NEAR), DEM_LAW_MISMATCH);
+    for (int k = 0; k < 3; k++) { /* as many states, but of another meaning */
+        dem_law law = spring;
+        dem_link_kernel kernel = spring_kernel;
+        kernel.law = &law;
+        law.name = k == 0 ? "spri" : k == 1 ? "spring of another kind" : law.name, law.version += k == 2;
+        assert_int_equal(dem_set_links(&copy, &kernel, 5e-5, NEAR), DEM_LAW_MISMATCH);
+        assert_int_equal(dem_set_links(&w, &kernel, 5e-5, NEAR), DEM_LAW_MISMATCH);
+    }
     assert_int_equal(dem_set_links(&copy, &spring_kernel, 5e-5, NEAR), DEM_OK);
     assert_int_equal(dem_run_law(&w, 0.01, &crowd_kernel), DEM_OK);
     assert_int_equal(dem_run_law(&copy, 0.01, &crowd_kernel), DEM_OK);

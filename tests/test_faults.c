@@ -101,7 +101,7 @@ static void test_no_subnormal_walls(void **state) {
 }
 
 /* A ball below its rolling limit: the default law, which resists in proportion to a slow spin, creeps at 5 g sin dt; contact_epsd, which
-   has a spring, stands still (test_contact_laws). */
+   has a spring, stands still (test_dem_laws). */
 static void test_creep_of_the_default_law(void **state) {
     (void)state;
     for (int k = 0; k < 3; k++) {

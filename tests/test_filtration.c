@@ -114,11 +114,13 @@ static double level_force(double p0, double gap, filtration_face side, int cut) 
     def.face[4] = def.face[5] = FILTRATION_PRESSURE, def.face_pressure[4] = def.face_pressure[5] = p0;
     assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
     assert_int_equal(filtration_fluid_set_flow(&fluid, level_flow, &p0), FILTRATION_OK);
-    double centre[9] = {x, 10.5 * voxel, z - h, x, 10.5 * voxel, z + h, x + 2.0 * h, 10.1 * voxel, cut ? 2.3 * voxel : z - h};
+    double centre[9] = {
+        x, 10.5 * voxel, z - h, x, 10.5 * voxel, z + h, x + 2.0 * h, 10.1 * voxel, cut ? 2.3 * voxel : z - h};
     double zero[9] = {0}, radius[3] = {R, R, R}, force[9], torque[9], worst = 0.0;
     const filtration_spheres s = {3, centre, zero, zero, radius, force, torque};
     assert_int_equal(filtration_fluid_run(&fluid, 6, &s), FILTRATION_OK);
-    for (int k = 0; k < 9; k++) worst = fmax(worst, fmax(fabs(force[k]), fabs(torque[k]) / R) / (fabs(p0) * 3.14159265358979 * R * R));
+    for (int k = 0; k < 9; k++)
+        worst = fmax(worst, fmax(fabs(force[k]), fabs(torque[k]) / R) / (fabs(p0) * 3.14159265358979 * R * R));
     filtration_fluid_free(&fluid);
     return worst;
 }
@@ -151,7 +153,8 @@ static void level_of_cake(double low, int moves, double out[36]) {
         assert_int_equal(filtration_fluid_step(&fluid, &s), FILTRATION_OK);
         if (moves) assert_int_equal(filtration_move(&motion, &fluid, &moved, 1.0, NULL), FILTRATION_OK);
     }
-    for (int k = 0; k < 3 * N; k++) out[k] = moves ? centre[k] : force[k], out[18 + k] = moves ? velocity[k] : torque[k] / R;
+    for (int k = 0; k < 3 * N; k++)
+        out[k] = moves ? centre[k] : force[k], out[18 + k] = moves ? velocity[k] : torque[k] / R;
     filtration_fluid_free(&fluid);
     filtration_bed_free(&bed);
 }
@@ -188,7 +191,8 @@ static void test_films_keep_momentum(void **state) {
     assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
     assert_int_equal(filtration_fluid_run(&fluid, 1500, &s), FILTRATION_OK);
     const double liquid = filtration_fluid_porosity(&fluid) * 8000e-18;
-    for (int a = 0; a < 3; a += 2) assert_true(fabs((force[a] + force[3 + a] + force[6 + a]) / (def.body_force[a] * liquid) - 1.0) < 1e-6);
+    for (int a = 0; a < 3; a += 2)
+        assert_true(fabs((force[a] + force[3 + a] + force[6 + a]) / (def.body_force[a] * liquid) - 1.0) < 1e-6);
     filtration_fluid_free(&fluid);
 }
 
@@ -257,7 +261,8 @@ static double array_drag(double c, int n, double tau, int lattice, int precision
     filtration_fluid fluid;
     filtration_permeability_result result;
     assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
-    assert_int_equal(filtration_fluid_permeability(&fluid, &spheres, 2, 100.0 * side, 1e-6, 100000, &result), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_permeability(&fluid, &spheres, 2, 100.0 * side, 1e-6, 100000, &result),
+                     FILTRATION_OK);
     const double pushed = 100.0 * side * side * side * result.porosity;
     assert_true(fabs(force[2] - pushed) < 2e-4 * pushed);
     filtration_fluid_free(&fluid);
@@ -276,6 +281,8 @@ static void test_zick_homsy(void **state) {
                 0.003); /* the staircase's own value */
     assert_true(fabs(array_drag(0.064, 30, 3.5, 0, 0, 0, aside) / 2.8102 - 1.0) < 0.006);
     assert_true(fabs(array_drag(0.216, 20, 3.5, 0, 0, 0, aside) / 7.442 - 1.0) < 0.006);
+    /* touching, as wide as the box: 42.14; coarse, because there are few nodes between them */
+    assert_true(fabs(array_drag(3.14159265358979 / 6.0, 20, 3.5, 0, 0, 0, middle) / 42.14 - 1.0) < 0.03);
 }
 
 /* RIDDLE_FINE (scripts/verify filtration_arrays): three solid fractions at 20 and 40 cells a diameter, four places of the centre within a
@@ -290,23 +297,29 @@ static void test_fine_arrays(void **state) {
         for (int k = 0; k < 3; k++)
             for (int p = 0; p < 4; p++) {
                 const int n = (int)(cells[level] * cbrt(3.14159265358979323846 / (6.0 * c[k])) + 0.5);
-                const double error = array_drag(c[k], n, level ? 5.0 : 2.0, FILTRATION_D3Q19, level ? FILTRATION_FLOAT : FILTRATION_DOUBLE,
-                                                FILTRATION_CENTRAL_LINEAR, place[p]) /
-                                         drag[k] -
-                                     1.0;
+                const double error =
+                    array_drag(c[k], n, level ? 5.0 : 2.0, FILTRATION_D3Q19,
+                               level ? FILTRATION_FLOAT : FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR, place[p]) /
+                        drag[k] -
+                    1.0;
                 worst = fmax(worst, fabs(error)), mean += fabs(error) / 12.0;
             }
-        printf("arrays at %d cells a diameter: error %.3f %% at most, %.3f %% on average\n", cells[level], 100.0 * worst, 100.0 * mean);
+        printf("arrays at %d cells a diameter: error %.3f %% at most, %.3f %% on average\n", cells[level],
+               100.0 * worst, 100.0 * mean);
         assert_true(worst < (level ? 0.0015 : 0.003));
         assert_true(mean < 0.0015);
     }
     for (int t = 0; t < 4 * (levels > 0); t++) {
-        const double at_one = array_drag(0.125, 32, 1.0, FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR, place[1]);
-        const double exact = array_drag(0.125, 32, tau[t], FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR, place[1]);
-        const double single = array_drag(0.125, 32, tau[t], FILTRATION_D3Q19, FILTRATION_FLOAT, FILTRATION_CENTRAL_LINEAR, place[1]);
-        const double other = array_drag(0.125, 32, tau[t], FILTRATION_D3Q15, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR, place[1]);
-        printf("tau %g over tau 1: %.6f, float over double %.6f, D3Q15 %.3f %%\n", tau[t], exact / at_one, single / exact,
-               100.0 * (other / drag[1] - 1.0));
+        const double at_one =
+            array_drag(0.125, 32, 1.0, FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR, place[1]);
+        const double exact =
+            array_drag(0.125, 32, tau[t], FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR, place[1]);
+        const double single =
+            array_drag(0.125, 32, tau[t], FILTRATION_D3Q19, FILTRATION_FLOAT, FILTRATION_CENTRAL_LINEAR, place[1]);
+        const double other =
+            array_drag(0.125, 32, tau[t], FILTRATION_D3Q15, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR, place[1]);
+        printf("tau %g over tau 1: %.6f, float over double %.6f, D3Q15 %.3f %%\n", tau[t], exact / at_one,
+               single / exact, 100.0 * (other / drag[1] - 1.0));
         assert_true(fabs(exact / at_one - 1.0) < 1e-3);
         assert_true(fabs(single / exact - 1.0) < 1e-4);
         assert_true(fabs(other / drag[1] - 1.0) < 0.004);
@@ -315,34 +328,43 @@ static void test_fine_arrays(void **state) {
 
 /* ---- a woven cloth ---- */
 
-/* Resistance [1/m] of the 2/2 twill of 28 um wire and 32 um opening in its unit cell. */
-static double cloth_resistance(double voxel, double tau, int boundary, double pressure) {
-    filtration_cloth cloth;
-    filtration_fluid_def def = small_box((int)(240e-6 / voxel + 0.5));
-    filtration_fluid fluid;
-    filtration_permeability_result result;
-    assert_int_equal(filtration_cloth_make(&cloth, 28e-6, 32e-6, FILTRATION_TWILL_WEAVE, 120e-6), FILTRATION_OK);
-    def.voxel = voxel, def.tau = tau, def.boundary = (filtration_boundary)boundary, def.precision = FILTRATION_FLOAT;
-    def.solid = filtration_cloth_solid(&cloth);
-    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
-    assert_int_equal(filtration_fluid_permeability(&fluid, NULL, 2, pressure, 1e-5, 1000000, &result), FILTRATION_OK);
-    filtration_fluid_free(&fluid);
-    return result.resistance;
+/* Resistance [1/m] of the 2/2 twill of 28 um wire and 32 um opening in its unit cell: the mean over four places of the weave within a voxel,
+   because coarse voxels see another cloth at each; *spread: the standard deviation between them. */
+static double cloth_resistance(double voxel, double tau, int boundary, double pressure, double *spread) {
+    double sum = 0.0, squares = 0.0;
+    for (int place = 0; place < 4; place++) {
+        filtration_cloth cloth;
+        filtration_fluid_def def = small_box((int)(240e-6 / voxel + 0.5));
+        filtration_fluid fluid;
+        filtration_permeability_result result;
+        assert_int_equal(filtration_cloth_make(&cloth, 28e-6, 32e-6, FILTRATION_TWILL_WEAVE, 120e-6), FILTRATION_OK);
+        cloth.offset[0] = cloth.offset[1] = 0.25 * place * voxel;
+        def.voxel = voxel, def.tau = tau, def.boundary = (filtration_boundary)boundary, def.precision = FILTRATION_FLOAT;
+        def.solid = filtration_cloth_solid(&cloth);
+        assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+        assert_int_equal(filtration_fluid_permeability(&fluid, NULL, 2, pressure, 3e-4, 1000000, &result), FILTRATION_OK);
+        filtration_fluid_free(&fluid);
+        sum += result.resistance, squares += result.resistance * result.resistance;
+    }
+    *spread = sqrt((squares - 0.25 * sum * sum) / 3.0);
+    return 0.25 * sum;
 }
 
 /* RIDDLE_FINE (scripts/verify cloth): at 2.5 um, creeping and at 1000 Pa. */
 static void test_clean_cloth(void **state) {
     (void)state;
-    assert_true(fabs(cloth_resistance(7.5e-6, 2.0, FILTRATION_CENTRAL_LINEAR, 1e-3) / 2.27e6 - 1.0) < 0.03);
+    double spread;
+    assert_true(fabs(cloth_resistance(7.5e-6, 3.5, FILTRATION_CENTRAL_LINEAR, 1e-3, &spread) / 2.27e6 - 1.0) < 0.04);
+    assert_true(spread > 0.05e6 && spread < 0.4e6);
     if (!getenv("RIDDLE_FINE")) return;
     const double expected[2][2] = {{2.27e6, 3.0e6}, {2.41e6, 3.20e6}};
     for (int k = 0; k < 4; k++) {
         const int half_way = k / 2, inertia = k % 2;
         const double found = cloth_resistance(2.5e-6, inertia ? 0.7 : 1.0, half_way ? FILTRATION_HALF_WAY : FILTRATION_CENTRAL_LINEAR,
-                                              inertia ? 1000.0 : 1e-3);
-        printf("cloth at 2.5 um, %s, %s: %.3e 1/m, expected %.2e\n", half_way ? "half-way" : "central linear",
-               inertia ? "1000 Pa" : "creeping", found, expected[half_way][inertia]);
-        assert_true(fabs(found / expected[half_way][inertia] - 1.0) < (k == 1 ? 0.05 : 0.03));
+                                              inertia ? 1000.0 : 1e-3, &spread);
+        printf("twill at 2.5 um, %s, %s: %.3e 1/m, places %.1e (expected %.2e)\n", half_way ? "half way" : "central linear",
+               inertia ? "1000 Pa" : "creeping", found, spread, expected[half_way][inertia]);
+        assert_true(fabs(found / expected[half_way][inertia] - 1.0) < (inertia && !half_way ? 0.05 : 0.03));
     }
 }
 
@@ -377,7 +399,8 @@ static void touch(double *centre, int i, double radius, double side, uint64_t *s
    motions in all. */
 static void test_touching_spheres_thrown_about(void **state) {
     (void)state;
-    const double tau[] = {0.505, 0.52, 0.6, 1.0, 5.0}, speed[] = {0.0096, 0.03, 0.03, 0.03, 0.03}; /* by component [voxels a step] */
+    const double tau[] = {0.505, 0.52, 0.6, 1.0, 5.0},
+                 speed[] = {0.0096, 0.03, 0.03, 0.03, 0.03}; /* by component [voxels a step] */
     uint64_t random = 88172645463325252u;
     for (int t = 0; t < 5; t++) {
         const double radius = 5e-6;
@@ -570,6 +593,20 @@ static void test_resume(void **state) {
     tumble_run(b, 20);
     assert_true(tumble_hash(a) == tumble_hash(b));
     assert_int_equal(a->fluid.steps, b->fluid.steps);
+    /* of another boundary law, refill, bulk viscosity or Lambda */
+    filtration_fluid_def def = b->fluid.def;
+    filtration_fluid other;
+    for (int k = 0; k < 4; k++) {
+        filtration_fluid_def changed = def;
+        if (k == 0) changed.boundary = FILTRATION_HALF_WAY;
+        if (k == 1) changed.refill = FILTRATION_REFILL_EQUILIBRIUM;
+        if (k == 2) changed.bulk_ratio = 6.0;
+        if (k == 3) changed.magic = 0.25;
+        saved.at = 0;
+        assert_int_equal(filtration_fluid_init(&other, &changed), FILTRATION_OK);
+        assert_int_equal(filtration_fluid_load(&other, read_bytes, &saved), FILTRATION_BAD_DATA);
+        filtration_fluid_free(&other);
+    }
     /* damaged, cut off, refused */
     saved.at = 0;
     saved.data[saved.size / 2] ^= 1;
@@ -623,6 +660,15 @@ static void test_mass(void **state) {
     assert_int_equal(filtration_fluid_keep_mass(&t->fluid), FILTRATION_OK);
     assert_true(fabs(filtration_fluid_mass(&t->fluid) / nodes - 1.0) < 1e-12);
     filtration_fluid_free(&t->fluid);
+    /* by itself in a closed box, at step 256 */
+    for (int keep = 0; keep < 2; keep++) {
+        tumble_start(t, 1, 1, NULL);
+        t->fluid.def.keep_mass = keep;
+        tumble_run(t, 256);
+        const double liquid = filtration_fluid_porosity(&t->fluid) * 32 * 32 * 32 * 1e-15;
+        assert_true((fabs(filtration_fluid_mass(&t->fluid) / liquid - 1.0) < 1e-12) == (keep == 1));
+        filtration_fluid_free(&t->fluid);
+    }
     free(t);
 }
 
@@ -638,7 +684,8 @@ static void test_settling(void **state) {
     def.tau = 2.0;
     for (int f = 0; f < 6; f++) def.face[f] = FILTRATION_WALL;
     assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
-    double centre[3] = {100e-6, 100e-6, 250e-6}, velocity[3] = {0, 0, 0}, spin[3] = {0, 0, 0}, radius = 40e-6, force[3], torque[3];
+    double centre[3] = {100e-6, 100e-6, 250e-6}, velocity[3] = {0, 0, 0}, spin[3] = {0, 0, 0}, radius = 40e-6, force[3],
+           torque[3];
     double fastest = 0.0;
     filtration_spheres spheres = {1, centre, velocity, spin, &radius, force, torque};
     for (int k = 0; k < 4000; k++) {
@@ -667,7 +714,8 @@ static double pulled(filtration_force_mode kind, int quarter) {
     }
     assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
     const double axis = quarter ? 0.0 : 20.0 * def.voxel, speed = 2e-3 * def.voxel / fluid.dt;
-    double centre[3] = {axis, axis, 19.0 * def.voxel}, velocity[3] = {0, 0, speed}, spin[3] = {0, 0, 0}, radius = 8.0 * def.voxel;
+    double centre[3] = {axis, axis, 19.0 * def.voxel}, velocity[3] = {0, 0, speed}, spin[3] = {0, 0, 0},
+           radius = 8.0 * def.voxel;
     double force[3], torque[3];
     filtration_spheres spheres = {1, centre, velocity, spin, &radius, force, torque};
     for (int k = 0; k < 500; k++) {
@@ -693,7 +741,8 @@ static void test_restitution(void **state) {
         const double speed = k % 2 ? 0.05 : 0.2;
         motion.gravity[2] = 0.0, motion.restitution = asked[k], motion.lubrication = 0, motion.sub_steps = 20000;
         motion.modulus = k % 3 ? 1e8 : 1e9;
-        double r = k % 2 ? 2e-5 : 4e-5, x[3] = {8e-5, 8e-5, r + 1e-9}, v[3] = {0, 0, -speed}, w[3] = {0}, force[3] = {0}, torque[3] = {0};
+        double r = k % 2 ? 2e-5 : 4e-5, x[3] = {8e-5, 8e-5, r + 1e-9}, v[3] = {0, 0, -speed}, w[3] = {0},
+               force[3] = {0}, torque[3] = {0};
         filtration_spheres s = {1, x, v, w, &r, force, torque};
         for (int n = 0; n < 2; n++) assert_int_equal(filtration_move(&motion, &fluid, &s, 1.0, NULL), FILTRATION_OK);
         assert_true(x[2] > r && fabs(v[2] / speed - asked[k]) < 0.005);
@@ -702,7 +751,8 @@ static void test_restitution(void **state) {
 }
 
 /* Presses a sphere into a pore; returns its speed and the speed of its surface after a while [m/s]. */
-static double speed_in_pore(const filtration_solid *solid, double x, double y, double z, double radius, double friction) {
+static double speed_in_pore(const filtration_solid *solid, double x, double y, double z, double radius,
+                            double friction) {
     filtration_fluid_def def = small_box(32);
     filtration_motion_def motion = filtration_motion_default_def();
     filtration_fluid fluid;
@@ -711,7 +761,8 @@ static double speed_in_pore(const filtration_solid *solid, double x, double y, d
     def.solid = *solid;
     assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
     motion.gravity[2] = 0.0, motion.sub_steps = 20, motion.friction = friction;
-    double centre[3] = {x, y, z + radius}, v[3] = {0}, w[3] = {0}, force[3] = {0, 0, -1e-6}, torque[3] = {0}, contact[3];
+    double centre[3] = {x, y, z + radius}, v[3] = {0}, w[3] = {0}, force[3] = {0, 0, -1e-6}, torque[3] = {0},
+           contact[3];
     filtration_spheres s = {1, centre, v, w, &radius, force, torque};
     for (int n = 0; n < 2600; n++) assert_int_equal(filtration_move(&motion, &fluid, &s, 1.0, contact), FILTRATION_OK);
     filtration_fluid_free(&fluid);
@@ -722,7 +773,8 @@ static double speed_in_pore(const filtration_solid *solid, double x, double y, d
 /* A sphere touches every wire, fibre and sphere of the solid that it can: it comes to rest on them. */
 static void test_sphere_in_pore_rests(void **state) {
     (void)state;
-    static const double a[9] = {60e-6, 60e-6, 50e-6, 130e-6, 70e-6, 50e-6, 90e-6, 130e-6, 55e-6}, r[3] = {40e-6, 38e-6, 36e-6};
+    static const double a[9] = {60e-6, 60e-6, 50e-6, 130e-6, 70e-6, 50e-6, 90e-6, 130e-6, 55e-6},
+                        r[3] = {40e-6, 38e-6, 36e-6};
     static const double box[3] = {240e-6, 240e-6, 150e-6};
     static const int periodic[3] = {1, 1, 0};
     filtration_cloth cloth;
@@ -746,7 +798,8 @@ static void test_places_of_a_cloth(void **state) {
         assert_int_equal(filtration_cloth_make(&cloth, 28e-6, 32e-6, (filtration_weave)weave, 60e-6), FILTRATION_OK);
         const filtration_solid solid = filtration_cloth_solid(&cloth);
         for (int k = 0; k < 300; k++) {
-            const double point[3] = {(k * 37 % 241) * 1e-6, (k * 53 % 239) * 1e-6, (60.0 + (k * 29 % 97) - 48.0) * 1e-6};
+            const double point[3] = {(k * 37 % 241) * 1e-6, (k * 53 % 239) * 1e-6,
+                                     (60.0 + (k * 29 % 97) - 48.0) * 1e-6};
             const double away = filtration_cloth_distance(&cloth, point);
             if (!(away > 1e-6 && away < 25e-6)) continue;
             const int n = solid.touch(&cloth, point, away - 0.5e-6, 1e-6, 8, near);
@@ -796,11 +849,11 @@ static void test_bad_input(void **state) {
     filtration_fluid fluid;
     assert_int_equal(filtration_fluid_check_def(NULL, &field), FILTRATION_BAD_DEF);
     assert_string_equal(field, "def");
-#define REFUSED(what, name)                                                                                                                \
-    bad = def;                                                                                                                             \
-    what;                                                                                                                                  \
-    assert_int_equal(filtration_fluid_check_def(&bad, &field), FILTRATION_BAD_DEF);                                                        \
-    assert_string_equal(field, name);                                                                                                      \
+#define REFUSED(what, name)                                                                                            \
+    bad = def;                                                                                                         \
+    what;                                                                                                              \
+    assert_int_equal(filtration_fluid_check_def(&bad, &field), FILTRATION_BAD_DEF);                                    \
+    assert_string_equal(field, name);                                                                                  \
     assert_int_equal(filtration_fluid_init(&fluid, &bad), FILTRATION_BAD_DEF)
     REFUSED(bad.cookie = 0, "cookie");
     REFUSED(bad.nodes[1] = 0, "nodes");
@@ -874,7 +927,8 @@ static void test_products_that_overflow(void **state) {
             assert_int_equal(filtration_fluid_set_flow(&live, flow_of, pressed), FILTRATION_BAD_ARGUMENT);
             assert_true(filtration_fluid_mass(&live) == mass && filtration_fluid_max_speed(&live) == speed);
         }
-        const double wall[3] = {0.0, 900.0 * def.voxel / live.dt, 0.0}; /* finite; a longer time step would make it too fast */
+        const double wall[3] = {0.0, 900.0 * def.voxel / live.dt,
+                                0.0}; /* finite; a longer time step would make it too fast */
         assert_int_equal(filtration_fluid_set_face_velocity(&live, 4, wall), FILTRATION_OK);
         assert_int_equal(filtration_fluid_set_tau(&live, 20.0), FILTRATION_BAD_ARGUMENT);
         assert_true(filtration_fluid_mass(&live) == mass && live.def.tau == def.tau);
@@ -892,7 +946,8 @@ static void test_refused_spheres(void **state) {
     const filtration_fluid_def def = small_box(12);
     filtration_motion_def motion = filtration_motion_default_def();
     filtration_fluid fluid;
-    double centre[6] = {3e-6, 3e-6, 3e-6, 8e-6, 8e-6, 8e-6}, velocity[6] = {0}, spin[6] = {0}, radius[2] = {2e-6, 2e-6}, force[6] = {0};
+    double centre[6] = {3e-6, 3e-6, 3e-6, 8e-6, 8e-6, 8e-6}, velocity[6] = {0}, spin[6] = {0}, radius[2] = {2e-6, 2e-6},
+           force[6] = {0};
     double torque[6] = {0}, *const number[] = {centre + 4, velocity + 3, spin + 5, radius + 1, force + 3, torque + 5};
     filtration_spheres s = {2, centre, velocity, spin, radius, force, torque};
     assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
@@ -906,11 +961,16 @@ static void test_refused_spheres(void **state) {
             if (which < 4) {
                 assert_int_equal(filtration_fluid_step(&fluid, &s), FILTRATION_BAD_ARGUMENT);
                 assert_int_equal(fluid.problem.node[0], 1);
+                static const char *const rule[] = {"centre:", "velocity:", "spin:", "radius:"};
+                assert_ptr_equal(strstr(fluid.problem.rule, rule[which]), fluid.problem.rule);
             }
             if (k > 0) assert_int_equal(filtration_move(&motion, &fluid, &s, 1.0, NULL), FILTRATION_BAD_ARGUMENT);
-            assert_true(filtration_fluid_porosity(&fluid) == porosity && velocity[0] == 0.0 && centre[0] == place + 0.3e-6);
+            assert_true(filtration_fluid_porosity(&fluid) == porosity && velocity[0] == 0.0 &&
+                        centre[0] == place + 0.3e-6);
             centre[0] = place, *number[which] = kept;
         }
+    motion.density = 390.0; /* lighter than 0.4 of the liquid */
+    assert_int_equal(filtration_move(&motion, &fluid, &s, 1.0, NULL), FILTRATION_BAD_ARGUMENT);
     motion.density = 1e-5, motion.gravity[2] = 1e308;
     assert_int_equal(filtration_move(&motion, &fluid, &s, 1.0, NULL), FILTRATION_BAD_ARGUMENT);
     motion = filtration_motion_default_def(), motion.least_gap = 1e-308;

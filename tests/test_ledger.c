@@ -77,7 +77,7 @@ DEM_INLINE void stiffer_force(const dem_contact *c, double *state, dem_response 
     r->normal *= 3.0;
 }
 static const dem_law bond = {"bond", 1, STATES, 0, 0, 0, NULL, bond_force, NULL, NULL};
-static const dem_law stiffer = {"stiffer", 1, STATES, 0, 0, 0, NULL, stiffer_force, NULL, NULL};
+static const dem_law stiffer = {"bond, stiffer", 1, STATES, 0, 0, 0, NULL, stiffer_force, NULL, NULL};
 DEM_LINK_KERNEL(bond_kernel, bond)
 DEM_LINK_KERNEL(stiffer_kernel, stiffer)
 
@@ -110,7 +110,7 @@ static const char *const link_acts[LINK_ACTS] = {"nothing",  "link added",    "l
                                                  "held",     "let go",        "removed",        "turned",          "wall moved", "wall off",
                                                  "reloaded", "ledger begins", "ledger paused"};
 static void none_force(const dem_contact *c, double *state, dem_response *r) { (void)c, (void)state, (void)r; }
-static const dem_law none = {"none", 1, STATES, 0, 0, 0, NULL, none_force, NULL, NULL};
+static const dem_law none = {"bond, none", 1, STATES, 0, 0, 0, NULL, none_force, NULL, NULL};
 DEM_LINK_KERNEL(none_kernel, none)
 
 static void act_on_links(dem_world *w, int act, int plane, int features) {

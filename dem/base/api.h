@@ -261,7 +261,8 @@ DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; saf
    the world can be read, saved and freed). */
 DEM_API dem_status dem_run(dem_world *world, double duration, int features);
 /* Does the same with a law of your own. kernel: made by DEM_KERNEL; it must outlive the world. Besides the statuses of
-   dem_run: DEM_LAW_MISMATCH if the contacts present keep another number of states than the law. */
+   dem_run: DEM_LAW_MISMATCH if the contacts present have the history of a law with another name, version or number of
+   states (see dem_law). */
 DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kernel *kernel);
 
 /* Changes gravity [m/s2], or the parameters of a pair of materials, from now on, also for what flies or touches
@@ -289,8 +290,8 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
    dem_law, a link uses states, history, vectors, force (gap of any sign; no contact, constants and mass) and ended.
    interval: time between evaluations [s] > 0, rounded down to steps, at least one; the force is constant between. near:
    gap below which linked bodies also have a contact, by the law of contacts [m] >= 0, at most 0.01 * skin * smallest
-   diameter; forces that grow fast near contact (lubrication) belong there. DEM_LAW_MISMATCH if there are links with
-   another number of states. */
+   diameter; forces that grow fast near contact (lubrication) belong there. DEM_LAW_MISMATCH if there are links of
+   a law with another name, version or number of states (see dem_law). */
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near);
 /* Links particle i with j (a particle, or -1 - wall at an element of it). state: [law->states]. From a law's born hook,
    or between runs. When a particle leaves, ended is called for its links, and they are gone. From the hook ended:
@@ -462,7 +463,8 @@ DEM_API uint64_t dem_hash(const dem_world *world);
    writes only if capacity is enough (call it with NULL, 0 first). 0 for what is no world, and from hooks: a step is
    half done there. */
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
-/* Makes a world from saved bytes; its runs continue with the same bits. As for dem_init, *world must not be in use.
+/* Makes a world from saved bytes; its runs continue with the same bits, under a law with the name, version and number of
+   states of that which made the contacts (see dem_law). As for dem_init, *world must not be in use.
    allocator may be NULL. DEM_BAD_DATA, DEM_OUT_OF_MEMORY: nothing is allocated then. */
 DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator);
 

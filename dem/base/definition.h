@@ -1,6 +1,7 @@
 /* Defaults and checks of a definition; making and freeing a world. */
 #pragma once
-#include "../walls/mesh_touch.h"
+#include "triangles.h"
+#include "vectors.h"
 #include "arrays.h"
 
 DEM_API const char *dem_status_text(dem_status status) {
@@ -81,6 +82,23 @@ static inline int dem__is_law(const dem_law *law) {
     return law && law->force && law->states >= 0 && law->states <= DEM_STATE_MAX && law->vectors >= 0 &&
            law->history <= law->states && law->vectors <= law->history / 3 && law->constants >= 0 &&
            law->constants <= DEM_CONSTANTS_MAX;
+}
+
+/* Returns a number that stands for the meaning of a law's states: FNV-1a of its name up to a comma and its version; 0
+   without a name. Worlds keep and save it, so that names may be of any length. */
+static inline uint64_t dem__law_mark(const dem_law *law) {
+    uint64_t mark = 0xcbf29ce484222325u;
+    const char *c = law->name;
+    if (!c) return 0;
+    for (; *c && *c != ','; c++) mark = (mark ^ (unsigned char)*c) * 0x100000001b3u;
+    for (int k = 0; k < 4; k++) mark = (mark ^ ((uint32_t)law->version >> (8 * k) & 255u)) * 0x100000001b3u;
+    return mark;
+}
+
+/* Returns whether states with a mark can be those of a law. */
+static inline int dem__is_of_law(uint64_t mark, const dem_law *law) {
+    const uint64_t own = dem__law_mark(law);
+    return mark == 0 || own == 0 || mark == own;
 }
 
 DEM_INLINE int dem__is_thread_count(int threads) { return threads >= 1 && threads <= 4096; }

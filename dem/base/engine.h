@@ -68,7 +68,7 @@ enum {
     DEM__PLACE_ARM = 4,       /* polyhedron: from the centre of i to that of the sphere that touches for it [m] (3) */
     DEM__PLACE_WEIGHT = 7,    /* polyhedron: factor of the force [-] */
     DEM__PLACE_CURVATURE = 8, /* polyhedron: curvature of the wall as the contact began [1/m] */
-    DEM__CONE_CURVATURE = 0,  /* cone: the same */
+    DEM__KEPT_CURVATURE = 0,  /* sphere at a thin sheet: the same */
     DEM__PLACES = 12
 };
 
@@ -204,8 +204,8 @@ typedef struct dem__bodies {
                               axes, at the origin */
 } dem__bodies;
 
-/* Walls, beside the public array. walls/add.h and walls/mesh.h add them, walls/motion.h moves them, search/tests.h and
-   search/bounds.h set their timers. */
+/* Walls, beside the public array. The file of its kind adds one, walls/kinematics.h moves it, search/tests.h and
+   search/bounds.h set its timers. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
     int meshes, touch_keepers, controls; /* number of meshes; of walls whose contacts keep a touch (meshes, cones);
@@ -251,6 +251,7 @@ typedef struct dem__contacts {
     dem__postponed *postponed;   /* with threads */
     int states, constants;       /* number of arrays of each */
     int has_history;             /* whether states can be other than zero */
+    uint64_t law;                /* dem__law_mark of the law that made them; 0: unknown */
     void *block;
     size_t bytes;
     int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the near pair; -1: none; below -1: a
@@ -282,6 +283,7 @@ typedef struct dem__links {
     void (*step)(dem_world *w); /* takes their step; set with their law */
     double interval, near;
     int on, every, states; /* every: steps between two evaluations */
+    uint64_t mark;         /* dem__law_mark of the law that made the states; 0: unknown */
     ptrdiff_t count, capacity;
     void *block;
     size_t bytes;

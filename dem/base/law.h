@@ -53,8 +53,13 @@ typedef struct dem_birth {
 
 /* A law. It is a constant, so that the loop that DEM_KERNEL makes of it has no indirect call. */
 typedef struct dem_law {
+    /* Name and version say what the states mean. Contacts and links go on, in a run and from a save, only under a law
+       of the same name, up to a comma if there is one, the same version and the same number of states: "linear,
+       friction" and "linear, with attraction" understand each other, "linear" and "Luding" do not
+       (DEM_LAW_MISMATCH). Give a law that means something else by its states a name or a version of its own. NULL: only
+       the number of states is compared. */
     const char *name;
-    int version;   /* version of the meaning of its state */
+    int version;
     int states;    /* doubles for each contact, 0 when it begins, <= DEM_STATE_MAX */
     int history;   /* the first of them, which force may change; only dem_set_contact_state() changes the rest */
     int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */

@@ -125,11 +125,12 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
         return DEM_BAD_ARGUMENT;
     dem__links *links = &w->engine->links;
     const dem_law *law = kernel->law;
-    if (links->count > 0 && law->states != links->states) return DEM_LAW_MISMATCH;
+    if (links->count > 0 && (law->states != links->states || !dem__is_of_law(links->mark, law)))
+        return DEM_LAW_MISMATCH;
     dem__pieces others = dem__all_particles(w); /* whose work is counted with another interval from now on */
     if (links->on && links->interval == interval) others.end = others.first; /* a loaded world whose law is set again */
     links->on = 1;
-    links->law = law;
+    links->law = law, links->mark = dem__law_mark(law);
     links->loop = kernel->loop, links->step = dem__step_links;
     links->interval = interval;
     if (links->near != near) w->engine->run.needs_lists = 1;

@@ -3,7 +3,7 @@
 #include "../base/engine.h"
 #include "records.h"
 
-enum { DEM__FIELDS_MAX = 64 };
+enum { DEM__FIELDS_MAX = 64 + DEM_STATE_MAX };
 
 /* Fields with the same number of entries. */
 typedef struct dem__group {
@@ -62,6 +62,8 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("has_fixed", e->bodies.has_fixed, 0),
         DEM__INTEGER("contact.states", e->contacts.states, 0),
         DEM__INTEGER("contact.has_history", e->contacts.has_history, 0),
+        DEM__INTEGER("contact.law", e->contacts.law, 0),
+        DEM__INTEGER("link.law", e->links.mark, 0),
         DEM__INTEGER("link.on", e->links.on, 0),
         DEM__INTEGER("link.states", e->links.states, 0),
         DEM__DOUBLES("link.interval", e->links.interval, 0),

@@ -15,7 +15,7 @@ static inline void dem__test_everything(dem_world *w) {
     if (w->engine->convex.calls) w->engine->convex.calls->follow(w, w->step);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls; k++) {
-            if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k))
+            if (dem__has_surface(&w->wall[k]) && dem__needs_test(w, i, k))
                 dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
         }
     }
@@ -65,7 +65,7 @@ static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     dem__list_active(w);
     for (ptrdiff_t k = 0; k < begun; k++) {
         const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
-        if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN)
+        if (j < 0 && !dem__has_elements(&w->wall[-1 - j]))
             dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
     }
     return begun;
@@ -258,11 +258,13 @@ static inline int dem__has_void_history(const dem_kernel *kernel, int features) 
     return (kernel->features & ~features & DEM_FRICTION) != 0;
 }
 
-/* Returns whether a law can take over the contacts present. They continue under a law with the same number of states; a
-   history that is zero can be dropped or begun. */
+/* Returns whether a law can take over the contacts present. They continue under a law whose states are as many and mean
+   the same; a history that is zero means nothing, and can be dropped or begun. */
 static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
     const dem__contacts *contacts = &w->engine->contacts;
-    if (contacts->count == 0 || kernel->law->states == contacts->states) return 1;
+    if (contacts->count == 0) return 1;
+    if (kernel->law->states == contacts->states)
+        return !contacts->has_history || dem__is_of_law(contacts->law, kernel->law);
     return !contacts->has_history && (kernel->law->states == 0 || dem__has_void_history(kernel, features));
 }
 
@@ -330,6 +332,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
         !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
         return DEM_OUT_OF_MEMORY;
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
+    w->engine->contacts.law = dem__law_mark(kernel->law);
     const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
     w->owed = 0.0; /* if the run fails */
     if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);

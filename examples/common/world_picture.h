@@ -1,6 +1,6 @@
 /* world_picture.h - a dem_world as a picture and as a movie, for programs.
 
-       picture_def look = {{"small", "large"}, 2, 0.0, {0.3, 1.0, -0.4}};
+       picture_def look = {{"small", "large"}, 2, 0.0, {0.3, 1.0, -0.4}, 0, 0};
        draw_world(&world, &look, self.out, "scene.png");
        world_movie film = world_movie_open(self.out, "scene.mp4", &look);  // with --movie
        world_movie_add(&film, &world);                                     // at each frame; a film of NULL is none
@@ -8,14 +8,18 @@
 #ifndef WORLD_PICTURE_H
 #define WORLD_PICTURE_H
 
-#include "common.h"
 #include "dem_io.h"
+#include "render.h"
+
+#include <math.h>
+#include <stdio.h>
 
 typedef struct picture_def {
     const char *names[8]; /* of the groups, for the legend */
     int n_names;
     double speed;        /* [m/s] above 0: coloured by speed up to it instead */
     double direction[3]; /* from the eye to the picture */
+    int width, height;   /* [pixels]; 0: 960 x 640 */
 } picture_def;
 
 /* Whether a wall is looked through: what holds the particles, not what stands among them. */
@@ -75,20 +79,26 @@ static void put_world(picture *s, const dem_world *world, const picture_def *loo
 }
 
 static picture *world_scene(const picture_def *look) {
-    picture *s = picture_new(960, 640);
+    picture *s = picture_new(look->width ? look->width : 960, look->height ? look->height : 640);
     for (int k = 0; k < look->n_names && !(look->speed > 0.0); k++) picture_legend(s, look->names[k], picture_class(k));
     if (look->speed > 0.0) picture_bar(s, "speed [m/s]", look->speed);
     return s;
 }
 
-/* As picture_write. */
-static inline int draw_world(const dem_world *world, const picture_def *look, const char *folder, const char *name) {
+/* NULL without memory. */
+static inline picture *picture_of_world(const dem_world *world, const picture_def *look) {
     picture *s = world_scene(look);
     char title[40];
     snprintf(title, sizeof title, "t = %.3g s", world->time);
     picture_title(s, title);
     put_world(s, world, look);
     picture_look(s, look->direction);
+    return s;
+}
+
+/* As picture_write. */
+static inline int draw_world(const dem_world *world, const picture_def *look, const char *folder, const char *name) {
+    picture *s = picture_of_world(world, look);
     const int status = picture_write(s, folder, name);
     picture_free(s);
     return status;

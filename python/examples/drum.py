@@ -1,6 +1,4 @@
 """Two sizes in a rotating drum: how mixed they are over time. Change: LARGE and SMALL (numbers), the sizes, SPIN."""
-import matplotlib
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -39,12 +37,10 @@ for _ in range(5 if QUICK else 60):
     lacey.append(mixing.lacey)
 print(f"Lacey's index {lacey[0]:.2f} at the start, {lacey[-1]:.2f} at {world.time:.1f} s")
 
-x, groups = world.positions(), np.array(world.groups())
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 4))
-for group, colour in ((0, "tab:blue"), (1, "tab:orange")):
-    left.scatter(1e3 * x[groups == group, 0], 1e3 * x[groups == group, 1], s=(6, 16)[group], c=colour)
 left.add_patch(plt.Circle((0, 0), 1e3 * RADIUS, fill=False))
-left.set(xlabel="x [mm]", ylabel="y [mm]", aspect="equal", title=f"{world.time:.1f} s")
+world.draw(left, right=0, up=1)
+left.set(xlabel="x [mm]", ylabel="y [mm]", title=f"{world.time:.1f} s")
 right.plot(times, lacey)
 right.set(xlabel="time [s]", ylabel="Lacey's index: 0 separated, 1 random", ylim=(0, 1.1))
 figure.tight_layout()

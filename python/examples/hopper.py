@@ -1,6 +1,4 @@
 """Discharge of a hopper: rate of outflow, and a picture of the grains inside. Change: ORIFICE, SPHERES, the cone."""
-import matplotlib
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -29,7 +27,7 @@ feed.region = dem.cylinder_region((0, 0, height), (0, 0, 1), 0.25, RADIUS)
 feed.sizes = dem.uniform_sizes(0.9 * DIAMETER, 1.1 * DIAMETER, 0)
 world.fill(feed, SPHERES)
 world.run(0.5, LAW)
-inside = world.positions()
+full = world.picture(direction=(0.25, 1.0, -0.35))
 
 world.enable_wall(lid, 0)
 times, passed = [], []
@@ -42,8 +40,9 @@ rate = np.polyfit(times, passed, 1)[0] * np.mean(world.masses())
 print(f"{world.passed_count} of {SPHERES} spheres in {times[-1]:.2f} s, {1e3 * rate:.1f} g/s")
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 4))
-left.scatter(1e3 * inside[:, 0], 1e3 * inside[:, 2], c=inside[:, 1], s=12)
-left.set(xlabel="x [mm]", ylabel="z [mm]", title="before opening", aspect="equal")
+left.imshow(full.pixels)
+left.set(title="before opening")
+left.axis("off")
 right.plot(times, passed)
 right.set(xlabel="time since opening [s]", ylabel="spheres that have left", title=f"{1e3 * rate:.1f} g/s")
 figure.tight_layout()

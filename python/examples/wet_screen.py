@@ -3,8 +3,6 @@ import os
 import subprocess
 import tempfile
 
-import matplotlib
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 

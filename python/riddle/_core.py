@@ -1,5 +1,7 @@
 """Calls the headers' functions: checks and converts arguments, makes answers, raises errors. What there is comes from api.json, which
 python/generate.py reads off the headers; nothing here knows a particular function."""
+import html
+import inspect
 import json
 import math
 import numbers
@@ -9,6 +11,7 @@ import sys
 import threading
 import time
 import types
+from keyword import iskeyword
 
 import numpy as np
 
@@ -37,17 +40,39 @@ _shapes = api["shapes"]
 
 
 class Error(RuntimeError):
-    """A status other than ok. status: its number; name: DEM_BAD_ARGUMENT ...; text: its meaning; field: what was wrong; particle: its id;
-    materials: two of them; None where that is not known."""
+    """A status other than ok. status: its number; name: DEM_BAD_ARGUMENT ...; text: its meaning; field: what was wrong; hint: which arguments
+    look wrong, or all of them; particle: its id; materials: two of them; None where that is not known."""
 
     particle = materials = None
 
-    def __init__(self, status, name, text, field=None):
-        super().__init__(f"{text} ({name})" + (f": {field}" if field else ""))
-        self.status, self.name, self.text, self.field = status, name, text, field
+    def __init__(self, status, name, text, field=None, hint=None):
+        super().__init__(f"{text} ({name})" + "".join(f": {more}" for more in (field, hint) if more))
+        self.status, self.name, self.text, self.field, self.hint = status, name, text, field, hint
 
     def __reduce__(self):
-        return type(self), (self.status, self.name, self.text, self.field), dict(self.__dict__)
+        return type(self), (self.status, self.name, self.text, self.field, self.hint), dict(self.__dict__)
+
+
+class Result(types.SimpleNamespace):
+    """Several answers of one function, by their names."""
+
+    def __repr__(self):
+        return f"Result({', '.join(f'{name}={short(value)}' for name, value in vars(self).items())})"
+
+
+def short(value):
+    """A value in a line: long arrays and structures by their shape and name."""
+    if isinstance(value, np.ndarray):
+        return str(value.tolist()) if value.size <= 4 else f"<array {value.shape} of {value.dtype}>"
+    if isinstance(value, list):
+        return f"<list of {len(value)}>" if len(value) > 4 or any(isinstance(v, (list, Structure)) for v in value) else repr(value)
+    if isinstance(value, Structure):
+        text = repr(value)
+        return text if len(text) < 80 else f"<{value._name}>"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    text = repr(value)
+    return text if len(text) < 80 else text[:76] + " ..."
 
 
 def _base(c_type):
@@ -250,7 +275,8 @@ class Structure:
         object.__setattr__(self, "_kept", {})  # what its pointers point to, by field; that of its parts in dictionaries
         if default:
             self._c[0] = getattr(lib, default)()
-        for name, value in fields.items():
+        # arrays tell lengths; a length that is given is kept, and compared when the structure is used
+        for name, value in sorted(fields.items(), key=lambda item: item[0] in _lengths_of(self._name)):
             setattr(self, name, value)
 
     @classmethod
@@ -362,6 +388,10 @@ class Structure:
             array = _array(value, DTYPES[about["pointer"]], what)
             setattr(self._c, name, ffi.cast(c_type, ffi.from_buffer(array)))
             self._kept[name] = array
+            shape = _shape(f"{self._name}.{name}", {})
+            for axis, part in enumerate(shape.bare if shape else ()):
+                if part in _lengths_of(self._name) and array.ndim == len(shape.bare):
+                    setattr(self._c, part, array.shape[axis])
         elif isinstance(value, Structure) and _named(c_type.item) in ("void", value._name):
             setattr(self._c, name, ffi.cast(c_type, value._c))
             self._kept[name] = value
@@ -399,9 +429,13 @@ class Structure:
         return self._fields()
 
     def __repr__(self):
-        def text(value):
-            return "[...]" if isinstance(value, list) and isinstance(value[0], list) else repr(value)
-        return f"{self._name}({', '.join(f'{n}={text(getattr(self, n))}' for n in self._fields())})"
+        return f"{self._name}({', '.join(f'{n}={short(getattr(self, n))}' for n in self._fields())})"
+
+    def _repr_html_(self):
+        """A table of the fields, with the header's comments."""
+        about = _types_of[self._name][1]["fields"]
+        rows = "".join(f"<tr><td>{n}</td><td>{html.escape(short(getattr(self, n)))}</td><td style='text-align:left'>{html.escape(about[n]['doc'])}</td></tr>" for n in self._fields())
+        return f"<table><caption>{self._name}</caption>{rows}</table>"
 
     def __iter__(self):
         return iter([getattr(self, n) for n in self._fields()])
@@ -422,6 +456,22 @@ def _default_of(name):
         if about["returns"] == name and not about["parameters"] and "default" in function:
             return about["symbol"]
     return None
+
+
+_lengths = {}
+
+
+def _lengths_of(name):
+    """The fields of a structure that the length of an array tells."""
+    if name not in _lengths:
+        kind = _types_of[name][1]["fields"]
+        _lengths[name] = {part for field in kind for shape in [_shape(f"{name}.{field}", {})] if shape for part in shape.bare
+                          if part in kind and number_type(kind[part]["type"])}
+    return _lengths[name]
+
+
+def number_type(c_type):
+    return c_type in DTYPES and c_type not in ("double", "float", "_Bool")
 
 
 _thread = threading.local()
@@ -533,14 +583,12 @@ class Handle:
 
     def __init__(self):
         lower = _types_of[self._name][0]
-        makers = [name[len(lower) + 1:] for name, about in api["headers"][lower]["functions"].items()
-                  if name.endswith("_init") and _base(about["parameters"][0]["type"]) == self._name]
-        raise TypeError(f"a {self._name} is made by {lower}.{' or '.join(makers)}")
+        raise TypeError(f"a {self._name} is made by {lower}.{type(self).__name__}(definition)")
 
     @classmethod
     def _new(cls):
         """One that C will fill."""
-        made = cls.__new__(cls)
+        made = object.__new__(cls)
         made._begin()
         return made
 
@@ -548,6 +596,9 @@ class Handle:
         self._memory = ffi.new("char[]", getattr(lib, f"size_of_{self._name}")())
         self._c = ffi.cast(f"{self._name} *", self._memory)
         self._keep, self._users = {}, []
+
+    def __repr__(self):
+        return f"<{self._name}" + (", freed>" if self._c is None else ">")
 
     def __copy__(self):
         raise TypeError(f"a {self._name} cannot be copied or pickled: make another one in the same way")
@@ -598,27 +649,12 @@ class Function:
         role = re.fullmatch(r"index(?: or (\w+))?", _shapes.get(name, ""))
         self.index, self.refusal = bool(role), role and role[1] and self.constants[role[1]]
         self.status = self.returns == f"{lower}_status" and not name.endswith("_text")
-        inferred = self._inferred()
-        self.visible = [p for p in self.parameters if not p.hidden and not p.made and p.name not in inferred]
-        self.inferred = inferred
-        self.guarded = any(p.changes or p.callback or "_fn" in p.about["type"] or p.structure and _points(ffi.typeof(p.type)) for p in self.parameters)
+        self.inferred = about["lengths"]
+        self.visible = [p for p in self.parameters if p.about["role"] in ("given", "optional")]
+        self.guarded = any(p.changes or p.about["function"] or p.structure and _points(ffi.typeof(p.type)) for p in self.parameters)
         self.defined = any(p.c_name == "def" and p.pointer for p in self.parameters)
         steps, _, pieces = _shapes.get(name, "").partition(" ")
         self.pieces = [p.name for p in self.parameters].index(steps) if pieces == "in pieces" else None
-
-    def _inferred(self):
-        """Integers that the length of an array tells: parameter -> (array's parameter, axis, what to take off)."""
-        found = {}
-        names = {p.name for p in self.parameters if not p.pointer}
-        for required in (True, False):
-            for p in self.parameters:
-                if not (p.shape and p.shape.dims) or p.made or (p.shape.optional == required):
-                    continue
-                for axis, dim in enumerate(p.shape.bare):
-                    parameter, _, more = dim.partition("+")
-                    if parameter.strip() in names and more.strip() in ("", "1"):
-                        found.setdefault(parameter.strip(), (p.name, axis, int(more or 0)))
-        return found
 
     def __call__(self, *args, **keywords):
         given = self._bind(args, keywords)
@@ -656,10 +692,13 @@ class Function:
             else:
                 arguments.append(p.number(names[p.name]))
         value = self._run(arguments, [value for _, value in keep if isinstance(value, Handle)])
+        functions = [c for p, c in zip(self.parameters, arguments) if p.about["function"] and c is not ffi.NULL]
+        for handle in [value for _, value in (*keep, *answers) if isinstance(value, Handle)] if functions else ():
+            handle._keep.update((id(c), c) for c in functions)  # it may call them later
         if self.defined:  # a simulation copies its definition
             for handle in [value for _, value in keep if isinstance(value, Handle)]:
                 handle._hold([keep_of(keep, "definition")])
-        return self._answer(value, answers, field, [value for _, value in keep])
+        return self._answer(value, answers, field, [value for _, value in keep], given)
 
     def _run(self, arguments, handles):
         """Calls C; where shapes.txt allows it in pieces of a tenth of a second, between which Ctrl-C and exceptions of functions end it."""
@@ -697,10 +736,11 @@ class Function:
                 del given[p.name]
         return given
 
-    def _answer(self, value, answers, field, given):
+    def _answer(self, value, answers, field, given, arguments):
         if self.status and value != 0 or self.index and value < 0:
             status = int(value) if self.status else self.refusal or -int(value)
-            raise status_error(self.lower, status, None if field is None or field[0] == ffi.NULL else ffi.string(field[0]).decode())
+            field = None if field is None or field[0] == ffi.NULL else ffi.string(field[0]).decode()
+            raise status_error(self.lower, status, field, of_field(field, arguments) or wrong_arguments(arguments, self.about["doc"]))
         made = [(name, answer() if callable(answer) else answer) for name, answer in answers]
         if not self.status and self.about["returns"] != "void":
             made.insert(0, ("value", self._value(value)))
@@ -710,7 +750,7 @@ class Function:
                     structure._kept["arguments"] = held(given)
         if len(made) <= 1:
             return made[0][1] if made else None
-        return types.SimpleNamespace(**dict(made))
+        return Result(**dict(made))
 
     def _value(self, value):
         if isinstance(value, ffi.CData):
@@ -729,35 +769,99 @@ def keep_of(keep, name):
     return None
 
 
-def status_error(lower, status, field=None):
+def of_field(field, arguments):
+    """'= -1.0' for a field of a definition that C has named."""
+    for value in arguments.values() if field else ():
+        try:
+            for part in re.findall(r"\w+", field):
+                value = value[int(part)] if part.isdigit() else getattr(value, part)
+        except (AttributeError, IndexError, TypeError):
+            continue
+        if not isinstance(value, Structure):
+            return f"is {short(value)}"
+    return None
+
+
+_EMPTY = {"axis", "normal", "direction", "right"}  # vectors that must not be zero
+
+
+def wrong_arguments(arguments, doc=""):
+    """Which arguments look wrong, for an error of C that names none; all of them where none does."""
+    world = next((v for v in arguments.values() if isinstance(v, Handle) and v._name == "dem_world"), None)
+    found = []
+    for name, value in arguments.items():
+        if isinstance(value, Handle):
+            continue
+        if isinstance(value, Structure):
+            found += [f"{name}.{problem}" for problem in wrong_fields(value)]
+        elif callable(value) or value is None:
+            continue
+        else:
+            problem = wrong_value(name, value, world, doc)
+            if problem:
+                found.append(f"{name} = {short(np.asarray(value) if isinstance(value, list) else value)}: {problem}")
+    return "; ".join(found) or ", ".join(f"{name} = {short(np.asarray(v) if isinstance(v, list) else v)}" for name, v in arguments.items() if not isinstance(v, Handle))
+
+
+def wrong_fields(structure):
+    """Fields that are not finite, or outside the range of their comment."""
+    for name, about in _types_of[structure._name][1]["fields"].items():
+        if "__" in name or about.get("pointer") or about["type"] not in ("double", "float"):
+            continue
+        value = getattr(structure, name)
+        if math.isnan(value):
+            yield f"{name} = nan: not a number"
+        elif re.search(r"^[^:;]*\] > 0", about["doc"]) and value <= 0.0:
+            yield f"{name} = {value:.6g}: must be above 0"
+        elif re.search(r"^[^:;]*\] >= 0", about["doc"]) and value < 0.0:
+            yield f"{name} = {value:.6g}: must not be below 0"
+
+
+def wrong_value(name, value, world, doc):
+    """What is wrong with one argument, or None."""
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        return None
+    if not np.isfinite(array).all():
+        return "not finite"
+    if name in _EMPTY and array.shape == (3,) and not array.any():
+        return "a direction of length 0"
+    if name in ("radius", "length", "diameter", "diameters", "mass", "inertia", "aperture", "wire", "dt") and (array <= 0.0).any() or \
+            name in ("duration", "rate", "frequency", "damping") and (array < 0.0).any() or re.search(rf"\b{name}\b[^.;,]*> 0", doc) and (array <= 0.0).any():
+        return f"must be above 0" if name not in ("duration", "rate", "frequency", "damping") else "must not be below 0"
+    if world is None or array.ndim:
+        return None
+    if name == "material" and math.isnan(lib.riddle_density(world._alive, int(array))):
+        return "the world has no such material"
+    if name == "wall" and not 0 <= array < lib.riddle_walls(world._alive):
+        return f"the world has {lib.riddle_walls(world._alive)} walls" + (f", 0 to {lib.riddle_walls(world._alive) - 1}" if lib.riddle_walls(world._alive) else "")
+    if name == "i" and not lib.riddle_is_present(world._alive, int(array)):
+        return "there is no such particle" + ("" if 0 <= array < lib.riddle_count(world._alive) else f": there are {lib.riddle_count(world._alive)}")
+    return None
+
+
+def status_error(lower, status, field=None, hint=None):
     names = api["headers"][lower]["enums"].get(f"{lower}_status", [])
     name = names[status] if 0 <= status < len(names) else str(status)
     text = getattr(lib, api["headers"][lower]["functions"][f"{lower}_status_text"]["symbol"])(status)
-    return Error(status, name, ffi.string(text).decode(), field)
+    return Error(status, name, ffi.string(text).decode(), field, hint)
 
 
 class Parameter:
     def __init__(self, function, about):
         self.function, self.about = function, about
-        self.name = "definition" if about["name"] == "def" else about["name"]
+        self.name = about["called"]
         self.pointer = about["pointer"]
         self.callback = about["callback"]
-        base = _base(about["type"])
-        self.type = base
+        self.type = base = about["base"]
         self.c_name = about["name"]
         self.shape = _shape(f"{function.name}.{self.c_name}", function.constants)
         self.opaque = base in _types_of and _types_of[base][1]["opaque"]
         self.structure = base in _types_of and not self.opaque
         self.changes = self.opaque and "const" not in about["type"]
         self.field = about["deep"] and base == "char"  # names what is wrong: field, reason
-        self.void = self.pointer and base == "void"
-        self.hidden = self.field or self.void or base.endswith(("_memory", "_allocator"))
-        inout = self.shape is not None and (self.shape.inout or self.shape.optional)
-        constant = about["const"] or "const" in about["type"]
-        self.constant = constant
-        self.made = (self.pointer and not constant and not self.hidden and not inout and not self.callback and
-                     (not (self.opaque) or function.name.endswith("_init")))
-        self.optional = self.shape is not None and self.shape.optional
+        self.hidden, self.made, self.optional = (about["role"] == role for role in ("hidden", "made", "optional"))
         self.dtype = DTYPES.get(base)
 
     def number(self, value):
@@ -768,7 +872,7 @@ class Parameter:
                     raise TypeError(f"{self.function.name}: {self.name}: a {self.type} is needed, not a {value._name}")
                 return value._c[0]
             return _struct(ffi.typeof(self.type), value, f"{self.function.name}: {self.name}")[0]
-        if self.callback or "_fn" in c_type or c_type.endswith(("_function", "_kernel")):
+        if self.about["function"]:
             return ffi.NULL if value is None else _callback(ffi.typeof(c_type), value, self.name)
         return number(self.type, value, f"{self.function.name}: {self.name}")
 
@@ -852,18 +956,46 @@ def ffi_of_law():
     return made
 
 
+def _signature(function, method=False):
+    """Names, in their order, and what may be left out, for help() and completion."""
+    kind, parameters, required = inspect.Parameter.POSITIONAL_OR_KEYWORD, [], False
+    for p in reversed(function.visible):
+        required = required or not p.optional
+        parameters.insert(0, inspect.Parameter(p.name, kind, default=inspect.Parameter.empty if required else None))
+    return inspect.Signature([inspect.Parameter("self", kind), *parameters[1:]] if method else parameters)
+
+
 def _python_function(function):
     def call(*args, **keywords):
         return function(*args, **keywords)
 
     call.__name__ = function.name[len(function.lower) + 1:] or function.name
     call.__qualname__ = call.__name__
+    call.__signature__ = _signature(function)
+    call.method_signature = _signature(function, True)
     answers = [p.name for p in function.parameters if p.made]
     call.__doc__ = (f"{call.__name__}({', '.join(p.name + ('=None' if p.optional else '') for p in function.visible)})"
                     + (f" -> {', '.join(answers)}" if answers else "") + f"\n\n{function.about['doc']}\n\nC: {function.about['signature']}")
     call.c_symbol = function.symbol
     call.c_name = function.name
     return call
+
+
+def _method(function, handle):
+    """A function of a handle, its first parameter, as a method."""
+    def call(self, *args, **keywords):
+        return function(self, *args, **keywords)
+
+    prefix = handle if function.c_name.startswith(handle + "_") else handle.split("_")[0]
+    call.__name__ = call.__qualname__ = function.c_name[len(prefix) + 1:]
+    call.__doc__, call.__signature__, call.c_name = function.__doc__, function.method_signature, function.c_name
+    return call
+
+
+def handle_of(about):
+    """The opaque type whose method a function is: that of its first parameter."""
+    first = about["parameters"][0] if about["parameters"] else None
+    return first["base"] if first and first["pointer"] and first["base"] in _types_of and _types_of[first["base"]][1]["opaque"] else None
 
 
 class Hook:
@@ -877,33 +1009,68 @@ class Hook:
         raise TypeError(f"{self.__name__}: give it to a definition; C calls it with the definition's data")
 
 
-def _is_hook(about):
-    return any(p["pointer"] and p["type"].replace("const", "").replace("*", "").strip() == "void" and (p["name"] == "data" or "user" in p["name"]) for p in about["parameters"])
-
-
 def in_python(name):
     return not _shapes.get(name, "").startswith("C only")
 
 
-def fill(module, lower):
-    """Puts a header's functions, structures and constants into a module, without their prefix."""
+def _handle_class(name, lower, makers, module):
+    """The class of an opaque type, which its _init makes: granulation_sim -> granulation.Sim(definition)."""
+    short_name = name[len(lower) + 1:].capitalize()
+
+    def make(cls, *args, **keywords):
+        made = makers[0](*args, **keywords)
+        handle = made if isinstance(made, Handle) else next(value for value in vars(made).values() if isinstance(value, Handle))
+        handle.__class__ = cls
+        return handle
+
+    cls = type(short_name, (Handle,), {"_name": name, "__module__": module.__name__, "__init__": lambda self, *args, **keywords: None})
+    functions = api["headers"][lower]["functions"]
+    cls._free = next((free for free in (f"{name}_free", f"{lower}_free") if free in functions), None)
+    if makers:
+        cls.__new__ = make
+        cls.__doc__, cls.__signature__ = makers[0].__doc__, makers[0].__signature__
+    return cls
+
+
+def fill(module, lower, known=()):
+    """Puts a header's functions, structures and constants into a module, without their prefix. known: classes of opaque types that it has."""
     header = api["headers"][lower]
     prefix = lower + "_"
-    module.functions = {}
-    for name, value in _constants[lower].items():
+    module._functions, methods, names = {}, {}, []
+
+    def put(name, value):
         setattr(module, name, value)
+        names.append(name)
+
+    for name, value in _constants[lower].items():
+        if not name.startswith("_"):
+            put(name, value)
     for name, kind in header["types"].items():
-        short = "def_" if name == prefix + "def" else name[len(prefix):] or name
-        base = Handle if kind["opaque"] else Structure
-        lines = [f"{field} ({about['type']}): {about['doc']}" for field, about in kind["fields"].items() if "__" not in field]
-        cls = type(short, (base,), {"_name": name, "__doc__": f"{name}\n\n" + "\n".join(lines)})
-        if kind["opaque"] and f"{name}_free" in header["functions"]:
-            cls._free = f"{name}_free"
-        elif kind["opaque"] and f"{lower}_free" in header["functions"]:
-            cls._free = f"{lower}_free"
-        _classes[name] = cls
-        setattr(module, short, cls)
+        if not kind["opaque"]:
+            called = "def_" if name == prefix + "def" else name[len(prefix):] or name
+            lines = [f"{field} ({about['type']}): {about['doc']}" for field, about in kind["fields"].items() if "__" not in field]
+            _classes[name] = type(called, (Structure,), {"_name": name, "__module__": module.__name__, "__doc__": f"{name}\n\n" + "\n".join(lines)})
+            fields, keyword = [f for f in kind["fields"] if "__" not in f and f.isidentifier() and not iskeyword(f)], inspect.Parameter.KEYWORD_ONLY
+            _classes[name].__signature__ = inspect.Signature([inspect.Parameter(field, keyword, default=...) for field in fields])
+            put(called, _classes[name])
     for name, about in header["functions"].items():
         if in_python(name):
-            module.functions[name] = Hook(about, name) if _is_hook(about) else _python_function(Function(lower, name, about))
-            setattr(module, name[len(prefix):] or name, module.functions[name])
+            made = Hook(about, name) if about["hook"] else _python_function(Function(lower, name, about))
+            module._functions[name] = made
+            if handle_of(about):
+                methods.setdefault(handle_of(about), []).append(made)
+            else:
+                put(made.__name__[len(prefix):] if isinstance(made, Hook) else made.__name__, made)
+    for name, kind in header["types"].items():
+        if kind["opaque"] and name not in known:
+            own = methods.get(name, [])
+            cls = _classes[name] = _handle_class(name, lower, [f for f in own if f.c_name.endswith("_init")], module)
+            for function in own:
+                if not function.c_name.endswith(("_init", "_free")):
+                    made = _method(function, name)
+                    setattr(cls, made.__name__, made)
+            put(cls.__name__, cls)
+    for name, cls in dict(known).items():
+        _classes[name] = cls
+    module.__all__ = [*getattr(module, "__all__", ()), *dict.fromkeys(names)]
+    module.__dir__ = lambda: module.__all__

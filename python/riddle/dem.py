@@ -11,6 +11,7 @@
     world.add_spheres([[0, 0, 0.1]], [0.005], glass)
     world.run(0.5, dem.LINEAR | dem.FRICTION)
     print(world.positions())
+    world.picture().save("balls.png")
 
 Functions that take a world are methods of World. Ctrl-C stops a run between steps, and a fill before anything is added; the world stays
 usable. A world can be pickled.
@@ -20,10 +21,13 @@ import copy
 import numbers
 import os
 import signal
+import struct
 import sys
+import tempfile
 import threading
 import time as _time
 import warnings
+import zlib
 
 import numpy as np
 
@@ -106,6 +110,7 @@ class World(_core.Handle):
 
     _name = "dem_world"
     _free = "dem_free"
+    largest_diameter = 1.0  # [m] larger particles are refused: mostly they are millimetres; set it on a world for boulders
     _OWN = ("_memory", "_c", "_keep", "_users", "_version", "_callbacks", "_laws")  # what a subclass adds is kept in copies
 
     def __init__(self, definition=None):
@@ -117,7 +122,8 @@ class World(_core.Handle):
         status = lib.dem_init(self._c, definition._c, field)
         if status != 0:
             self._c = None
-            raise _core.status_error("dem", status, ffi.string(field[0]).decode() if field[0] != ffi.NULL else None)
+            field = ffi.string(field[0]).decode() if field[0] != ffi.NULL else None
+            raise _core.status_error("dem", status, field, _core.of_field(field, {"definition": definition}))
 
     def _begin(self):
         super()._begin()
@@ -127,22 +133,22 @@ class World(_core.Handle):
         for law in self._laws.values():
             law._forget(self)
 
-    def _do(self, function, *arguments):
-        """Calls a function of C that changes the world and returns a status."""
+    def _do(self, function, *arguments, given=None):
+        """Calls a function of C that changes the world and returns a status. given: the arguments by their names in Python."""
         try:
             with _core.Call([self]):
                 status = function(*arguments)
         finally:
             self._version += 1
-        self._check(status)
+        self._check(status, given)
 
-    def _check(self, status):
+    def _check(self, status, given=None):
         self._version += 1
         if status != 0:
             pair = None
             if status == lib.DEM_PAIR_NOT_SET:
                 pair = tuple(lib.riddle_failed_material(self._alive, which) for which in (0, 1))
-            error = _core.status_error("dem", status, f"materials {pair[0]} and {pair[1]}" if pair else None)
+            error = _core.status_error("dem", status, f"materials {pair[0]} and {pair[1]}" if pair else None, _core.wrong_arguments(given) if given else None)
             error.materials = pair
             if status in (lib.DEM_NOT_FINITE, lib.DEM_TOO_FAST, lib.DEM_PAIR_NOT_SET):
                 error.particle = lib.riddle_failed_id(self._alive)
@@ -181,6 +187,58 @@ class World(_core.Handle):
         values.flags.writeable = False
         return View(self, values)
 
+    def __repr__(self):
+        return "<dem.World, freed>" if self._c is None else f"<dem.World of {self.count} particles and {self.walls} walls at {self.time:.6g} s>"
+
+    def wall(self, index):
+        """A wall as it is now: wall.force, torque, impulse, position, velocity, ... See dem.Wall."""
+        return Wall(self, index)
+
+    # ---- pictures and files ----
+
+    def picture(self, size=(960, 640), direction=(0.3, 1.0, -0.4), speed=0.0, names=()):
+        """The world as a picture in perspective, which a notebook shows: picture.save("a.png"), picture.pixels [height][width][3]. size:
+        pixels; direction: from the eye to the world; names: of the groups, for the legend; speed [m/s] above 0: coloured by speed up to it
+        instead."""
+        width, height = (_core.number("int", v, "picture: size") for v in _core._parts(2, size, "picture: size"))
+        if not (64 <= width <= 4096 and 64 <= height <= 4096):
+            raise ValueError(f"picture: size: 64 to 4096 pixels a side, not {width} x {height}")
+        pixels = np.zeros((height, width, 3), dtype=np.uint8)
+        texts, pointers = _texts(names, 8)
+        if lib.riddle_picture(self._alive, pointers, len(texts), _core.number("double", speed, "picture: speed"), list(_core.vector(3, direction, "picture: direction")),
+                              width, height, ffi.cast("unsigned char *", ffi.from_buffer(pixels))) != 0:
+            raise MemoryError("picture: out of memory")
+        return Picture(pixels)
+
+    def _repr_png_(self):
+        return self.picture()._repr_png_() if self.count else None
+
+    def section(self, point=None, normal=(0.0, -1.0, 0.0), right=(1.0, 0.0, 0.0), names=(), title=""):
+        """A section to scale, which a notebook shows: the plane through point (default: the particles' centre), seen against normal with
+        right to the right. drawing.save("a.svg"), drawing.svg. names: of the groups, for the legend."""
+        point = point if point is not None else np.mean(self.positions(), axis=0) if self.count else (0.0, 0.0, 0.0)
+        vectors = [[float(v) for v in _core.vector(3, v, f"section: {n}")] for n, v in (("point", point), ("normal", normal), ("right", right))]
+        texts, pointers = _texts(names, 8)
+        with tempfile.TemporaryDirectory() as folder:
+            _written("section", lib.riddle_section(self._alive, title.encode(), *vectors, pointers, len(texts), folder.encode(), b"section.svg"))
+            with open(os.path.join(folder, "section.svg"), encoding="utf-8") as file:
+                return Drawing(file.read())
+
+    def draw(self, axes, right=0, up=2, unit=1e-3, colours=None):
+        """Draws the particles to scale into axes of matplotlib, the nearer ones over the farther, seen along the third axis. right, up: the
+        axes that are shown, 0 .. 2; unit: [m] of the axes' numbers; colours: one a particle, by default that of its group."""
+        from matplotlib.collections import PatchCollection
+        from matplotlib.patches import Circle
+        x, radii = self.positions() / unit, self.radii() / unit
+        depth = 3 - right - up
+        order = np.argsort(x[:, depth] * (1.0 if (right, up) in ((0, 1), (1, 2), (2, 0)) else -1.0), kind="stable")
+        order = order[np.asarray(self.present())[order]]
+        colours = [f"C{int(g) % 10}" for g in self.groups()] if colours is None else colours
+        axes.add_collection(PatchCollection([Circle((x[i, right], x[i, up]), radii[i]) for i in order], facecolors=[colours[i] for i in order],
+                                            edgecolors="black", linewidths=0.3))
+        axes.set_aspect("equal")
+        axes.autoscale_view()
+
     # ---- changing ----
 
     def add_spheres(self, centres, diameters, material, group=0):
@@ -195,8 +253,10 @@ class World(_core.Handle):
         material, group = _core.number("int", material, "add_spheres: material"), _core.number("int", group, "add_spheres: group")
         first = self.count
         if len(centres):
+            _refuse_large(self, diameters.max(initial=0.0, where=np.isfinite(diameters)), "add_spheres")
+            given = {"world": self, "centres": centres, "diameters": diameters, "material": material, "group": group}
             self._do(lib.dem_add_spheres, self._alive, len(centres), ffi.cast("double *", ffi.from_buffer(np.ascontiguousarray(centres))),
-                     ffi.cast("double *", ffi.from_buffer(diameters)), material, group)
+                     ffi.cast("double *", ffi.from_buffer(diameters)), material, group, given=given)
         return first
 
     @contextlib.contextmanager
@@ -329,6 +389,140 @@ class World(_core.Handle):
         return made
 
 
+def _texts(names, most):
+    """Names for C; what keeps them comes first."""
+    if isinstance(names, str) or len(names) > most or not all(isinstance(name, str) for name in names):
+        raise TypeError(f"names: a list of at most {most} texts is needed, not {names!r}")
+    texts = [ffi.new("char[]", name.encode()) for name in names]
+    return texts, ffi.new("char *[]", texts or [ffi.NULL])
+
+
+def _written(what, status):
+    """Raises the line that riddle_io.h has told of a file that could not be written."""
+    line = ffi.string(lib.riddle_last_line()).decode(errors="replace")
+    if status != 0:
+        raise OSError(line) if line else ValueError(f"{what}: normal and right must not be parallel or zero")
+
+
+class Picture:
+    """pixels: [height][width][3], red, green, blue. A notebook shows it."""
+
+    def __init__(self, pixels):
+        self.pixels = pixels
+
+    def _repr_png_(self):
+        height, width, _ = self.pixels.shape
+        rows = np.zeros((height, 3 * width + 1), dtype=np.uint8)  # each begins with its filter: none
+        rows[:, 1:] = self.pixels.reshape(height, -1)
+
+        def chunk(kind, data):
+            return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+        return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
+                + chunk(b"IDAT", zlib.compress(rows.tobytes(), 6)) + chunk(b"IEND", b""))
+
+    def save(self, path):
+        """Writes a PNG."""
+        with open(path, "wb") as file:
+            file.write(self._repr_png_())
+
+    def __repr__(self):
+        return f"<dem.Picture of {self.pixels.shape[1]} x {self.pixels.shape[0]} pixels>"
+
+
+class Drawing:
+    """svg: the text of the file. A notebook shows it."""
+
+    def __init__(self, svg):
+        self.svg = svg
+
+    def _repr_svg_(self):
+        return self.svg
+
+    def save(self, path):
+        """Writes an SVG."""
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self.svg)
+
+    def __repr__(self):
+        return f"<dem.Drawing of {len(self.svg)} characters>"
+
+
+class Series:
+    """Frames for ParaView: NAME.pvd (particles), NAME_walls.pvd (walls where they are at each time), NAME_polyhedra.pvd.
+
+        with dem.Series("out", "drum") as frames:
+            for _ in range(50):
+                world.run(0.02, LAW)
+                frames.add(world)
+    """
+
+    def __init__(self, folder, name):
+        os.makedirs(folder, exist_ok=True)
+        self._series = lib.riddle_series_open(os.fsencode(folder), os.fsencode(name))
+        if self._series == ffi.NULL:
+            raise OSError(ffi.string(lib.riddle_last_line()).decode(errors="replace") or f"series: {name!r} cannot be opened")
+
+    def add(self, world):
+        """Writes a frame of the world as it is now."""
+        if not isinstance(world, World):
+            raise TypeError(f"series: a World is needed, not {type(world).__name__}")
+        if self._series is None:
+            raise ValueError("this series has been closed")
+        _written("series", lib.riddle_series_add(self._series, world._alive))
+
+    def close(self):
+        series, self._series = self._series, None
+        if series is not None:
+            _written("series", lib.riddle_series_close(series))
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        self.close()
+
+    def __del__(self):
+        if getattr(self, "_series", None) is not None and self._series != ffi.NULL:
+            lib.riddle_series_close(self._series)
+
+
+class Wall:
+    """A wall of a world, read when asked. position [m], velocity [m/s] and normal (the axis of what is round) of its own frame; force [N]
+    on it, and torque [N m] about its origin, in the last step; impulse [N s]: the time integral of the force, for means: its difference
+    over the time between; spin [rad/s]; coordinate and rate of a wall that is pushed [m or rad, m/s or rad/s]."""
+
+    _VECTORS = ("position", "velocity", "normal", "force", "torque", "impulse")
+    _NUMBERS = ("kind", "material", "enabled", "spin", "coordinate", "rate")
+    _KINDS = {value: name for name, value in _core._constants["dem"].items() if name in
+              ("PLANE", "CYLINDER", "SCREEN", "SPHERE", "CONE", "MESH", "EXIT")}
+
+    def __init__(self, world, index):
+        self._world, self.index = world, _core.number("int", index, "wall")
+        self._read()
+
+    def _read(self):
+        out = ffi.new("double[24]")
+        if lib.riddle_wall(self._world._alive, self.index, out) != 0:
+            raise IndexError(f"wall {self.index}: the world has {self._world.walls}")
+        return out
+
+    def __getattr__(self, name):
+        if name in self._VECTORS:
+            at = len(self._NUMBERS) + 3 * self._VECTORS.index(name)
+            return np.array([self._read()[at + k] for k in range(3)])
+        if name in self._NUMBERS:
+            value = self._read()[self._NUMBERS.index(name)]
+            return self._KINDS.get(int(value), str(int(value))).lower() if name == "kind" else bool(value) if name == "enabled" else int(value) if name == "material" else value
+        raise AttributeError(f"a wall has no {name}; it has index, {', '.join(self._NUMBERS + self._VECTORS)}")
+
+    def __dir__(self):
+        return ["index", *self._NUMBERS, *self._VECTORS]
+
+    def __repr__(self):
+        return f"<dem.Wall {self.index}, {self.kind}, force {_core.short(self.force)} N>"
+
+
 for _name in _STATES:
     def _read(self, out=None, _name=_name):
         return self._state(_name, out)
@@ -341,8 +535,8 @@ for _name in _RECORDS:
     setattr(World, _name, _view)
 
 _module = sys.modules[__name__]
-_core.fill(_module, "dem")
-_core._classes["dem_world"] = World
+__all__ = ["World", "Law", "View", "Wall", "Picture", "Drawing", "Series", "pair"]
+_core.fill(_module, "dem", {"dem_world": World})
 
 
 def pair(definition, a, b):
@@ -423,8 +617,20 @@ def _method(function):
             if changes:
                 self._version += 1
 
-    call.__name__, call.__doc__, call.c_name = function.__name__, function.__doc__, function.c_name
+    call.__name__, call.__doc__, call.c_name, call.__signature__ = function.__name__, function.__doc__, function.c_name, function.method_signature
     return call
+
+
+def _in_metres(world, sizes, what):
+    """Raises where sizes look like millimetres."""
+    largest = sizes.diameter[:max(min(sizes.count, len(sizes.diameter)), 0)].max(initial=0.0) if sizes.kind == SIZES_LIST else sizes.largest  # noqa: F821
+    _refuse_large(world, largest, what)
+
+
+def _refuse_large(world, diameter, what):
+    if diameter > world.largest_diameter:
+        raise ValueError(f"{what}: a diameter of {diameter:.6g} m is above {world.largest_diameter:.6g} m: are lengths in metres? "
+                         "Set world.largest_diameter for larger particles")
 
 
 def _number_of(world, feed, mass):
@@ -444,6 +650,7 @@ def _placing(method, name):
         if fills:
             amount = _core.number("double", amount, f"{method.__name__}: {'count' if name == 'dem_fill' else 'mass'}")
             number = amount if name == "dem_fill" else _number_of(self, feed, amount)
+            _in_metres(self, feed.sizes, method.__name__)
             _need_memory(method.__name__, number * (1 if feed.clump is None else feed.clump.spheres))
             before = feed.placed, feed.missed
         with self._stoppable():
@@ -453,13 +660,11 @@ def _placing(method, name):
         return answer
 
     call.__name__, call.__doc__, call.c_name = method.__name__, method.__doc__ + "\n\nCtrl-C ends it; nothing has changed then.", method.c_name
+    call.__signature__ = method.__signature__
     return call
 
 
-for _name, _function in list(functions.items()):  # noqa: F821 (made by fill)
-    _parameters = api["headers"]["dem"]["functions"][_name]["parameters"]
-    if _parameters and _parameters[0]["name"] == "world":
-        if not hasattr(World, _function.__name__):
-            _made = _method(_function)
-            setattr(World, _function.__name__, _placing(_made, _name) if _name.startswith(("dem_fill", "dem_feed_")) else _made)
-        delattr(_module, _function.__name__)
+for _name, _function in _functions.items():  # noqa: F821 (made by fill)
+    if _core.handle_of(api["headers"]["dem"]["functions"][_name]) and not hasattr(World, _function.__name__):
+        _made = _method(_function)
+        setattr(World, _function.__name__, _placing(_made, _name) if _name.startswith(("dem_fill", "dem_feed_")) else _made)

@@ -1,4 +1,5 @@
-/* dem_laws.h: adhesion, rolling, twisting and bonds against closed forms, in the formula and in a running world. */
+/* dem_laws.h: adhesion, rolling, twisting and bonds against closed forms, in the formula and in a running world; dem_wet.h: what bridges
+   hold, the books of their liquid. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -6,11 +7,13 @@
 /* cmocka wants the four above first */
 #include <cmocka.h>
 
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "dem_laws.h"
 #include "dem_scenes.h"
+#include "dem_wet.h"
 #include "failing_allocator.h"
 
 DEM_KERNEL(kernel_jkr, contact_jkr, DEM_HERTZ | DEM_FRICTION)
@@ -749,6 +752,114 @@ static void test_memory_running_out(void **state) {
     }
 }
 
+/* ---- dem_wet.h ---- */
+
+/* Two spheres of 5 mm with films, one above the other in contact, the upper one held; gravity pulls at the lower one. */
+static dem_status hang(double pull, bool printed, double *volume, int *bridges, double *force, double *gap, dem_allocator *memory) {
+    dem_def def = dem_default_def();
+    double centre[] = {0, 0, 0, 0, 0, -0.0049999}, diameter[] = {0.005, 0.005}, size[WET_CLASSES] = {0.005, 0.005, 0.005};
+    int group[] = {0, 0};
+    const int glass = dem_add_material(&def, 2500.0, 5e6, 0.3);
+    dem_world w;
+    wet_scene water;
+    if (memory) def.allocator = *memory;
+    def.gravity = v3(0.0, 0.0, -pull);
+    memset(&water, 0, sizeof water);
+    dem_status status = dem_init(&w, &def, NULL);
+    if (status != DEM_OK) return status;
+    const int far_floor = dem_add_plane(&w, glass, v3(0, 0, -1.0), up);
+    if (far_floor < 0) status = DEM_OUT_OF_MEMORY;
+    if (status == DEM_OK) status = dem_add_spheres(&w, 2, centre, diameter, glass, 0);
+    if (status == DEM_OK) status = dem_fix(&w, 0, 1);
+    if (status == DEM_OK && wet_init(&water, 2, group, diameter, size, 0.002, 3.27e-4, far_floor, &w, printed, WET_STEEL) != BRIDGE_OK)
+        status = DEM_OUT_OF_MEMORY;
+    w.user = &water;
+    if (status == DEM_OK) status = wet_run(&w, 0.02, 0);
+    if (status == DEM_OK) {
+        *volume = wet_total(&water, &w, bridges) / water.initial;
+        *gap = dem_position(&w, 0).z - dem_position(&w, 1).z - 0.005;
+        bridge b;
+        if (*bridges > 0) {
+            memcpy(&b, dem_get_link(&w, 0).state, sizeof b);
+            *force = bridge_attraction(&b, 0.0);
+        }
+    }
+    wet_free(&water);
+    dem_free(&w);
+    return status;
+}
+
+static void test_wet_grain_hangs(void **state) {
+    (void)state;
+    double volume, force = 0.0, gap, unused;
+    int bridges;
+    for (int printed = 0; printed < 2; printed++) {
+        assert_int_equal(hang(0.0, printed, &volume, &bridges, &force, &gap, NULL), DEM_OK);
+        assert_int_equal(bridges, 1);
+        assert_true(volume == 1.0); /* to the last bit */
+        assert_true(gap < 0.0);     /* drawn together */
+        const double balance = force / (2500.0 * RIDDLE_PI / 6.0 * 0.005 * 0.005 * 0.005);
+        assert_true(force > 1e-4);
+        if (printed) continue; /* its force is another one */
+        assert_int_equal(hang(0.98 * balance, printed, &volume, &bridges, &unused, &gap, NULL), DEM_OK);
+        assert_int_equal(bridges, 1);
+        assert_int_equal(hang(3.0 * balance, printed, &volume, &bridges, &unused, &gap, NULL), DEM_OK);
+        assert_int_equal(bridges, 0); /* torn off; its liquid is in the films again */
+        assert_true(volume == 1.0);
+        assert_true(gap > 0.0);
+    }
+}
+
+static void test_wet_bad_arguments(void **state) {
+    (void)state;
+    dem_def def = dem_default_def();
+    const int glass = dem_add_material(&def, 2500.0, 5e6, 0.3);
+    double d[] = {0.005}, size[WET_CLASSES] = {0.005, 0.005, 0.005}, bad[WET_CLASSES] = {0.005, NAN, 0.005}, huge[] = {INFINITY};
+    int group[] = {0}, wrong[] = {WET_CLASSES};
+    dem_world w;
+    wet_scene s;
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    const int deck = dem_add_plane(&w, glass, none, up);
+    assert_int_equal(wet_init(NULL, 1, group, d, size, 0.1, 1.0, deck, &w, false, 1.0), BRIDGE_INVALID);
+    assert_int_equal(wet_init(&s, 1, NULL, d, size, 0.1, 1.0, deck, &w, false, 1.0), BRIDGE_INVALID);
+    assert_int_equal(wet_init(&s, 1, group, NULL, size, 0.1, 1.0, deck, &w, false, 1.0), BRIDGE_INVALID);
+    assert_int_equal(wet_init(&s, 1, group, d, NULL, 0.1, 1.0, deck, &w, false, 1.0), BRIDGE_INVALID);
+    assert_int_equal(wet_init(&s, 1, group, d, size, 0.1, 1.0, deck, NULL, false, 1.0), BRIDGE_INVALID);
+    assert_int_equal(wet_init(&s, -1, group, d, size, 0.1, 1.0, deck, &w, false, 1.0), BRIDGE_INVALID);
+    assert_int_equal(wet_init(&s, 1, wrong, d, size, 0.1, 1.0, deck, &w, false, 1.0), BRIDGE_INVALID);
+    assert_int_equal(wet_init(&s, 1, group, huge, size, 0.1, 1.0, deck, &w, false, 1.0), BRIDGE_INVALID);
+    assert_int_not_equal(wet_init(&s, 1, group, d, bad, 0.1, 1.0, deck, &w, false, 1.0), BRIDGE_OK);
+    assert_int_equal(wet_init(&s, 1, group, d, size, NAN, 1.0, deck, &w, false, 1.0), BRIDGE_INVALID);
+    assert_int_equal(wet_init(&s, 1, group, d, size, 0.1, -1.0, deck, &w, false, 1.0), BRIDGE_INVALID);
+    assert_int_equal(wet_init(&s, 1, group, d, size, 0.1, 1.0, 7, &w, false, 1.0), BRIDGE_INVALID);
+    assert_int_equal(wet_init(&s, 1, group, d, size, 0.1, 1.0, INT_MAX, &w, false, 1.0), BRIDGE_INVALID);
+    assert_int_not_equal(wet_init(&s, 1, group, d, size, 0.1, 1.0, deck, &w, false, NAN), BRIDGE_OK);
+    assert_int_equal(wet_prepare(&s, 1, group, size, 1.0, 0, INT_MAX, &w, false, 1.0), BRIDGE_INVALID);
+    assert_int_equal(wet_run(NULL, 1.0, 0), DEM_BAD_ARGUMENT);
+    assert_int_equal(wet_run(&w, 1.0, 0), DEM_BAD_ARGUMENT); /* no scene */
+    assert_int_equal(wet_init(&s, 0, group, d, size, 0.0, 0.0, deck, &w, false, 1.0), BRIDGE_OK);
+    assert_true(wet_total(&s, &w, NULL) == 0.0);
+    wet_free(&s);
+    wet_free(&s);
+    wet_free(NULL);
+    dem_free(&w);
+}
+
+static void test_wet_memory_running_out(void **state) {
+    (void)state;
+    for (int k = 0;; k++) {
+        failing_allocator memory;
+        double volume, force, gap;
+        int bridges;
+        failing_init_at(&memory, k);
+        dem_allocator hook = {failing_fn, &memory};
+        const dem_status status = hang(1.0, false, &volume, &bridges, &force, &gap, &hook);
+        assert_int_equal(failing_live(&memory), 0);
+        assert_true(memory.has_failed ? status != DEM_OK : status == DEM_OK);
+        if (!memory.has_failed) break;
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_jkr_formulas),
@@ -770,6 +881,9 @@ int main(void) {
         cmocka_unit_test(test_unchecked_parameters),
         cmocka_unit_test(test_forgotten_laws),
         cmocka_unit_test(test_memory_running_out),
+        cmocka_unit_test(test_wet_grain_hangs),
+        cmocka_unit_test(test_wet_bad_arguments),
+        cmocka_unit_test(test_wet_memory_running_out),
     };
-    return cmocka_run_group_tests_name("contact_laws", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("dem_laws", tests, NULL, NULL);
 }
