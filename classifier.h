@@ -2940,6 +2940,7 @@ static inline double classifier__held_squares(const classifier__held *f, const d
 /* Finds the best curve from f->p, and the inverse of its normal matrix. */
 static inline void classifier__held_fit(classifier__held *f, const classifier__fit_data *d) {
     double normal[4][4], gradient[4], damping = 1e-4;
+    memset(normal, 0, sizeof normal), memset(gradient, 0, sizeof gradient);
     f->squares = classifier__held_squares(f, f->p, d, normal, gradient);
     for (int round = 0; round < 40; round++) {
         double a[4][4], step[4] = {0.0, 0.0, 0.0, 0.0}, q[3], length = 0.0;
