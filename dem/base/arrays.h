@@ -193,7 +193,7 @@ static inline dem_status dem__take_feature(dem_world *w, const dem__feature *fea
     dem__bodies *bodies = &w->engine->bodies;
     dem__array list[DEM__ARRAYS_MAX];
     for (int k = 0; k < w->engine->features; k++) {
-        if (w->engine->feature[k] == feature) return DEM_OK;
+        if (w->engine->feature[k]->place == feature->place) return DEM_OK;
         if (w->engine->feature[k]->exclusive && feature->exclusive) return DEM_BAD_ARGUMENT;
     }
     dem__add_feature(w, feature);

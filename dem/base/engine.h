@@ -69,7 +69,7 @@ enum {
     DEM__PLACE_ARM = 4,       /* polyhedron: from the centre of i to that of the sphere that touches for it [m] (3) */
     DEM__PLACE_WEIGHT = 7,    /* polyhedron: factor of the force [-] */
     DEM__PLACE_CURVATURE = 8, /* polyhedron: curvature of the wall as the contact began [1/m] */
-    DEM__CONE_CURVATURE = 0,  /* cone: the same */
+    DEM__KEPT_CURVATURE = 0,  /* sphere at a thin sheet: the same */
     DEM__PLACES = 12
 };
 
@@ -202,15 +202,14 @@ typedef struct dem__bodies {
                               axes, at the origin */
 } dem__bodies;
 
-/* Walls, beside the public array. walls/add.h and walls/mesh.h add them, walls/motion.h moves them, search/tests.h and
-   search/bounds.h set their timers. */
+/* Walls, beside the public array. The file of its kind adds one, walls/kinematics.h moves it, search/tests.h and
+   search/bounds.h set its timers. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
-    int meshes, touch_keepers, controls; /* number of meshes; of walls whose contacts keep a touch (meshes, cones);
-                                            whether forces drive any wall */
-    void (*follow_meshes)(dem_world *w,
-                          int64_t step); /* takes contacts with meshes to a step; set with the first mesh */
-    dem__timers timers;                  /* of particle i and wall k: number i * walls + k */
+    int touch_keepers,
+        controls;           /* number of walls whose contacts keep a touch (meshes, cones); whether forces drive any
+                                    wall */
+    dem__timers timers;     /* of particle i and wall k: number i * walls + k */
     uint32_t *sure;         /* step, modulo 2^32, before which no test is needed, whatever the particle's bound */
     int32_t *first_contact; /* of a particle: its first contact with a wall; contacts.wall_next leads on */
 } dem__wall_state;
@@ -376,7 +375,7 @@ static inline void dem__add_feature(dem_world *w, const dem__feature *feature) {
     dem__engine *e = w->engine;
     int k = e->features;
     for (int q = 0; q < e->features; q++) {
-        if (e->feature[q] == feature) return;
+        if (e->feature[q]->place == feature->place) return; /* another file has a table of its own */
     }
     for (e->features++; k > 0 && e->feature[k - 1]->place > feature->place; k--) e->feature[k] = e->feature[k - 1];
     e->feature[k] = feature;
@@ -385,7 +384,7 @@ static inline void dem__drop_feature(dem_world *w, const dem__feature *feature) 
     dem__engine *e = w->engine;
     int left = 0;
     for (int q = 0; q < e->features; q++) {
-        if (e->feature[q] != feature) e->feature[left++] = e->feature[q];
+        if (e->feature[q]->place != feature->place) e->feature[left++] = e->feature[q];
     }
     e->features = left;
 }

@@ -11,7 +11,12 @@ typedef struct dem__array {
     void *address; /* of the pointer to it */
     size_t size;   /* of an entry [bytes] */
 } dem__array;
-enum { DEM__ARRAYS_MAX = 96, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
+enum {
+    DEM__ARRAYS_MAX = 64 + DEM_STATE_MAX + DEM_CONSTANTS_MAX,
+    DEM__STEP_ARRAYS = 3,
+    DEM__OUT_ARRAYS = 9,
+    DEM__OWN_ARRAYS = 4
+};
 
 /* Particles first .. end-1 that move as one. */
 typedef struct dem__pieces {
@@ -61,6 +66,7 @@ typedef struct dem__feature {
 
     /* A step, in this order. */
     int (*begin_step)(dem_world *w);                       /* 0 after a failure */
+    void (*follow)(dem_world *w, int64_t step);            /* takes its contacts to a step */
     void (*detect)(dem_world *w, int64_t step);            /* finds its own contacts at a step */
     void (*contacts_begun)(dem_world *w, ptrdiff_t begun); /* that many contacts begin, listed in contacts.slots */
     void (*add_forces)(dem_world *w, double h);            /* after those of contacts; h: length of the step [s] */

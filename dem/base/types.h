@@ -12,8 +12,9 @@
     X(DEM_TOO_FAST, "a particle moves more than half its radius, or a body turns by a hundred radians, in one step")   \
     X(DEM_TOO_MANY, "more walls, materials or particles than this header counts, or more mass than a region can hold") \
     X(DEM_BAD_DATA, "neither a whole saved world of this version nor an STL file with triangles")                      \
-    X(DEM_LAW_MISMATCH, "the contacts or links present are of a law with another name, version or number of states, or "\
-                        "links have no law: call dem_set_links after dem_load")                                        \
+    X(DEM_LAW_MISMATCH,                                                                                                \
+      "the contacts or links present are of a law with another name, version or number of states, or "                 \
+      "links have no law: call dem_set_links after dem_load")                                                          \
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")               \
     X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")      \
     X(DEM_BUSY,                                                                                                        \
@@ -223,6 +224,7 @@ typedef enum dem_drive {
 } dem_drive;
 
 struct dem__tree;
+struct dem__wall_kind;
 
 /* The motion of a wall as the functions that move walls set it. */
 typedef struct dem_wall_motion {
@@ -266,13 +268,14 @@ typedef struct dem_wall {
     dem_vec force, torque; /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
     dem_vec impulse;       /* time integral of the force [N s] */
 
-    int slides;                     /* private: 1 if its surface moves otherwise than its origin */
-    double speed_bound, spin_bound; /* private: limits of its origin's speed, apart from rotation, and of its spin,
+    const struct dem__wall_kind *kind__; /* private: the functions of its kind */
+    int slides;                          /* private: 1 if its surface moves otherwise than its origin */
+    double speed_bound, spin_bound;      /* private: limits of its origin's speed, apart from rotation, and of its spin,
                                        until timers are reset */
-    double acceleration_bound;      /* private: kinematic: limit of the acceleration of its origin, apart from rotation
+    double acceleration_bound; /* private: kinematic: limit of the acceleration of its origin, apart from rotation
                                        [m/s2] */
-    double side_bound;              /* private: the same perpendicular to axis[2] */
-    dem_vec phase_sine;             /* private: sine of the vibration's phase, by component */
+    double side_bound;         /* private: the same perpendicular to axis[2] */
+    dem_vec phase_sine;        /* private: sine of the vibration's phase, by component */
 } dem_wall;
 
 /* A particle that passed an exit. Owned by the world, in the order of passing. */

@@ -35,56 +35,60 @@ static inline void dem__renumber_bodies(dem_world *w, const int32_t *number) {
     if (bodies->rigid) bodies->rigid_count = n;
 }
 
-static const dem__feature dem__feature_bodies = {
-    5, /* place */
-    0, /* adds_loads */
-    0, /* exclusive */
-    dem__list_arrays_of_bodies, /* list_arrays */
-    NULL, /* list_contact_arrays */
-    dem__release_bodies, /* release */
-    dem__add_unattached, /* add_particle */
-    NULL, /* begin_change */
-    NULL, /* end_change */
-    NULL, /* set_time_step */
-    NULL, /* remove_particle */
-    dem__renumber_bodies, /* renumber */
-    NULL, /* check_run */
-    NULL, /* prepare_run */
-    NULL, /* set_law */
-    NULL, /* find_forces */
-    NULL, /* forces_found */
-    NULL, /* begin_run */
-    NULL, /* begin_ledger */
-    NULL, /* end_run */
-    dem__note_strides, /* keep_up */
-    NULL, /* listed */
-    NULL, /* drift */
-    NULL, /* begins_early */
-    NULL, /* begin_step */
-    NULL, /* detect */
-    NULL, /* contacts_begun */
-    NULL, /* add_forces */
-    NULL, /* end_contact */
-    NULL, /* leave */
-    NULL, /* begin_flights */
-    NULL, /* end_step */
-    NULL, /* forces */
-    NULL, /* force */
-    NULL, /* velocity_error */
-    NULL, /* correct_velocity */
-    NULL, /* open_books */
-    NULL, /* world_fields */
-    dem__particle_fields_of_bodies, /* particle_fields */
-    NULL, /* contact_fields */
-    dem__save_bodies, /* save */
-    dem__has_bodies, /* is_used */
-    NULL, /* load_first */
-    dem__load_bodies, /* load */
-    NULL, /* loaded */
-    NULL, /* hash_particle */
-    NULL, /* hash_before_contacts */
-    dem__hash_rigids, /* hash */
-};
+static inline const dem__feature *dem__feature_bodies(void) {
+    static const dem__feature row = {
+        5,                              /* place */
+        0,                              /* adds_loads */
+        0,                              /* exclusive */
+        dem__list_arrays_of_bodies,     /* list_arrays */
+        NULL,                           /* list_contact_arrays */
+        dem__release_bodies,            /* release */
+        dem__add_unattached,            /* add_particle */
+        NULL,                           /* begin_change */
+        NULL,                           /* end_change */
+        NULL,                           /* set_time_step */
+        NULL,                           /* remove_particle */
+        dem__renumber_bodies,           /* renumber */
+        NULL,                           /* check_run */
+        NULL,                           /* prepare_run */
+        NULL,                           /* set_law */
+        NULL,                           /* find_forces */
+        NULL,                           /* forces_found */
+        NULL,                           /* begin_run */
+        NULL,                           /* begin_ledger */
+        NULL,                           /* end_run */
+        dem__note_strides,              /* keep_up */
+        NULL,                           /* listed */
+        NULL,                           /* drift */
+        NULL,                           /* begins_early */
+        NULL,                           /* begin_step */
+        NULL,                           /* follow */
+        NULL,                           /* detect */
+        NULL,                           /* contacts_begun */
+        NULL,                           /* add_forces */
+        NULL,                           /* end_contact */
+        NULL,                           /* leave */
+        NULL,                           /* begin_flights */
+        NULL,                           /* end_step */
+        NULL,                           /* forces */
+        NULL,                           /* force */
+        NULL,                           /* velocity_error */
+        NULL,                           /* correct_velocity */
+        NULL,                           /* open_books */
+        NULL,                           /* world_fields */
+        dem__particle_fields_of_bodies, /* particle_fields */
+        NULL,                           /* contact_fields */
+        dem__save_bodies,               /* save */
+        dem__has_bodies,                /* is_used */
+        NULL,                           /* load_first */
+        dem__load_bodies,               /* load */
+        NULL,                           /* loaded */
+        NULL,                           /* hash_particle */
+        NULL,                           /* hash_before_contacts */
+        dem__hash_rigids,               /* hash */
+    };
+    return &row;
+}
 
 /* Definition of a rigid body: see bodies/rigid.h. */
 typedef struct dem__body_def {
@@ -101,7 +105,7 @@ typedef struct dem__body_def {
 
 /* Makes room for n more bodies with `pieces` particles in all. Returns 0 when out of memory. */
 static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
-    return dem__grow_bodies(w, n) && dem__take_feature(w, &dem__feature_bodies) == DEM_OK &&
+    return dem__grow_bodies(w, n) && dem__take_feature(w, dem__feature_bodies()) == DEM_OK &&
            dem__reserve_particles(w, pieces);
 }
 

@@ -325,10 +325,13 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
 }
 
-static const dem__body_calls dem__rigid_bodies = {
-    dem__find_posture,      dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
-    dem__place_pieces,      dem__free_body,       dem__test_due_with_bodies, dem__advance_with_bodies,
-    dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__swing};
+static inline const dem__body_calls *dem__rigid_bodies(void) {
+    static const dem__body_calls row = {
+        dem__find_posture,      dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
+        dem__place_pieces,      dem__free_body,       dem__test_due_with_bodies, dem__advance_with_bodies,
+        dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__swing};
+    return &row;
+}
 
 /* Makes room for n more bodies, not for their particles. Returns 0 when out of memory. */
 static inline int dem__grow_bodies(dem_world *w, ptrdiff_t n) {
@@ -339,7 +342,7 @@ static inline int dem__grow_bodies(dem_world *w, ptrdiff_t n) {
     dem__rigid *fresh =
         (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
     if (!fresh) return 0;
-    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = &dem__rigid_bodies;
+    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = dem__rigid_bodies();
     return 1;
 }
 

@@ -3,7 +3,7 @@
    computed at its origin and the same whatever is skipped. */
 #pragma once
 #include "../search/timers.h"
-#include "../walls/exits.h"
+#include "../particles/exits.h"
 
 /* Tasks of the kernel of a field, which DEM_FORCE_FIELD makes of a law. */
 enum {

@@ -334,56 +334,60 @@ static inline int dem__has_field(const dem__file *file, const dem_world *w) {
     return dem__is_flag(w->engine->field.on) ? w->engine->field.on : -1;
 }
 
-static const dem__feature dem__feature_field = {
-    3, /* place */
-    0, /* adds_loads */
-    1, /* exclusive */
-    dem__list_arrays_of_field, /* list_arrays */
-    NULL, /* list_contact_arrays */
-    dem__release_field, /* release */
-    dem__add_unflown, /* add_particle */
-    NULL, /* begin_change */
-    NULL, /* end_change */
-    NULL, /* set_time_step */
-    NULL, /* remove_particle */
-    NULL, /* renumber */
-    dem__check_field, /* check_run */
-    dem__prepare_flights, /* prepare_run */
-    NULL, /* set_law */
-    NULL, /* find_forces */
-    NULL, /* forces_found */
-    NULL, /* begin_run */
-    dem__begin_books, /* begin_ledger */
-    dem__end_run_in_field, /* end_run */
-    NULL, /* keep_up */
-    NULL, /* listed */
-    NULL, /* drift */
-    NULL, /* begins_early */
-    dem__continue_flights, /* begin_step */
-    NULL, /* detect */
-    dem__end_flights, /* contacts_begun */
-    dem__add_field_forces, /* add_forces */
-    NULL, /* end_contact */
-    dem__leave_field, /* leave */
-    dem__begin_flights, /* begin_flights */
-    NULL, /* end_step */
-    NULL, /* forces */
-    NULL, /* force */
-    dem__velocity_error_in_field, /* velocity_error */
-    dem__correct_velocity_in_field, /* correct_velocity */
-    NULL, /* open_books */
-    dem__world_fields_of_field, /* world_fields */
-    dem__particle_fields_of_field, /* particle_fields */
-    NULL, /* contact_fields */
-    NULL, /* save */
-    dem__has_field, /* is_used */
-    NULL, /* load_first */
-    NULL, /* load */
-    NULL, /* loaded */
-    NULL, /* hash_particle */
-    NULL, /* hash_before_contacts */
-    NULL, /* hash */
-};
+static inline const dem__feature *dem__feature_field(void) {
+    static const dem__feature row = {
+        3,                              /* place */
+        0,                              /* adds_loads */
+        1,                              /* exclusive */
+        dem__list_arrays_of_field,      /* list_arrays */
+        NULL,                           /* list_contact_arrays */
+        dem__release_field,             /* release */
+        dem__add_unflown,               /* add_particle */
+        NULL,                           /* begin_change */
+        NULL,                           /* end_change */
+        NULL,                           /* set_time_step */
+        NULL,                           /* remove_particle */
+        NULL,                           /* renumber */
+        dem__check_field,               /* check_run */
+        dem__prepare_flights,           /* prepare_run */
+        NULL,                           /* set_law */
+        NULL,                           /* find_forces */
+        NULL,                           /* forces_found */
+        NULL,                           /* begin_run */
+        dem__begin_books,               /* begin_ledger */
+        dem__end_run_in_field,          /* end_run */
+        NULL,                           /* keep_up */
+        NULL,                           /* listed */
+        NULL,                           /* drift */
+        NULL,                           /* begins_early */
+        dem__continue_flights,          /* begin_step */
+        NULL,                           /* follow */
+        NULL,                           /* detect */
+        dem__end_flights,               /* contacts_begun */
+        dem__add_field_forces,          /* add_forces */
+        NULL,                           /* end_contact */
+        dem__leave_field,               /* leave */
+        dem__begin_flights,             /* begin_flights */
+        NULL,                           /* end_step */
+        NULL,                           /* forces */
+        NULL,                           /* force */
+        dem__velocity_error_in_field,   /* velocity_error */
+        dem__correct_velocity_in_field, /* correct_velocity */
+        NULL,                           /* open_books */
+        dem__world_fields_of_field,     /* world_fields */
+        dem__particle_fields_of_field,  /* particle_fields */
+        NULL,                           /* contact_fields */
+        NULL,                           /* save */
+        dem__has_field,                 /* is_used */
+        NULL,                           /* load_first */
+        NULL,                           /* load */
+        NULL,                           /* loaded */
+        NULL,                           /* hash_particle */
+        NULL,                           /* hash_before_contacts */
+        NULL,                           /* hash */
+    };
+    return &row;
+}
 
 DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user) {
     dem_force_field field;
@@ -404,7 +408,7 @@ static inline void dem__drop_field(dem_world *w) {
     }
     dem__release(&w->def.allocator, field->timers.block, field->timers.bytes);
     memset(field, 0, sizeof *field);
-    dem__drop_feature(w, &dem__feature_field);
+    dem__drop_feature(w, dem__feature_field());
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
 }
 
@@ -421,7 +425,7 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
         !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4))
         return DEM_BAD_ARGUMENT;
     if (!w->engine->field.on) {
-        const dem_status status = dem__take_feature(w, &dem__feature_field);
+        const dem_status status = dem__take_feature(w, dem__feature_field());
         if (status != DEM_OK) return status;
         w->engine->field.on = 1;
     }

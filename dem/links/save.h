@@ -19,10 +19,8 @@ static inline void dem__link_fields(dem_world *w, dem__group *g) {
 static inline void dem__world_fields_of_links(dem_world *w, dem__group *g) {
     dem__links *links = &w->engine->links;
     const dem__saved_field fields[] = {
-        DEM__INTEGER("link.on", links->on, 0),
-        DEM__INTEGER("link.states", links->states, 0),
-        DEM__INTEGER("link.law", links->mark, 0),
-        DEM__DOUBLES("link.interval", links->interval, 0),
+        DEM__INTEGER("link.on", links->on, 0),     DEM__INTEGER("link.states", links->states, 0),
+        DEM__INTEGER("link.law", links->mark, 0),  DEM__DOUBLES("link.interval", links->interval, 0),
         DEM__DOUBLES("link.near", links->near, 0),
     };
     dem__add_optional(g, fields, sizeof fields);
@@ -44,10 +42,10 @@ static inline void dem__save_links(dem__stream *s, dem_world *w, dem__group *g) 
 }
 
 static inline int dem__has_links(const dem__file *file, const dem_world *w) {
-    (void)file;
     const dem__links *links = &w->engine->links;
     if (!dem__is_flag(links->on) || links->states < 0 || links->states > DEM_STATE_MAX) return -1;
     if (!dem__not_negative(links->near) || !dem__not_negative(links->interval)) return -1;
+    if (links->on ? !dem__positive(links->interval) : dem__entries_of(file, "link.i") > 0) return -1;
     return links->on;
 }
 

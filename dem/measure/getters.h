@@ -29,7 +29,8 @@ DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
         return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
     const dem__rigid *r = dem__rigid_of(world, i);
     if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
+    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn,
+                      dem__opposite_turn(dem__given_frame(world, i, r)));
 }
 
 DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {

@@ -112,7 +112,7 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     dem__restart(w, i);
     dem__book_motion(w, -dem__rotational(w, r->first));
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    r->turn = dem__turns(q, r->frame);
+    r->turn = dem__turns(q, dem__given_frame(w, i, r));
     w->engine->bodies.calls->set_motion(w, r, r->v, spin);
     dem__book_motion(w, dem__rotational(w, r->first));
     if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */

@@ -162,6 +162,14 @@ DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
     for (ptrdiff_t k = own.first; k < own.end; k++) dem__wake_one(w, k);
 }
 
+/* Returns the rotation from the principal axes of the body of particle i to the frame in which its shape was given. */
+static inline dem_quaternion dem__given_frame(const dem_world *w, ptrdiff_t i, const dem__rigid *r) {
+    const dem_convex *s = dem__shape_of(w, i);
+    if (!s) return r->frame;
+    const dem_quaternion own = dem__turn_of_shape(s);
+    return own.w != 1.0 ? dem__turns(own, r->frame) : r->frame;
+}
+
 /* Returns the position of a rigid body now, within the periodic box. */
 static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
     const double tau = dem__now(w, r->first);

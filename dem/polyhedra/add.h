@@ -6,8 +6,11 @@
 #include "pairs.h"
 #include "block.h"
 
-static const dem__convex_calls dem__polyhedra = {dem__prepare_convex, dem__fill_convex_rows, dem__finish_convex_rows,
-                                                 dem_add_convex, dem__leave_convex_edges};
+static inline const dem__convex_calls *dem__polyhedra(void) {
+    static const dem__convex_calls row = {dem__prepare_convex, dem__fill_convex_rows, dem__finish_convex_rows,
+                                          dem_add_convex, dem__leave_convex_edges};
+    return &row;
+}
 
 /* Returns whether the tables of a shape agree with each other, and its numbers are such as the code relies on. */
 static inline int dem__is_sound_shape(const dem_convex *c) {
@@ -81,7 +84,7 @@ static inline dem_status dem__load_shapes(const dem__file *file, dem_world *w, d
         (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
     if (!convex->shape) return DEM_OUT_OF_MEMORY;
     memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
-    convex->shapes = (int)n, convex->calls = &dem__polyhedra;
+    convex->shapes = (int)n, convex->calls = dem__polyhedra();
     w->engine->walls.touch_keepers++;
     g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
     if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
@@ -104,56 +107,60 @@ static inline dem_status dem__load_polyhedra(const dem__file *file, dem_world *w
     return DEM_OK;
 }
 
-static const dem__feature dem__feature_polyhedra = {
-    6, /* place */
-    0, /* adds_loads */
-    0, /* exclusive */
-    dem__list_arrays_of_polyhedra, /* list_arrays */
-    NULL, /* list_contact_arrays */
-    dem__release_polyhedra, /* release */
-    dem__add_shapeless, /* add_particle */
-    NULL, /* begin_change */
-    NULL, /* end_change */
-    NULL, /* set_time_step */
-    NULL, /* remove_particle */
-    NULL, /* renumber */
-    dem__check_polyhedra, /* check_run */
-    NULL, /* prepare_run */
-    NULL, /* set_law */
-    NULL, /* find_forces */
-    NULL, /* forces_found */
-    NULL, /* begin_run */
-    NULL, /* begin_ledger */
-    NULL, /* end_run */
-    NULL, /* keep_up */
-    dem__relist_polyhedra, /* listed */
-    NULL, /* drift */
-    NULL, /* begins_early */
-    NULL, /* begin_step */
-    dem__follow_polyhedra, /* detect */
-    NULL, /* contacts_begun */
-    NULL, /* add_forces */
-    NULL, /* end_contact */
-    NULL, /* leave */
-    NULL, /* begin_flights */
-    NULL, /* end_step */
-    NULL, /* forces */
-    NULL, /* force */
-    NULL, /* velocity_error */
-    NULL, /* correct_velocity */
-    NULL, /* open_books */
-    NULL, /* world_fields */
-    dem__particle_fields_of_polyhedra, /* particle_fields */
-    NULL, /* contact_fields */
-    dem__save_shapes, /* save */
-    dem__has_shapes, /* is_used */
-    dem__load_shapes, /* load_first */
-    dem__load_polyhedra, /* load */
-    NULL, /* loaded */
-    NULL, /* hash_particle */
-    NULL, /* hash_before_contacts */
-    NULL, /* hash */
-};
+static inline const dem__feature *dem__feature_polyhedra(void) {
+    static const dem__feature row = {
+        6,                                 /* place */
+        0,                                 /* adds_loads */
+        0,                                 /* exclusive */
+        dem__list_arrays_of_polyhedra,     /* list_arrays */
+        NULL,                              /* list_contact_arrays */
+        dem__release_polyhedra,            /* release */
+        dem__add_shapeless,                /* add_particle */
+        NULL,                              /* begin_change */
+        NULL,                              /* end_change */
+        NULL,                              /* set_time_step */
+        NULL,                              /* remove_particle */
+        NULL,                              /* renumber */
+        dem__check_polyhedra,              /* check_run */
+        NULL,                              /* prepare_run */
+        NULL,                              /* set_law */
+        NULL,                              /* find_forces */
+        NULL,                              /* forces_found */
+        NULL,                              /* begin_run */
+        NULL,                              /* begin_ledger */
+        NULL,                              /* end_run */
+        NULL,                              /* keep_up */
+        dem__relist_polyhedra,             /* listed */
+        NULL,                              /* drift */
+        NULL,                              /* begins_early */
+        NULL,                              /* begin_step */
+        NULL,                              /* follow */
+        dem__follow_polyhedra,             /* detect */
+        NULL,                              /* contacts_begun */
+        NULL,                              /* add_forces */
+        NULL,                              /* end_contact */
+        NULL,                              /* leave */
+        NULL,                              /* begin_flights */
+        NULL,                              /* end_step */
+        NULL,                              /* forces */
+        NULL,                              /* force */
+        NULL,                              /* velocity_error */
+        NULL,                              /* correct_velocity */
+        NULL,                              /* open_books */
+        NULL,                              /* world_fields */
+        dem__particle_fields_of_polyhedra, /* particle_fields */
+        NULL,                              /* contact_fields */
+        dem__save_shapes,                  /* save */
+        dem__has_shapes,                   /* is_used */
+        dem__load_shapes,                  /* load_first */
+        dem__load_polyhedra,               /* load */
+        NULL,                              /* loaded */
+        NULL,                              /* hash_particle */
+        NULL,                              /* hash_before_contacts */
+        NULL,                              /* hash */
+    };
+    return &row;
+}
 
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     dem_world *w = world;
@@ -165,10 +172,10 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
     dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
     if (!fresh) return -(int)DEM_OUT_OF_MEMORY;
-    convex->shape = fresh, convex->calls = &dem__polyhedra;
+    convex->shape = fresh, convex->calls = dem__polyhedra();
     convex->shape[convex->shapes++] = *shape;
     if (convex->shapes > 1) return convex->shapes - 1;
-    if (dem__take_feature(w, &dem__feature_polyhedra) == DEM_OK) return 0;
+    if (dem__take_feature(w, dem__feature_polyhedra()) == DEM_OK) return 0;
     dem__release(a, convex->shape, size);
     convex->shape = NULL, convex->shapes = 0, convex->calls = NULL;
     return -(int)DEM_OUT_OF_MEMORY;
@@ -204,12 +211,17 @@ DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, cons
     dem__body_def body;
     memset(&body, 0, sizeof body);
     body.mass = density * s->volume, body.moments = dem__scale(density, dem__point(s->moment));
-    body.frame = body.turn = dem__quaternion(1.0, none);
+    body.frame = dem__quaternion(1.0, none);
+    const dem_quaternion own = dem__turn_of_shape(s);
     body.pieces = 1, body.offset = &none, body.radius = &s->reach, body.material = material, body.group = group;
     for (ptrdiff_t k = 0; k < n; k++) {
         const double *o = orientations ? orientations + 4 * k : NULL;
         body.x = dem__point(centres + 3 * k);
-        if (o) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &body.turn);
+        body.turn = own;
+        if (o) {
+            dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &body.turn);
+            if (own.w != 1.0) body.turn = dem__turns(body.turn, own);
+        }
         w->engine->convex.shape_of[dem__add_body(w, &body)] = shape + 1;
     }
     return DEM_OK;

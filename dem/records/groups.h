@@ -3,7 +3,7 @@
 #include "../base/engine.h"
 #include "records.h"
 
-enum { DEM__FIELDS_MAX = 64 };
+enum { DEM__FIELDS_MAX = 64 + DEM_STATE_MAX };
 
 /* Fields with the same number of entries. */
 typedef struct dem__group {
@@ -94,15 +94,24 @@ static inline int dem__find_field(const dem__file *file, const dem__group *g, in
     return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
 }
 
-/* Reads a group of n consecutive entries. Returns 0 if the file is not valid. */
-static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
+/* Reads entries first .. end-1 of a group of n into consecutive ones from `to` on. Returns 0 if the file is not valid.
+ */
+static inline int dem__read_some(const dem__file *file, const dem__group *g, ptrdiff_t n, ptrdiff_t first,
+                                 ptrdiff_t end, ptrdiff_t to) {
     for (int q = 0; q < g->fields && n > 0; q++) {
+        const dem__saved_field *f = &g->field[q];
         dem__stream s;
         const int found = dem__find_field(file, g, q, n, &s);
         if (found < 0) return 0;
-        for (ptrdiff_t k = 0; k < n && found; k++) dem__stream_entry(&s, &g->field[q], k);
+        s.at += (size_t)first * (size_t)(f->numbers * f->width);
+        for (ptrdiff_t k = first; k < end && found; k++) dem__stream_entry(&s, f, to + k - first);
     }
     return 1;
+}
+
+/* Reads all n entries of a group. */
+static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
+    return dem__read_some(file, g, n, 0, n, 0);
 }
 
 static inline int dem__is_flag(int v) { return v == 0 || v == 1; }

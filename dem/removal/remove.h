@@ -88,7 +88,9 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem__rigid *r = dem__rigid_of(w, i);
         if (r && r->first != i) continue;
-        if (!w->alive[i] || !dem_region_holds(region, r ? dem__body_position(w, r) : dem__in_box(w, dem__at(w, i, dem__now(w, i))))) continue;
+        if (!w->alive[i] ||
+            !dem_region_holds(region, r ? dem__body_position(w, r) : dem__in_box(w, dem__at(w, i, dem__now(w, i)))))
+            continue;
         dem__detach_particle(w, i);
         removed++;
     }
