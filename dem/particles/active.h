@@ -75,7 +75,7 @@ static inline void dem__compact(dem_world *w) {
     }
     for (int q = 0; q < contacts->chunk_count; q++)
         contacts->chunk[q].first_particle = dem__remapped(w, contacts->chunk[q].first_particle);
-    DEM__TELL(w, renumber, (w, remap));
     w->count = to;
     w->engine->bodies.dropped = 0;
+    DEM__TELL(w, renumber, (w, remap));
 }
