@@ -41,6 +41,7 @@
 #include "solids_api.h"
 #include "api.h"
 #include "../base/portable_math.h"
+#include "../base/student.h"
 #include "process_laws.h"
 #include "settling_laws.h"
 #ifdef FILTRATION__BODIES
