@@ -1180,7 +1180,8 @@ class Made(unittest.TestCase):
 
 if __name__ == "__main__":
     only = [word for word in sys.argv[1:] if word[0].isupper()]  # Shown.test_mypy
-    result = unittest.main(argv=[sys.argv[0], *only], exit=False, verbosity=1).result
+    pattern = os.environ.get("RIDDLE_TEST_PATTERN")
+    result = unittest.main(argv=[sys.argv[0], *only, *(["-k", pattern] if pattern else [])], exit=False, verbosity=1).result
     bad = len(result.failures) + len(result.errors)
     print(f"{result.testsRun - bad - len(result.skipped)} passed, {bad} failed, {len(result.skipped)} skipped")
     sys.exit(bad > 0)
