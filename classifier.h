@@ -2328,17 +2328,17 @@ typedef struct classifier__fines {
 /* Computes ln(size / wanted size) and the yield of the fine product, with the air flow times `factor`. Classes are cut into four, evenly in
    ln x (the first one from 0 in x), and are uniform within a piece. */
 static inline double classifier__fines_of(const classifier_model *m, const classifier_wish *wish, double factor, double *yield) {
-    enum { PIECES = 4 };
+    const int pieces = 4;
     double sum = 0.0, target = 0.0, size = 0.0;
     for (int pass = 0; pass < 2; pass++) { /* the yield, then the size with the wanted share below it */
         double below = 0.0;
         for (int i = 0; i < wish->classes; i++) {
             const double low = wish->edge[i], high = wish->edge[i + 1];
             double from = low;
-            for (int k = 1; k <= PIECES && wish->feed[i] > 0.0; k++) {
-                const double to = low > 0.0 ? low * riddle_exp(riddle_log(high / low) * k / PIECES) : high * k / PIECES,
+            for (int k = 1; k <= pieces && wish->feed[i] > 0.0; k++) {
+                const double to = low > 0.0 ? low * riddle_exp(riddle_log(high / low) * k / pieces) : high * k / pieces,
                              middle = from > 0.0 ? sqrt(from * to) : 0.5 * to,
-                             mass = wish->feed[i] / PIECES * (1.0 - classifier__weighted(m, middle, factor, NULL));
+                             mass = wish->feed[i] / pieces * (1.0 - classifier__weighted(m, middle, factor, NULL));
                 if (pass == 1 && below + mass >= target) {
                     size = from + (to - from) * (mass > 0.0 ? (target - below) / mass : 0.0);
                     return riddle_log(size / wish->size);
