@@ -1,6 +1,6 @@
-/* spheres.h: moving spheres on the lattice: the nodes that they cover, their links, the force on them, nodes that they leave. Relies on
-   links.h.
-   May be changed here alone: everything but the meaning of owner. Coordinates: lattice units, node i at i. */
+/* Moving spheres on the lattice: the nodes that they cover, their links, the force on them, nodes that they leave. */
+#pragma once
+#include "links.h"
 
 /* ==== >>spheres ==== */
 
@@ -172,7 +172,7 @@ FILTRATION__INLINE void filtration__ball_links(filtration__lattice *l, int32_t i
         }
 }
 
-static void filtration__ball_task(void *context, int task) {
+FILTRATION__STATIC void filtration__ball_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     filtration__surface sum;
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {

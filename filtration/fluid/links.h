@@ -1,5 +1,6 @@
-/* links.h: lattice links that a surface cuts: the boundary law, the links of the solid at rest. Relies on faces.h.
-   May be changed here alone: the law (filtration__bounce). */
+/* Lattice links that a surface cuts: the boundary law, the links of the solid at rest. */
+#pragma once
+#include "faces.h"
 
 /* ==== >>links ==== */
 
@@ -40,7 +41,7 @@ static inline filtration__cut filtration__link_cut(const filtration__link *link)
     return k;
 }
 
-static void filtration__link_task(void *context, int task) {
+FILTRATION__STATIC void filtration__link_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     ptrdiff_t first, end;
     double back;
