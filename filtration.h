@@ -96,6 +96,14 @@
 #define FILTRATION__INDEPENDENT
 #endif
 
+/* Functions of which the compiler decides. Without optimisation they are inline by name: gcc then emits every other static function,
+   whether or not anything calls it. */
+#if defined(__OPTIMIZE__) || !defined(__GNUC__)
+#define FILTRATION__STATIC static
+#else
+#define FILTRATION__STATIC static inline
+#endif
+
 /* x86-64: the kernels are compiled three times, with AVX-512, with AVX2 and without. The bits are the same, because none fuses. AVX2 has
    too few registers for a node's populations. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412): there
    -mavx2 for the whole program gives the speed. */
@@ -106,16 +114,16 @@
 #define FILTRATION__AVX512 "avx512vl,avx512dq,prefer-vector-width=512"
 #endif
 #define FILTRATION__CLONES(name, parameters, arguments, call)                                                                              \
-    __attribute__((target(FILTRATION__AVX512))) FILTRATION__FAST static void name##_512 parameters { call; }                               \
-    __attribute__((target("avx2"))) FILTRATION__FAST static void name##_256 parameters { call; }                                           \
-    FILTRATION__FAST static void name parameters {                                                                                         \
+    __attribute__((target(FILTRATION__AVX512))) FILTRATION__FAST FILTRATION__STATIC void name##_512 parameters { call; }                   \
+    __attribute__((target("avx2"))) FILTRATION__FAST FILTRATION__STATIC void name##_256 parameters { call; }                               \
+    FILTRATION__FAST FILTRATION__STATIC void name parameters {                                                                             \
         if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) name##_512 arguments;                                \
         else if (__builtin_cpu_supports("avx2")) name##_256 arguments;                                                                     \
         else call;                                                                                                                         \
     }
 #else
 #define FILTRATION__CLONES(name, parameters, arguments, call)                                                                              \
-    FILTRATION__FAST static void name parameters { call; }
+    FILTRATION__FAST FILTRATION__STATIC void name parameters { call; }
 #endif
 
 #ifdef __cplusplus
@@ -549,29 +557,26 @@ FILTRATION_API filtration_solid filtration_image_solid(const filtration_image *i
    length. */
 typedef enum filtration_boundary {
     FILTRATION_CENTRAL_LINEAR, /* central linear interpolation (Ginzburg et al. 2008): second order; default */
-    FILTRATION_HALF_WAY /* half-way bounce-back (Ladd 1994): q = 1/2 wherever the surface is, so that it becomes a staircase */
+    FILTRATION_HALF_WAY        /* half-way bounce-back (Ladd 1994): q = 1/2 wherever the surface is, so that it becomes a staircase */
 } filtration_boundary;
 
 /* How a node that a sphere leaves is filled. */
 typedef enum filtration_refill {
     FILTRATION_REFILL_NONEQUILIBRIUM, /* equilibrium of the neighbours' density and the wall's velocity, and the non-equilibrium part of
                                          the fluid neighbour along the normal; default */
-    FILTRATION_REFILL_EQUILIBRIUM,  /* without the non-equilibrium part */
-    FILTRATION_REFILL_INTERPOLATION /* mean of the fluid neighbours' populations (the paper's) */
+    FILTRATION_REFILL_EQUILIBRIUM,    /* without the non-equilibrium part */
+    FILTRATION_REFILL_INTERPOLATION   /* mean of the fluid neighbours' populations (the paper's) */
 } filtration_refill;
 
 /* How the fluid's force on a sphere is measured. */
 typedef enum filtration_force_mode {
     FILTRATION_MOMENTUM_EXCHANGE, /* sum over the links, Galilean invariant (Wen et al. 2014), mean of two steps; default */
-    FILTRATION_SHEAR_LAYER /* the paper's (9): shear over a layer of one voxel, without pressure; for comparison: its bias is -1.5 dx
+    FILTRATION_SHEAR_LAYER        /* the paper's (9): shear over a layer of one voxel, without pressure; for comparison: its bias is -1.5 dx
                                      / R */
 } filtration_force_mode;
 
 typedef enum filtration_lattice { FILTRATION_D3Q19, FILTRATION_D3Q15 } filtration_lattice;
-typedef enum filtration_precision {
-    FILTRATION_DOUBLE,
-    FILTRATION_FLOAT
-} filtration_precision; /* of the stored populations */
+typedef enum filtration_precision { FILTRATION_DOUBLE, FILTRATION_FLOAT } filtration_precision; /* of the stored populations */
 
 /* Kinds of the box's six faces. Periodic faces come in pairs. */
 typedef enum filtration_face {
@@ -580,27 +585,23 @@ typedef enum filtration_face {
     FILTRATION_PRESSURE, /* open, at a given pressure */
     FILTRATION_SYMMETRY, /* a mirror: no flow through it, no shear on it. The force on a sphere that it cuts is that on the part inside the
                             box, without that of a constant pressure */
-    FILTRATION_INFLOW /* liquid comes or goes with face_velocity; the box needs a PRESSURE face, too, unless as much goes as comes */
+    FILTRATION_INFLOW    /* liquid comes or goes with face_velocity; the box needs a PRESSURE face, too, unless as much goes as comes */
 } filtration_face;
 enum { FILTRATION_LOW_X, FILTRATION_HIGH_X, FILTRATION_LOW_Y, FILTRATION_HIGH_Y, FILTRATION_LOW_Z, FILTRATION_HIGH_Z };
 
 /* Everything that does not change in time. Made by filtration_fluid_default_def(). The box extends from 0 to nodes[a] * voxel along each
    axis; node i lies at (i + 1/2) voxel. */
 typedef struct filtration_fluid_def {
-    uint32_t cookie; /* set by filtration_fluid_default_def(); a definition without it is refused */
-    int nodes
-        [3]; /* number along x, y, z, each >= 1; below 2^31 in all; default 32, 32, 32. Rows of 64 nodes and more along x are
+    uint32_t cookie;   /* set by filtration_fluid_default_def(); a definition without it is refused */
+    int nodes[3];      /* number along x, y, z, each >= 1; below 2^31 in all; default 32, 32, 32. Rows of 64 nodes and more along x are
                           fastest */
-    double voxel;     /* distance of nodes [m], 1e-15 .. 1e15; default 2.5e-6 */
-    double density;   /* of the fluid [kg/m3], 1e-15 .. 1e15; default 1000 */
-    double viscosity; /* dynamic [Pa s], 1e-15 .. 1e15; default 1e-3 */
-    double
-        tau; /* relaxation time [-], 0.5 < tau <= 20; default 1. It sets the time step (tau - 1/2) voxel^2 / (3 nu) */
-    double
-        bulk_ratio; /* bulk viscosity over kinematic viscosity [-], >= 0; default 2/3: no third rate. Larger values damp sound; keep
+    double voxel;      /* distance of nodes [m], 1e-15 .. 1e15; default 2.5e-6 */
+    double density;    /* of the fluid [kg/m3], 1e-15 .. 1e15; default 1000 */
+    double viscosity;  /* dynamic [Pa s], 1e-15 .. 1e15; default 1e-3 */
+    double tau;        /* relaxation time [-], 0.5 < tau <= 20; default 1. It sets the time step (tau - 1/2) voxel^2 / (3 nu) */
+    double bulk_ratio; /* bulk viscosity over kinematic viscosity [-], >= 0; default 2/3: no third rate. Larger values damp sound; keep
                           below about 100 where spheres move */
-    double
-        magic; /* Lambda of the two relaxation times [-] > 0; default 3/16, with which walls half way are exact; HUGE_VAL: one
+    double magic;      /* Lambda of the two relaxation times [-] > 0; default 3/16, with which walls half way are exact; HUGE_VAL: one
                           relaxation time (BGK) */
     filtration_lattice lattice;     /* default D3Q19; D3Q15 is stored in doubles only */
     filtration_precision precision; /* default DOUBLE */
@@ -612,12 +613,14 @@ typedef struct filtration_fluid_def {
     double face_pressure[6];        /* of PRESSURE faces [Pa], relative to the mean; default 0 */
     double body_force[3];           /* on the fluid [N/m3]; default 0. Without gravity, because pressure is dynamic */
     filtration_solid solid;         /* default: none */
-    double speed_limit; /* lattice speed [-] above which a run stops as diverged, 1e-15 .. 0.5; default 0.3 */
-    int skip;    /* 1: slabs that are all solid, or fluid at exact rest, are not updated; 0: all are; same bits; default
+    double speed_limit;             /* lattice speed [-] above which a run stops as diverged, 1e-15 .. 0.5; default 0.3 */
+    int keep_mass;                  /* 1: filtration_fluid_keep_mass is called every 256 steps of a closed box with spheres that move;
+                                       default 1 */
+    int skip;                       /* 1: slabs that are all solid, or fluid at exact rest, are not updated; 0: all are; same bits; default
                                        1 */
-    int threads; /* number of threads >= 1; default 1; same bits for any number */
-    filtration_parallel parallel; /* default: OpenMP if the compiler has it */
-    filtration_memory memory;     /* default: realloc and free */
+    int threads;                    /* number of threads >= 1; default 1; same bits for any number */
+    filtration_parallel parallel;   /* default: OpenMP if the compiler has it */
+    filtration_memory memory;       /* default: realloc and free */
 } filtration_fluid_def;
 
 /* Spheres, in arrays of the caller. A step reads the first four arrays and writes force and torque. */
@@ -627,26 +630,26 @@ typedef struct filtration_spheres {
     double *velocity; /* [n][3] [m/s] */
     double *spin;     /* [n][3] angular velocity [rad/s] */
     double *radius;   /* [n] [m] > 0; 0: no sphere at this index */
-    double *
-        force; /* [n][3] force of the fluid on the sphere [N], without buoyancy (pressure is dynamic); a constant pressure exerts
+    double *force;    /* [n][3] force of the fluid on the sphere [N], without buoyancy (pressure is dynamic); a constant pressure exerts
                          none */
-    double *torque; /* [n][3] about the centre [N m] */
+    double *torque;   /* [n][3] about the centre [N m] */
 } filtration_spheres;
 
 /* Causes for which a run stopped. */
-#define FILTRATION_CAUSES(X)                                                                                           \
-    X(FILTRATION_NO_CAUSE, "nothing is wrong")                                                                         \
-    X(FILTRATION_NOT_FINITE, "a population is infinite or not a number")                                               \
-    X(FILTRATION_SPEED, "the speed exceeds the limit: smaller tau, or finer voxels")                                   \
+#define FILTRATION_CAUSES(X)                                                                                                               \
+    X(FILTRATION_NO_CAUSE, "nothing is wrong")                                                                                             \
+    X(FILTRATION_NOT_FINITE, "a population is infinite or not a number")                                                                   \
+    X(FILTRATION_SPEED, "the speed exceeds the limit: smaller tau, or finer voxels")                                                       \
     X(FILTRATION_SPHERE, "a sphere's centre, velocity, spin or radius is out of range")
 typedef enum filtration_cause { FILTRATION_CAUSES(FILTRATION__ENUM) FILTRATION_CAUSE_COUNT } filtration_cause;
 FILTRATION_API const char *filtration_cause_text(filtration_cause cause); /* never NULL; static storage */
 
 typedef struct filtration_problem {
     filtration_cause cause;
-    int node[3];  /* the first bad node in the order of z, y, x; with FILTRATION_SPHERE: {index of the sphere, 0, 0} */
-    int64_t step; /* step at which it was found */
-    double speed; /* speed there, in lattice units [-] */
+    int node[3];          /* the first bad node in the order of z, y, x; with FILTRATION_SPHERE: {index of the sphere, 0, 0} */
+    int64_t step;         /* step at which it was found */
+    double speed;         /* speed there, in lattice units [-] */
+    const char *rule;     /* with FILTRATION_SPHERE: what it must be; static storage; otherwise NULL */
     double cell_reynolds; /* u dx / nu there [-]; above 20 to 30 the flow between two nodes is not resolved */
 } filtration_problem;
 
@@ -654,13 +657,13 @@ struct filtration__lattice;
 
 /* The state of the fluid. Its fields are read only; functions change it. */
 typedef struct filtration_fluid {
-    filtration_fluid_def def;   /* a copy of the definition, with the present tau, body_force and faces */
-    double time;                /* [s] */
-    double dt;                  /* time step [s] */
-    int64_t steps;              /* number of steps taken */
-    double mass_correction;     /* density that filtration_fluid_keep_mass has added so far, over def.density [-] */
-    int64_t updates;            /* number of node updates so far, without skipped ones */
-    filtration_problem problem; /* of the last step */
+    filtration_fluid_def def;            /* a copy of the definition, with the present tau, body_force and faces */
+    double time;                         /* [s] */
+    double dt;                           /* time step [s] */
+    int64_t steps;                       /* number of steps taken */
+    double mass_correction;              /* density that filtration_fluid_keep_mass has added so far, over def.density [-] */
+    int64_t updates;                     /* number of node updates so far, without skipped ones */
+    filtration_problem problem;          /* of the last step */
     struct filtration__lattice *lattice; /* private */
 } filtration_fluid;
 
@@ -679,24 +682,19 @@ FILTRATION_API double filtration_fluid_bytes(const filtration_fluid_def *def);
    fluid can be read, saved and freed. */
 FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, const filtration_spheres *spheres);
 /* Takes steps >= 0 with spheres whose centres stay (their surfaces may move: velocity and spin hold). */
-FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, int64_t steps,
-                                                      const filtration_spheres *spheres);
+FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, int64_t steps, const filtration_spheres *spheres);
 
 /* ---- changes during a run: BAD_ARGUMENT, and nothing changes, where a value is out of range. Velocities of faces [voxel / dt], pressures
    [density voxel^2 / dt^2 / 3] and forces [density voxel / dt^2] stay below 1000. ---- */
 /* Sets tau, and so the time step, and rescales the flow: velocity, pressure and stress keep their SI values. */
 FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *fluid, double tau);
-FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_fluid *fluid,
-                                                                 const double force[3]); /* [N/m3] */
+FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_fluid *fluid, const double force[3]); /* [N/m3] */
 FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure);
-FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face,
-                                                                    const double velocity[3]);
+FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]);
 /* Sets the flow to start from. fn gives velocity [m/s] and pressure [Pa] at a point [m]. fn is asked twice for every point. Populations are
    equilibrium plus the stress of the velocity's differences. */
-FILTRATION_API filtration_status filtration_fluid_set_flow(filtration_fluid *fluid,
-                                                           void (*fn)(void *user, const double point[3],
-                                                                      double velocity[3], double *pressure),
-                                                           void *user);
+FILTRATION_API filtration_status filtration_fluid_set_flow(
+    filtration_fluid *fluid, void (*fn)(void *user, const double point[3], double velocity[3], double *pressure), void *user);
 /* Adds the same density to every fluid node, so that its mean is def.density: it compensates for nodes that spheres cover and leave. For
    closed boxes; mass_correction is the sum of what was added. DIVERGED if the mass is not a number. */
 FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fluid);
@@ -708,66 +706,61 @@ typedef struct filtration_sample {
     int owner;          /* -1 fluid, -2 solid, otherwise the index of the sphere */
 } filtration_sample;
 /* Samples node (x, y, z), each 0 .. nodes - 1; otherwise BAD_ARGUMENT. */
-FILTRATION_API filtration_status filtration_fluid_at(const filtration_fluid *fluid, int x, int y, int z,
-                                                     filtration_sample *sample);
+FILTRATION_API filtration_status filtration_fluid_at(const filtration_fluid *fluid, int x, int y, int z, filtration_sample *sample);
 /* Copies whole fields into arrays of the caller, x fastest; each may be NULL: velocity [nz][ny][nx][3], pressure [nz][ny][nx], owner
    [nz][ny][nx]. */
-FILTRATION_API void filtration_fluid_fields(const filtration_fluid *fluid, float *velocity, float *pressure,
-                                            int32_t *owner);
+FILTRATION_API void filtration_fluid_fields(const filtration_fluid *fluid, float *velocity, float *pressure, int32_t *owner);
 /* Computes the superficial velocity [m/s]: the mean over the whole box, with 0 in solids. */
 FILTRATION_API void filtration_fluid_mean_velocity(const filtration_fluid *fluid, double velocity[3]);
 /* Returns the superficial velocity [m/s] along an axis (0 x, 1 y, 2 z): volume flow through a slab of nodes over the box's
    cross-section. */
 FILTRATION_API double filtration_fluid_flux(const filtration_fluid *fluid, int axis, int slab);
-FILTRATION_API double filtration_fluid_mass(const filtration_fluid *fluid);     /* of the liquid [kg] */
-FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid); /* share of fluid nodes [-] */
-FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid,
-                                                 double force[3]);               /* on def.solid in the last step [N] */
-FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid); /* [m/s] */
+FILTRATION_API double filtration_fluid_mass(const filtration_fluid *fluid);                       /* of the liquid [kg] */
+FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid);                   /* share of fluid nodes [-] */
+FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, double force[3]); /* on def.solid in the last step [N] */
+FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid);                  /* [m/s] */
 
 /* ---- saving: the caller's functions write and read bytes and return 0 to refuse. A loaded run continues with the same bits. */
 typedef int (*filtration_write_fn)(void *user, const void *data, size_t bytes);
 typedef int (*filtration_read_fn)(void *user, void *data, size_t bytes);
-FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write,
-                                                       void *user);
-/* Loads into a fluid that filtration_fluid_init made with the same definition (box, lattice, precision, faces, solid). After BAD_DATA or
-   STREAM the fluid is at rest at time 0. */
+FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write, void *user);
+/* Loads into a fluid that filtration_fluid_init made with the same definition (box, lattice, precision, faces, solid, laws); BAD_DATA
+   for another one. After BAD_DATA or STREAM the fluid is at rest at time 0. */
 FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, filtration_read_fn read, void *user);
 
 /* ==== >>motion: spheres moved by a fluid, without another particle code ==== */
 
 typedef struct filtration_motion_def {
     uint32_t cookie;
-    double density;    /* of the spheres [kg/m3] > 0; default 2200 */
-    double gravity[3]; /* [m/s2]; default (0, 0, -9.81); acts as buoyant weight (density - fluid density) V g */
-    double
-        modulus; /* reduced modulus E* of two spheres in contact [Pa] > 0; default 1e8 (softened; docs/filtration.md) */
+    double density;     /* of the spheres [kg/m3], at least 0.4 of the fluid's: lighter ones are tossed by the liquid that they displace;
+                           default 2200 */
+    double gravity[3];  /* [m/s2]; default (0, 0, -9.81); acts as buoyant weight (density - fluid density) V g */
+    double modulus;     /* reduced modulus E* of two spheres in contact [Pa] > 0; default 1e8 (softened; docs/filtration.md) */
     double restitution; /* coefficient of restitution of a dry contact [-], above 0 .. 1; default 0.5 */
     double friction;    /* Coulomb coefficient [-] >= 0; default 0.3 */
     int sub_steps;      /* contact steps in a fluid step, 1 .. 1000000; default 10 */
-    int lubrication;  /* 1: adds the force of films thinner than 2/3 voxel, for pairs, the solid and walls; default 1 */
-    double least_gap; /* smallest gap of lubrication, over the diameter [-] > 0; default 1e-3: roughness */
-    int fixed_axes[3]; /* 1: no motion along this axis (symmetry); default 0 */
-    int spin;          /* 0: spheres do not rotate; default 1 */
+    int lubrication;    /* 1: adds the force of films thinner than 2/3 voxel, for pairs, the solid and walls; default 1 */
+    double least_gap;   /* smallest gap of lubrication, over the diameter [-] > 0; default 1e-3: roughness */
+    int fixed_axes[3];  /* 1: no motion along this axis (symmetry); default 0 */
+    int spin;           /* 0: spheres do not rotate; default 1 */
 } filtration_motion_def;
 FILTRATION_API filtration_motion_def filtration_motion_default_def(void);
 FILTRATION_API filtration_status filtration_motion_check_def(const filtration_motion_def *def, const char **field);
 
 /* Moves the spheres by one step of the fluid (leapfrog in sub_steps, at constant force and torque of the fluid): changes centre, velocity
    and spin. contact [n][3] (may be NULL): mean contact and lubrication force in the step [N]. Walls and the solid of the fluid are touched
-   where they are. share: factor of the force in a box with symmetry faces (1, 2 or 4). BAD_DEF,
-   BAD_ARGUMENT: nothing has moved; TOO_FAST: a contact gave a sphere an infinite speed (more sub_steps). */
+   where they are. share: factor of the force in a box with symmetry faces (1, 2 or 4). BAD_DEF, BAD_ARGUMENT (also for spheres lighter
+   than 0.4 of the fluid): nothing has moved; TOO_FAST: a contact gave a sphere an infinite speed (more sub_steps). */
 FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid,
                                                  filtration_spheres *spheres, double share, double *contact);
 /* Returns the number of sub-steps in the contact time of two equal spheres (Hertz) [-]; it should be 10 or more. dt: of the fluid [s];
    radius [m], speed of approach [m/s], all > 0, otherwise NaN. */
-FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *def, double dt, double radius,
-                                                   double speed);
+FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *def, double dt, double radius, double speed);
 /* Returns the lubrication force along the normal on two spheres (r2 HUGE_VAL: a wall) [N], > 0 repulsive. gap [m]; closing: approach
    velocity [m/s], > 0 closing; viscosity [Pa s]; cutoff: gap at which it begins [m]; least: smallest gap [m]. (Brenner 1961; Nguyen and
    Ladd 2002.) */
-FILTRATION_API double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity,
-                                                   double cutoff, double least);
+FILTRATION_API double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity, double cutoff,
+                                                   double least);
 
 /* ==== >>permeability: steady flow through any solid ==== */
 
@@ -785,10 +778,8 @@ typedef struct filtration_permeability_result {
 /* Drives the fluid along an axis by pressure_drop [Pa] over the box, applied as a body force, until the flow changes by less than tolerance
    (0: 1e-5) in the time that momentum needs to spread over the pores. spheres (may be NULL) are at rest. NOT_STEADY after max_steps. The
    flow remains in fluid and may be read. */
-FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid *fluid,
-                                                               const filtration_spheres *spheres, int axis,
-                                                               double pressure_drop, double tolerance,
-                                                               int64_t max_steps,
+FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid *fluid, const filtration_spheres *spheres, int axis,
+                                                               double pressure_drop, double tolerance, int64_t max_steps,
                                                                filtration_permeability_result *result);
 
 /* ------------------------------------------------------------------------------------------ >>base/portable_math.h */
@@ -2692,6 +2683,7 @@ typedef struct filtration__lattice {
     int whole_weight[FILTRATION__Q]; /* 72 w */
     filtration__rates rates;
     int periodic_x, half_way, refill;
+    int left;                   /* 1: spheres have left nodes since the mass was corrected */
     int odd;                    /* which step of the pair comes next */
     int32_t *owner;             /* [nz][ny][nx]: FILTRATION__FLUID, FILTRATION__SOLID or a sphere */
     unsigned char *row_state;   /* [nz][ny]: FILTRATION__ROW_SOLID, FILTRATION__ROW_BAD */
@@ -3163,7 +3155,7 @@ static inline void filtration__task_range(ptrdiff_t n, int task, ptrdiff_t *firs
     *end = n * (task + 1) / FILTRATION__TASKS;
 }
 
-static void filtration__collide_task(void *context, int task) {
+FILTRATION__STATIC void filtration__collide_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     ptrdiff_t first, end;
     filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
@@ -3287,8 +3279,8 @@ typedef struct filtration__face_kind {
 } filtration__face_kind;
 
 /* Bounce-back half way from a surface that moves along itself, or through which liquid comes. */
-static void filtration__enter_wall(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK],
-                                   double *h) {
+FILTRATION__STATIC void filtration__enter_wall(const filtration__lattice *l, const filtration__entry *e, int n,
+                                               double u[3][FILTRATION__BLOCK], double *h) {
     const signed char *c = l->c[e->i];
     const double *v = l->face_velocity[e->face], push = 6.0 * l->w[e->i] * (c[0] * v[0] + c[1] * v[1] + c[2] * v[2]);
     (void)u;
@@ -3296,8 +3288,8 @@ static void filtration__enter_wall(const filtration__lattice *l, const filtratio
 }
 
 /* A given pressure by anti-bounce-back (Ginzburg et al. 2008). */
-static void filtration__enter_open(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK],
-                                   double *h) {
+FILTRATION__STATIC void filtration__enter_open(const filtration__lattice *l, const filtration__entry *e, int n,
+                                               double u[3][FILTRATION__BLOCK], double *h) {
     const signed char *c = l->c[e->i];
     const double r = l->face_density[e->face];
     for (int k = 0; k < n; k++) {
@@ -3438,7 +3430,7 @@ static inline void filtration__face_row(filtration__lattice *l, int y, int z) {
     if (l->nx > 1) filtration__face_block(l, l->nx - 1, 1, y, z);
 }
 
-static void filtration__face_task(void *context, int task) {
+FILTRATION__STATIC void filtration__face_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     ptrdiff_t first, end;
     filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
@@ -3491,7 +3483,7 @@ static inline filtration__cut filtration__link_cut(const filtration__link *link)
     return k;
 }
 
-static void filtration__link_task(void *context, int task) {
+FILTRATION__STATIC void filtration__link_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     ptrdiff_t first, end;
     double back;
@@ -3570,7 +3562,7 @@ static inline void filtration__chord(const filtration__ball *b, int y, int z, in
     *first = 1, *end = 0;
     if (!(rest > 0.0)) return;
     double half = sqrt(rest);
-    *first = (int)ceil(b->centre[0] - half), *end = (int)floor(b->centre[0] + half);
+    *first = (int)floor(b->centre[0] - half) + 1, *end = (int)ceil(b->centre[0] + half) - 1;
 }
 
 /* Finds the rows that a sphere may cover along an axis. */
@@ -3614,7 +3606,7 @@ static inline void filtration__swap_nodes(filtration__lattice *l, ptrdiff_t inde
                 int p[3] = {x, y, z};
                 if (!filtration__inside(l, p, &mirrored) || mirrored) continue;
                 int32_t *owner = &l->owner[filtration__node(l, p[0], p[1], p[2])];
-                if (leave && *owner == (int32_t)index) *owner = filtration__cover(l, p, index);
+                if (leave && *owner == (int32_t)index) *owner = filtration__cover(l, p, index), l->left = 1;
                 if (!leave && (*owner == FILTRATION__FLUID || *owner == FILTRATION__FRESH)) *owner = (int32_t)index;
             }
         }
@@ -3732,7 +3724,7 @@ FILTRATION__INLINE void filtration__ball_links(filtration__lattice *l, int32_t i
         }
 }
 
-static void filtration__ball_task(void *context, int task) {
+FILTRATION__STATIC void filtration__ball_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     filtration__surface sum;
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
@@ -3859,7 +3851,7 @@ static inline void filtration__film_link(filtration__lattice *l, int32_t index, 
 
 /* Adds the pressure of films. What leaves the surface open (mirrors, spheres that overlap) has the density at the centre, so that a
    constant pressure moves no sphere. */
-static void filtration__film_task(void *context, int task) {
+FILTRATION__STATIC void filtration__film_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
         filtration__ball *b = &l->balls[n];
@@ -4002,6 +3994,7 @@ FILTRATION_API filtration_fluid_def filtration_fluid_default_def(void) {
     def.bulk_ratio = 2.0 / 3.0;
     def.magic = 3.0 / 16.0;
     def.speed_limit = 0.3;
+    def.keep_mass = 1;
     def.skip = 1;
     def.threads = 1;
     return def;
@@ -4079,6 +4072,7 @@ static inline const char *filtration__bad_field(const filtration_fluid_def *d) {
     if (d->force != FILTRATION_MOMENTUM_EXCHANGE && d->force != FILTRATION_SHEAR_LAYER) return "force";
     if (filtration__bad_face(d)) return filtration__bad_face(d);
     if (!(d->speed_limit >= 1e-15 && d->speed_limit <= 0.5)) return "speed_limit";
+    if (d->keep_mass != 0 && d->keep_mass != 1) return "keep_mass";
     if (d->skip != 0 && d->skip != 1) return "skip";
     if (d->threads < 1) return "threads";
     return filtration__bad_source(d);
@@ -4195,27 +4189,31 @@ FILTRATION_API filtration_status filtration_fluid_init(filtration_fluid *fluid, 
     return FILTRATION_NO_MEMORY;
 }
 
-/* Reads sphere n of the caller in lattice units. Returns 0 if a number is out of range. */
-static inline int filtration__read_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n, filtration__ball *b) {
+/* Reads sphere n of the caller in lattice units. Returns NULL, or what it would have to be. */
+static inline const char *filtration__read_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
+                                                filtration__ball *b) {
     const filtration__lattice *l = fluid->lattice;
     const int nodes[3] = {l->nx, l->ny, l->nz};
-    int good = s->radius[n] >= 0.0;
     b->radius = s->radius[n] / fluid->def.voxel;
-    if (b->radius == 0.0) return good;
+    if (!(s->radius[n] >= 0.0)) return "radius: at least 0";
+    if (b->radius == 0.0) return NULL;
+    if (!(b->radius < (fluid->def.force == FILTRATION_SHEAR_LAYER ? 1e4 : 1e5))) /* points on a sphere are counted in int */
+        return "radius: below 1e5 voxels (1e4 with the shear layer)";
     for (int a = 0; a < 3; a++) {
         double x = s->centre[3 * n + a] / fluid->def.voxel - 0.5;
         b->velocity[a] = s->velocity[3 * n + a] / l->to_velocity;
         b->spin[a] = s->spin[3 * n + a] * fluid->dt;
-        good = good && fabs(x) < 1e6 && fabs(b->velocity[a]) < 0.5 && fabs(b->spin[a]) * b->radius < 0.5;
-        if (!good) return 0;
+        if (!(fabs(x) < 1e6)) return "centre: within 1e6 voxels";
+        if (!(fabs(b->velocity[a]) < 0.5)) return "velocity: below half a voxel a step";
+        if (!(fabs(b->spin[a]) * b->radius < 0.5)) return "spin: a surface below half a voxel a step";
         if (filtration__repeats(l, a)) { /* the image nearest to its last place, or in the box */
             double home = b->steps ? b->centre[a] : 0.5 * (nodes[a] - 1);
             x -= nodes[a] * floor((x - home) / nodes[a] + 0.5);
-            good = 2.0 * b->radius < nodes[a] - 2.0;
+            if (!(2.0 * b->radius <= nodes[a] * (1.0 + 1e-12))) return "radius: at most half a periodic box";
         }
         b->centre[a] = x;
     }
-    return good && b->radius < (fluid->def.force == FILTRATION_SHEAR_LAYER ? 1e4 : 1e5); /* points on a sphere are counted in int */
+    return NULL;
 }
 
 static inline filtration_status filtration__room_for_balls(filtration_fluid *fluid, ptrdiff_t n) {
@@ -4254,35 +4252,37 @@ static inline void filtration__move_ball(filtration__lattice *l, ptrdiff_t n, co
     }
 }
 
-/* Reads sphere n of the caller; none beyond his last. Returns OK, BAD_ARGUMENT or TOO_FAST. */
+/* Reads sphere n of the caller; none beyond his last. Returns OK, BAD_ARGUMENT or TOO_FAST, and the rule that it breaks. */
 static inline filtration_status filtration__next_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
-                                                      filtration__ball *now) {
+                                                      filtration__ball *now, const char **rule) {
     const filtration__ball *before = &fluid->lattice->balls[n];
     *now = *before;
     now->radius = 0.0;
-    if (s && n < s->n && !filtration__read_ball(fluid, s, n, now)) return FILTRATION_BAD_ARGUMENT;
+    *rule = s && n < s->n ? filtration__read_ball(fluid, s, n, now) : NULL;
+    if (*rule) return FILTRATION_BAD_ARGUMENT;
     if (now->radius == 0.0) now->steps = 0;
-    else if (before->radius > 0.0 && !(filtration__moved(now, before) <= 0.5)) return FILTRATION_TOO_FAST;
-    return FILTRATION_OK;
+    else if (before->radius > 0.0 && !(filtration__moved(now, before) <= 0.5)) *rule = "centre: moved by at most half a voxel a step";
+    return *rule ? FILTRATION_TOO_FAST : FILTRATION_OK;
 }
 
 /* Moves the spheres to their present places: all or, if one is refused, none. */
 static inline filtration_status filtration__bring_balls(filtration_fluid *fluid, const filtration_spheres *s) {
     filtration__lattice *l = fluid->lattice;
     filtration__ball now;
+    const char *rule;
     ptrdiff_t n = s ? s->n : 0;
     if (n < 0 || (n > 0 && !(s->centre && s->velocity && s->spin && s->radius && s->force && s->torque))) return FILTRATION_BAD_ARGUMENT;
     if (filtration__room_for_balls(fluid, n) != FILTRATION_OK) return FILTRATION_NO_MEMORY;
     for (ptrdiff_t k = 0; k < l->ball_count; k++) {
-        const filtration_status status = filtration__next_ball(fluid, s, k, &now);
+        const filtration_status status = filtration__next_ball(fluid, s, k, &now, &rule);
         if (status == FILTRATION_OK) continue;
-        fluid->problem.cause = FILTRATION_SPHERE;
+        fluid->problem.cause = FILTRATION_SPHERE, fluid->problem.rule = rule;
         fluid->problem.node[0] = (int)k, fluid->problem.node[1] = fluid->problem.node[2] = 0;
         fluid->problem.step = fluid->steps;
         return status;
     }
     for (ptrdiff_t k = 0; k < l->ball_count; k++) {
-        (void)filtration__next_ball(fluid, s, k, &now);
+        (void)filtration__next_ball(fluid, s, k, &now, &rule);
         filtration__move_ball(l, k, &now);
     }
     return FILTRATION_OK;
@@ -4299,6 +4299,45 @@ static inline void filtration__give_forces(const filtration_fluid *fluid, const 
             s->torque[3 * n + a] = none ? 0.0 : torque * (share * b->torque[0][a] + other * b->torque[1][a]);
         }
     }
+}
+
+static inline int filtration__is_closed(const filtration__lattice *l) {
+    for (int f = 0; f < 6; f++)
+        if (l->face[f]->beyond == FILTRATION__NOTHING && !l->face[f]->is_touched) return 0;
+    return 1;
+}
+
+/* Adds the same density to every fluid node, so that the mean is def.density. */
+static inline filtration_status filtration__level(filtration_fluid *fluid) {
+    filtration__lattice *l = fluid->lattice;
+    double sum = 0.0, u[3];
+    ptrdiff_t count = 0;
+    for (int z = 0; z < l->nz; z++)
+        for (int y = 0; y < l->ny; y++) {
+            double row = 0.0;
+            for (int x = 0; x < l->nx; x++) {
+                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
+                row += filtration__moments(l, x, y, z, u);
+                count++;
+            }
+            sum += row;
+        }
+    if (count == 0 || sum == 0.0) return FILTRATION_OK;
+    const double r = -sum / (double)count;
+    if (!(fabs(r) < HUGE_VAL)) return FILTRATION_DIVERGED;
+    for (int z = 0; z < l->nz; z++)
+        for (int y = 0; y < l->ny; y++)
+            for (int x = 0; x < l->nx; x++) {
+                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
+                for (int i = 0; i < l->q; i++) {
+                    ptrdiff_t place = filtration__incoming(l, x, y, z, i);
+                    filtration__put(l, place, filtration__get(l, place) + l->w[i] * r);
+                }
+            }
+    memset(l->slab_active, 1, (size_t)l->nz);
+    for (ptrdiff_t n = 0; n < l->ball_count; n++) l->balls[n].density += r;
+    fluid->mass_correction += r;
+    return FILTRATION_OK;
 }
 
 FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, const filtration_spheres *spheres) {
@@ -4329,6 +4368,10 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
     }
     if (fluid->def.force == FILTRATION_SHEAR_LAYER) filtration__shear_forces(fluid);
     filtration__give_forces(fluid, spheres);
+    if (fluid->def.keep_mass && l->left && fluid->steps % 256 == 0 && filtration__is_closed(l)) {
+        l->left = 0;
+        return filtration__level(fluid);
+    }
     return FILTRATION_OK;
 }
 
@@ -4505,7 +4548,7 @@ static inline int filtration__set_nodes(filtration_fluid *fluid, const filtratio
 
 /* Rescales a node: velocity by s, pressure and force by s^2, the non-equilibrium part as stress: by s and the ratio of relaxation times.
    Before a collision, half of the force is missing in the momentum. */
-static void filtration__rescale(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
+FILTRATION__STATIC void filtration__rescale(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
                                 double h[FILTRATION__Q]) {
     const filtration__lattice *l = fluid->lattice;
     double u[3], v[3], s = flow->speed, stress = flow->stress, r = filtration__moments(l, x, y, z, u);
@@ -4539,7 +4582,7 @@ FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *flui
 
 /* Computes a node's equilibrium plus the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) : grad u to first
    order. */
-static void filtration__start_node(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
+FILTRATION__STATIC void filtration__start_node(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
                                    double h[FILTRATION__Q]) {
     const filtration__lattice *l = fluid->lattice;
     double point[3], u[3] = {0, 0, 0}, p = 0.0, grad[3][3], trace = 0.0, aside = 0.0;
@@ -4576,25 +4619,7 @@ FILTRATION_API filtration_status filtration_fluid_set_flow(
 }
 
 FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fluid) {
-    filtration__lattice *l = fluid ? fluid->lattice : NULL;
-    if (!l) return FILTRATION_BAD_ARGUMENT;
-    double sum[6];
-    filtration__sum_all(l, sum);
-    if (!(sum[4] > 0.0) || sum[0] == 0.0) return FILTRATION_OK;
-    double r = -sum[0] / sum[4];
-    if (!(fabs(r) < HUGE_VAL)) return FILTRATION_DIVERGED;
-    for (int z = 0; z < l->nz; z++)
-        for (int y = 0; y < l->ny; y++)
-            for (int x = 0; x < l->nx; x++) {
-                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
-                for (int i = 0; i < l->q; i++) {
-                    ptrdiff_t place = filtration__incoming(l, x, y, z, i);
-                    filtration__put(l, place, filtration__get(l, place) + l->w[i] * r);
-                }
-            }
-    memset(l->slab_active, 1, (size_t)l->nz);
-    fluid->mass_correction += r;
-    return FILTRATION_OK;
+    return fluid && fluid->lattice ? filtration__level(fluid) : FILTRATION_BAD_ARGUMENT;
 }
 
 /* -------------------------------------------------------------------------------------------------------- >>save.h */
@@ -4606,11 +4631,12 @@ FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fl
 /* Everything but arrays. All fields have eight bytes, so that there is no padding. */
 typedef struct filtration__header {
     uint64_t magic;
-    int64_t nodes[3], directions, single, faces[6], links, solid_nodes, balls, odd, steps, updates;
-    double tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel, density, viscosity;
+    int64_t nodes[3], directions, single, faces[6], boundary, refill, force_mode, keep_mass, links, solid_nodes, balls, odd, left, steps,
+        updates;
+    double bulk_ratio, lambda, tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel, density, viscosity;
 } filtration__header;
 
-#define FILTRATION__MAGIC UINT64_C(0x326c6966656c6472) /* changes with the format */
+#define FILTRATION__MAGIC UINT64_C(0x336c6966656c6472) /* changes with the format */
 
 static inline uint64_t filtration__checksum(uint64_t sum, const void *data, size_t bytes) {
     const unsigned char *p = (const unsigned char *)data;
@@ -4633,6 +4659,8 @@ static inline filtration__header filtration__make_header(const filtration_fluid 
     h.magic = FILTRATION__MAGIC;
     for (int a = 0; a < 3; a++) h.nodes[a] = d->nodes[a];
     for (int f = 0; f < 6; f++) h.faces[f] = (int64_t)d->face[f];
+    h.boundary = (int64_t)d->boundary, h.refill = (int64_t)d->refill, h.force_mode = (int64_t)d->force, h.keep_mass = d->keep_mass;
+    h.bulk_ratio = d->bulk_ratio, h.lambda = d->magic, h.left = l->left;
     h.directions = l->q, h.single = l->single, h.links = l->link_count, h.solid_nodes = l->solid_nodes;
     h.balls = l->ball_count, h.odd = l->odd, h.steps = fluid->steps, h.updates = fluid->updates;
     h.tau = d->tau, h.time = fluid->time, h.mass_correction = fluid->mass_correction;
@@ -4676,7 +4704,7 @@ static inline void filtration__rest(filtration_fluid *fluid) {
     for (size_t k = 0; k < filtration__nodes(l); k++)
         if (l->owner[k] != FILTRATION__SOLID) l->owner[k] = FILTRATION__FLUID;
     l->ball_count = 0;
-    l->odd = 0;
+    l->odd = l->left = 0;
     fluid->time = fluid->mass_correction = 0.0;
     fluid->steps = fluid->updates = 0;
     memset(&fluid->problem, 0, sizeof fluid->problem);
@@ -4687,6 +4715,8 @@ static inline int filtration__fits(const filtration_fluid *fluid, const filtrati
     filtration__header own = filtration__make_header(fluid);
     int same = h->magic == own.magic && h->directions == own.directions && h->single == own.single && h->links == own.links &&
                h->solid_nodes == own.solid_nodes && h->voxel == own.voxel && h->density == own.density && h->viscosity == own.viscosity &&
+               h->boundary == own.boundary && h->refill == own.refill && h->force_mode == own.force_mode && h->keep_mass == own.keep_mass &&
+               h->bulk_ratio == own.bulk_ratio && h->lambda == own.lambda && (h->left == 0 || h->left == 1) &&
                h->balls >= 0 && h->balls < INT32_MAX && (h->odd == 0 || h->odd == 1) && h->time >= 0.0 && h->time < HUGE_VAL &&
                fabs(h->mass_correction) < HUGE_VAL && h->steps >= 0 && h->updates >= 0;
     for (int a = 0; a < 3; a++) same = same && h->nodes[a] == own.nodes[a];
@@ -4738,7 +4768,7 @@ FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, 
         return status;
     }
     (void)filtration__change(fluid, &def);
-    fluid->lattice->odd = (int)h.odd;
+    fluid->lattice->odd = (int)h.odd, fluid->lattice->left = (int)h.left;
     fluid->time = h.time, fluid->mass_correction = h.mass_correction;
     fluid->steps = h.steps, fluid->updates = h.updates;
     return FILTRATION_OK;
@@ -5026,6 +5056,7 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
     if (spheres->n > 0 && !(spheres->centre && spheres->velocity && spheres->spin && spheres->radius &&
                             spheres->force && spheres->torque))
         return FILTRATION_BAD_ARGUMENT;
+    if (!(def->density >= 0.4 * fluid->def.density)) return FILTRATION_BAD_ARGUMENT;
     for (ptrdiff_t n = 0; n < spheres->n; n++)
         if (!filtration__can_move(def, fluid, spheres, n, share)) return FILTRATION_BAD_ARGUMENT;
     double h = fluid->dt / def->sub_steps, damping = filtration__damping(def->restitution);

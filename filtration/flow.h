@@ -163,7 +163,7 @@ static inline int filtration__set_nodes(filtration_fluid *fluid, const filtratio
 
 /* Rescales a node: velocity by s, pressure and force by s^2, the non-equilibrium part as stress: by s and the ratio of relaxation times.
    Before a collision, half of the force is missing in the momentum. */
-static void filtration__rescale(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
+FILTRATION__STATIC void filtration__rescale(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
                                 double h[FILTRATION__Q]) {
     const filtration__lattice *l = fluid->lattice;
     double u[3], v[3], s = flow->speed, stress = flow->stress, r = filtration__moments(l, x, y, z, u);
@@ -197,7 +197,7 @@ FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *flui
 
 /* Computes a node's equilibrium plus the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) : grad u to first
    order. */
-static void filtration__start_node(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
+FILTRATION__STATIC void filtration__start_node(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
                                    double h[FILTRATION__Q]) {
     const filtration__lattice *l = fluid->lattice;
     double point[3], u[3] = {0, 0, 0}, p = 0.0, grad[3][3], trace = 0.0, aside = 0.0;
@@ -234,23 +234,5 @@ FILTRATION_API filtration_status filtration_fluid_set_flow(
 }
 
 FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fluid) {
-    filtration__lattice *l = fluid ? fluid->lattice : NULL;
-    if (!l) return FILTRATION_BAD_ARGUMENT;
-    double sum[6];
-    filtration__sum_all(l, sum);
-    if (!(sum[4] > 0.0) || sum[0] == 0.0) return FILTRATION_OK;
-    double r = -sum[0] / sum[4];
-    if (!(fabs(r) < HUGE_VAL)) return FILTRATION_DIVERGED;
-    for (int z = 0; z < l->nz; z++)
-        for (int y = 0; y < l->ny; y++)
-            for (int x = 0; x < l->nx; x++) {
-                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
-                for (int i = 0; i < l->q; i++) {
-                    ptrdiff_t place = filtration__incoming(l, x, y, z, i);
-                    filtration__put(l, place, filtration__get(l, place) + l->w[i] * r);
-                }
-            }
-    memset(l->slab_active, 1, (size_t)l->nz);
-    fluid->mass_correction += r;
-    return FILTRATION_OK;
+    return fluid && fluid->lattice ? filtration__level(fluid) : FILTRATION_BAD_ARGUMENT;
 }

@@ -91,6 +91,7 @@ package_of() {
     wasm-ld) echo lld ;;
     mpirun) echo "openmpi-bin libopenmpi-dev" ;;
     liblammps) echo liblammps-dev ;;
+    x86_64-w64-mingw32-gcc) echo gcc-mingw-w64-x86-64 ;;
     *) echo "$1" ;;
     esac
 }

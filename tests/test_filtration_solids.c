@@ -378,11 +378,11 @@ static void test_channel_with_inflow(void **state) {
                 assert_true(
                     fabs(sample.pressure - 0.1 - 12.0 * 1e-3 * inflow * 11.5 * voxel / (144.0 * voxel * voxel)) < 0.01);
         }
-        double velocity[3] = {
-            0.0, 0.0, 0.0}; /* it can be changed, and nothing else flows where a wall was given a velocity through it */
+        const double velocity[3] = {0.0, 0.0, 0.0}; /* it can be stopped; a wall lets nothing through */
         assert_int_equal(filtration_fluid_set_face_velocity(&fluid, 2 * axis, velocity), FILTRATION_OK);
         assert_int_equal(filtration_fluid_run(&fluid, 3000, NULL), FILTRATION_OK);
-        assert_true(fabs(filtration_fluid_flux(&fluid, axis, length / 2)) < 1e-3 * inflow);
+        const double rest = filtration_fluid_flux(&fluid, axis, length / 2) + filtration_fluid_flux(&fluid, axis, length / 2 + 1);
+        assert_true(fabs(rest) < 2e-4 * inflow);
         filtration_fluid_free(&fluid);
         def.face[2 * axis] = FILTRATION_WALL;
         assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_BAD_DEF);
