@@ -46,7 +46,8 @@
              and clang sqrt in a file that includes this does not set errno. A law of yours takes part if declared DEM_INLINE.
    Linking   one shared copy: #define DEM_API extern everywhere, DEM_IMPLEMENTATION as well in one file; laws of yours stand there.
    Fields    a force on every particle, in flight by steps of its own, by a law of yours (DEM_FORCE_FIELD); drag in a gas, at rest or on a
-             Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer & Sommerfeld, Di Felice.
+             Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer & Sommerfeld, all by Di Felice among others;
+             Gidaspow, Beetstra, Koch & Hill.
    Not here  the flow of fluids, heat, files, printing. */
 #ifndef DEM_H
 #define DEM_H
@@ -173,9 +174,15 @@ extern "C" {
 /* Declarations, and the pure functions that laws of a user call. */
 
 /* ---------------------------------------------------------------------------------------------- >>base/constants.h */
-/* Constants that tune the engine, each with its reason. Results change in their last bits with them. */
+/* Constants that tune the engine, each with its reason. With the public ones (DEM_ and one underscore) nothing changes
+   but what fits; with the others results change in their last bits. Saves hold what is there, not what would fit: they
+   load in a program with other public constants, if all of it fits. */
 
-#define DEM_MATERIALS_MAX 8  /* a pair table of 64 entries stays in the definition */
+/* Materials of a world; -DDEM_MATERIALS_MAX=12 in all files of a program gives more. The default leaves a table of 64
+   pairs in the definition. */
+#ifndef DEM_MATERIALS_MAX
+#define DEM_MATERIALS_MAX 8
+#endif
 #define DEM_WALLS_MAX 32     /* every particle near a wall is tested with it; a mesh counts as one */
 #define DEM_CONSTANTS_MAX 16 /* constants of a law, computed when a contact begins */
 #define DEM_STATE_MAX 16     /* doubles that a law may keep for each contact */
@@ -428,6 +435,7 @@ typedef enum dem_drive {
 } dem_drive;
 
 struct dem__tree;
+struct dem__wall_kind;
 
 /* The motion of a wall as the functions that move walls set it. */
 typedef struct dem_wall_motion {
@@ -471,13 +479,14 @@ typedef struct dem_wall {
     dem_vec force, torque; /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
     dem_vec impulse;       /* time integral of the force [N s] */
 
-    int slides;                     /* private: 1 if its surface moves otherwise than its origin */
-    double speed_bound, spin_bound; /* private: limits of its origin's speed, apart from rotation, and of its spin,
+    const struct dem__wall_kind *kind__; /* private: the functions of its kind */
+    int slides;                          /* private: 1 if its surface moves otherwise than its origin */
+    double speed_bound, spin_bound;      /* private: limits of its origin's speed, apart from rotation, and of its spin,
                                        until timers are reset */
-    double acceleration_bound;      /* private: kinematic: limit of the acceleration of its origin, apart from rotation
+    double acceleration_bound; /* private: kinematic: limit of the acceleration of its origin, apart from rotation
                                        [m/s2] */
-    double side_bound;              /* private: the same perpendicular to axis[2] */
-    dem_vec phase_sine;             /* private: sine of the vibration's phase, by component */
+    double side_bound;         /* private: the same perpendicular to axis[2] */
+    dem_vec phase_sine;        /* private: sine of the vibration's phase, by component */
 } dem_wall;
 
 /* A particle that passed an exit. Owned by the world, in the order of passing. */
@@ -1644,8 +1653,47 @@ DEM__FORCE(dem_force_hertz, dem__hertz, DEM_HERTZ)
 DEM__FORCE(dem_force_hertz_friction, dem__hertz, DEM_FRICTION)
 DEM__FORCE(dem_force_hertz_rolling, dem__hertz, DEM_FRICTION | DEM_ROLLING)
 
-/* ----------------------------------------------------------------------------------------------- >>base/geometry.h */
-/* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions. */
+/* ---------------------------------------------------------------------------------------------- >>base/triangles.h */
+/* The triangles of a mesh, in a tree of boxes. walls/mesh_tree.h makes it, walls/mesh_touch.h searches it. */
+
+/* A node of the tree. */
+typedef struct dem__node {
+    double low[3], high[3];
+    int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
+} dem__node;
+enum { DEM__LEAF = 4 };
+
+/* Flags of entry `at` of dem__mesh_edges: of an edge, and of the corner at which it begins. */
+enum {
+    DEM__EDGE = 1,     /* a sharp edge, which protrudes on one side, or a rim */
+    DEM__RIM = 2,      /* edge of one triangle, or of more than two: can be touched from all around */
+    DEM__CORNER = 4,   /* the corner is sharp, and this is its entry */
+    DEM__FROM_END = 8, /* the edge begins at a sharp corner */
+    DEM__TO_END = 16   /* the edge ends at one */
+};
+
+/* Sharp edges and corners of a mesh. Entry 3 k + c is the edge of triangle k from its corner c, and that corner. Edges
+   and corners that triangles share have one entry. */
+typedef struct dem__mesh_edges {
+    size_t bytes;
+    dem_vec *outward; /* of an edge: direction away from both of its faces; 0 for a rim */
+    dem_vec *tip;     /* of a corner: direction away from all of its edges; 0 at a rim */
+    uint8_t *kind;    /* DEM__EDGE, .. */
+} dem__mesh_edges;
+
+/* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in
+   depth-first order; `skip` is the next node that is not below this one. */
+typedef struct dem__tree {
+    size_t bytes;
+    dem__mesh_edges *edges; /* sharp edges and corners; NULL until there are polyhedra */
+    int32_t vertices, triangles, nodes;
+    dem_vec *vertex, *normal;
+    int32_t *corner; /* [triangles][3] */
+    dem__node *node;
+} dem__tree;
+
+/* ------------------------------------------------------------------------------------------------ >>base/vectors.h */
+/* Vectors: pure functions. */
 
 /* Rounds to multiples of 2e-100, which changes only numbers below 1e-68. Speeds that decay thus end at 0; neither they
    nor their squares become subnormal numbers, which make a processor slow. Two additions cost less than a comparison.
@@ -1684,136 +1732,12 @@ static DEM__NOINLINE dem_vec dem__rotated(dem_vec v, dem_vec axis, double angle)
                     dem__scale((1.0 - c) * dem__dot(axis, v), axis));
 }
 
-/* Returns the displacement of a harmonic vibration from its start [m], and its velocity and acceleration. start: sine
-   of the phase; angle: 2 pi times frequency and time. */
-DEM_INLINE double dem__vibration(double amplitude, double phase, double start, double angle, double rate,
-                                 double *velocity, double *acceleration) {
-    if (amplitude == 0.0) {
-        *velocity = *acceleration = 0.0;
-        return 0.0;
-    }
-    double c, s = dem__sine(angle + phase, &c);
-    *velocity = amplitude * rate * c;
-    *acceleration = -amplitude * rate * rate * s;
-    return amplitude * (s - start);
-}
+DEM_INLINE double dem__clamp(double v, double low, double high) { return v < low ? low : (v > high ? high : v); }
 
-/* Sets the sines of a vibration's phases, which do not change while it lasts. */
-static inline void dem__set_phase_sine(dem_wall *w) {
-    const dem_vec phase = w->asked.phase;
-    w->phase_sine =
-        dem_vec3(riddle_sin(phase.x) + 0.0, riddle_sin(phase.y) + 0.0, riddle_sin(phase.z) + 0.0); /* no -0 */
-}
-
-/* Displacement, velocity and acceleration of a wall by vibration. */
-typedef struct dem__sway {
-    dem_vec shift, velocity, acceleration;
-} dem__sway;
-static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
-    const double rate = 2.0 * RIDDLE_PI * w->asked.frequency, turns = w->asked.frequency * t;
-    const double angle = 2.0 * RIDDLE_PI * (turns - floor(turns));
-    const dem_vec size = w->asked.amplitude, phase = w->asked.phase, start = w->phase_sine;
-    dem__sway s;
-    s.shift.x = dem__vibration(size.x, phase.x, start.x, angle, rate, &s.velocity.x, &s.acceleration.x);
-    s.shift.y = dem__vibration(size.y, phase.y, start.y, angle, rate, &s.velocity.y, &s.acceleration.y);
-    s.shift.z = dem__vibration(size.z, phase.z, start.z, angle, rate, &s.velocity.z, &s.acceleration.z);
-    return s;
-}
-
-/* Returns whether two walls vibrate alike, as a deck and its side wall do. */
-DEM_INLINE int dem__sways_like(const dem_wall *a, const dem_wall *b) {
-    return memcmp(&a->asked.amplitude, &b->asked.amplitude, sizeof a->asked.amplitude) == 0 &&
-           memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 &&
-           a->asked.frequency == b->asked.frequency && a->asked.motion_start == b->asked.motion_start;
-}
-
-/* Returns the position of a wall in a pose; axis: its axes in the pose. */
-static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_vec *axis) {
-    const double angle = dem__length(pose->turn);
-    dem_vec arm = dem__sub(w->asked.origin, w->asked.spin_centre);
-    for (int k = 0; k < 3; k++) axis[k] = w->asked.rest_axis[k];
-    if (angle != 0.0) { /* true for NaN, which is passed on */
-        const dem_vec about = dem__scale(1.0 / angle, pose->turn);
-        for (int k = 0; k < 3; k++) axis[k] = dem__rotated(axis[k], about, angle);
-        arm = dem__rotated(arm, about, angle);
-    }
-    return dem__add(dem__add(w->asked.spin_centre, arm), pose->shift);
-}
-
-/* Moves a prescribed wall to its place at a time. Its velocity, acceleration and spin are central differences. */
-static inline void dem__prescribed_wall(dem_wall *w, double time) {
-    dem_vec at[3], axis[3][3], omega = dem_vec3(0.0, 0.0, 0.0);
-    const double rate = 0.5 / w->asked.interval;
-    if (!w->asked.motion) return;
-    for (int k = 0; k < 3; k++) {
-        dem_pose pose;
-        memset(&pose, 0, sizeof pose);
-        w->asked.motion(w->asked.motion_user, time + (k - 1) * w->asked.interval, &pose);
-        at[k] = dem__posed(w, &pose, axis[k]);
-    }
-    for (int k = 0; k < 3; k++) { /* omega = 1/2 sum of a x da/dt over the axes */
-        w->axis[k] = axis[1][k];
-        omega = dem__add(omega, dem__scale(0.5 * rate, dem__cross(axis[1][k], dem__sub(axis[2][k], axis[0][k]))));
-    }
-    w->position = at[1];
-    w->velocity = dem__scale(rate, dem__sub(at[2], at[0]));
-    w->acceleration = dem__scale(4.0 * rate * rate, dem__sub(dem__add(at[0], at[2]), dem__scale(2.0, at[1])));
-    w->spin = dem__length(omega);
-    if (w->spin > 0.0) w->spin_axis = dem__scale(1.0 / w->spin, omega);
-}
-
-/* Sets velocity and acceleration of a controlled wall at its present place. rate: its speed [m/s] or spin [rad/s]. */
-static inline void dem__rated_wall(dem_wall *w, double rate) {
-    if (w->asked.drive == DEM_FORCE_CONTROLLED) {
-        w->velocity = dem__scale(rate, w->spin_axis), w->acceleration = dem__scale(w->rate_change, w->spin_axis);
-        return;
-    }
-    const dem_vec arm = dem__sub(w->position, w->asked.spin_centre), across = dem__cross(w->spin_axis, arm);
-    w->spin = rate, w->spin_rate = w->rate_change;
-    w->velocity = dem__scale(rate, across);
-    w->acceleration =
-        dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
-}
-
-/* Moves a controlled wall to its place at a time: predicted from the last step, as a particle is. */
-static inline void dem__controlled_wall(dem_wall *w, double time) {
-    const double tau = time - w->asked.motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
-    dem_pose pose;
-    memset(&pose, 0, sizeof pose);
-    if (w->asked.drive == DEM_FORCE_CONTROLLED) pose.shift = dem__scale(way, w->spin_axis);
-    else pose.turn = dem__scale(way, w->spin_axis);
-    w->position = dem__posed(w, &pose, w->axis);
-    dem__rated_wall(w, w->rate + tau * w->rate_change);
-}
-
-/* Moves a kinematic wall to its place t after its motion began [s]. */
-static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *sway) {
-    const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->asked.drift));
-    w->velocity = dem__add(sway->velocity, w->asked.drift);
-    w->acceleration = sway->acceleration;
-    dem_vec origin = w->asked.origin;
-    if (w->spin != 0.0) {
-        double angle = w->spin * t;
-        for (int k = 0; k < 3; k++) w->axis[k] = dem__rotated(w->asked.rest_axis[k], w->spin_axis, angle);
-        dem_vec arm = dem__rotated(dem__sub(w->asked.origin, w->asked.spin_centre), w->spin_axis, angle),
-                omega = dem__scale(w->spin, w->spin_axis);
-        dem_vec turning = dem__cross(omega, arm);
-        origin = dem__add(w->asked.spin_centre, arm);
-        w->velocity = dem__add(w->velocity, turning);
-        w->acceleration = dem__add(w->acceleration, dem__cross(omega, turning));
-    }
-    w->position = dem__add(origin, shift);
-}
-
-/* Moves a wall to its place at a time [s]. */
-static inline void dem__move_wall(dem_wall *w, double time) {
-    if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
-    else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
-    else {
-        const dem__sway sway = dem__sway_at(w, time - w->asked.motion_start);
-        dem__kinematic_wall(w, time - w->asked.motion_start, &sway);
-    }
-}
+/* -------------------------------------------------------------------------------------------------- >>walls/kind.h */
+/* What a kind of wall is: one row of flags and functions, in the file of that kind. The engine asks the row of a wall
+   (wall->kind__), which the function that adds the wall sets, so that a program compiles only the kinds that it adds.
+   walls/kinds.h lists all rows. Functions get the place of a centre from the wall's origin, in the world's axes. */
 
 /* A place where a sphere is near a wall. */
 typedef struct dem__touch {
@@ -1823,6 +1747,166 @@ typedef struct dem__touch {
     int32_t face; /* mesh: the triangle that has the nearest point inside its edges; -1: none */
 } dem__touch;
 
+enum {
+    DEM__TOUCHES = 4, /* places of a wall that a sphere touches, at most */
+    DEM__NUMBERS = 16 /* contacts of a particle with a mesh, at most, including those that end in this step */
+};
+
+/* An edge of a wall that edges of polyhedra can cross: a line, or a capsule about one. */
+typedef struct dem__wall_edge {
+    dem_vec from, to; /* [m] */
+    double radius;    /* 0: sharp */
+    int32_t key;
+    int ends;     /* bit 0, bit 1: it ends at a corner of the wall there */
+    int is_sided; /* 1: it protrudes along `outward` only; 0: it can be touched from all around */
+    int is_axis;  /* 1: the axis of a bar, into which no core may pass */
+    double sign;  /* 1, -1: it is touched where the normal is on this side of `side`; 0: everywhere */
+    dem_vec outward, side;
+} dem__wall_edge;
+
+/* Gets the edges and corners of a wall. A corner is a ball about x; tip: its outward direction, 0: it can be touched
+   from all sides. */
+typedef struct dem__edge_visitor dem__edge_visitor;
+struct dem__edge_visitor {
+    void (*corner)(dem__edge_visitor *v, dem_vec x, double radius, dem_vec tip, int32_t key);
+    void (*edge)(dem__edge_visitor *v, const dem__wall_edge *e);
+};
+
+/* Keys tell the points of a polyhedron at a wall apart: first those of its corners, DEM_CORNERS_MAX for each place of
+   the wall that has keys of its own; then one for each corner of the wall, and DEM__EDGE_KEYS for each of its edges. */
+enum {
+    DEM__CROSSINGS_MAX = 4,                                       /* of an edge with a curved sheet, at most */
+    DEM__EDGE_KEYS = 5 * DEM_EDGES_MAX,                           /* of an edge of a wall */
+    DEM__SEARCH_KEYS = 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX,    /* of a curved sheet */
+    DEM__ELEMENT_KEYS = DEM_CORNERS_MAX + 2 + 3 * DEM__EDGE_KEYS, /* of a bar: all of its keys */
+    DEM__ELEMENTS_FROM = 1 << 18, /* added to the number of an element, which may be negative */
+    DEM__PLACE_DIRECTIONS = 54    /* directions of normals at a mesh, as places of corners */
+};
+
+/* Flags of a kind. */
+enum {
+    DEM__NO_SURFACE = 1, /* nothing touches it: particles beyond it leave */
+    DEM__HALF_SPACE = 2, /* a half space: dem__touch_flat finds where it is touched */
+    DEM__CONVEX = 4,     /* seen from where particles are, so that a gap shrinks no faster than along its normal, but
+                            for `closing` */
+    DEM__KEEPS_CURVATURE = 8, /* a contact keeps the curvature with which it began */
+    DEM__TRIANGULATED = 16,   /* made of the triangles in wall->tree: a contact keeps the place that it follows */
+    DEM__CURVED_SHEET = 32    /* where it touches the edges of a polyhedron must be searched along them */
+};
+
+/* How corners of a convex body tell its gap to a wall: some other part may be nearer, none is, or they say nothing. */
+enum { DEM__CORNERS_SOME, DEM__CORNERS_ALL, DEM__CORNERS_NONE };
+
+/* A kind of wall. NULL where nothing is said. */
+typedef struct dem__wall_kind {
+    int kind, flags;                    /* dem_wall_kind; DEM__HALF_SPACE and others */
+    int (*is_sound)(const dem_wall *w); /* returns whether its lengths, from a file, are those of such a wall */
+    /* Finds the places where a sphere's gap is below `limit`, at most DEM__TOUCHES: gap, normal, and what is not 0 of
+       curvature and element. Returns their number; least: a lower limit of the gap. */
+    int (*touch)(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out, double *least);
+    /* With several elements that are touched by themselves: computes the touch at one of them, whose number is set, at
+       any gap; and returns a lower limit of the gap to those that `touch` does not return. NULL: one element. */
+    void (*touch_element)(const dem_wall *w, dem_vec d, double radius, int32_t element, dem__touch *out);
+    double (*other_elements)(const dem_wall *w, double radius, double lowest);
+    /* Round walls: computes the vector from the axis or centre to the sphere's centre, and how far from there the
+       surface is. Returns 1 if the sphere is outside, -1 if inside, 0 if the place is not round or has no normal. */
+    double (*reach_round)(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner);
+    /* Returns the rate of change of the normal n [1/s] for a sphere that moves at u in the wall's own frame. inverse: 1
+       / distance from the axis of a round wall, with the sign of the side. NULL: 0. */
+    dem_vec (*normal_rate)(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n, double inverse,
+                           dem_vec u);
+    int (*is_endless)(const dem_wall *w, int axis); /* returns whether it is the same all along an axis of the world */
+    /* Returns a limit of the acceleration with which the gap of a place shrinks for a sphere in free fall, at u [m/s]
+       from the wall. NULL: that of gravity and of the wall. */
+    double (*closing)(const dem_wall *w, const dem__touch *touch, double radius, dem_vec gravity, dem_vec u);
+    /* For polyhedra. */
+    int (*corners)(const dem_wall *w); /* returns DEM__CORNERS_.. */
+    /* Shows a visitor the edges and corners that may be within `reach` of a centre, from which their places are. */
+    void (*edges)(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v);
+    int (*crosses)(const dem_wall *w, dem_vec p, dem_vec q); /* sheet: returns whether the line from p to q cuts it */
+} dem__wall_kind;
+
+/* Returns whether the kind of a wall has one of some flags. */
+DEM_INLINE int dem__has(const dem_wall *w, int flags) { return (w->kind__->flags & flags) != 0; }
+DEM_INLINE int dem__has_surface(const dem_wall *w) { return !dem__has(w, DEM__NO_SURFACE); }
+/* Returns whether a wall has several elements, which are touched by themselves. */
+DEM_INLINE int dem__has_elements(const dem_wall *w) { return w->kind__->touch_element != NULL; }
+
+/* Returns whether a wall acts on particles of a group. */
+DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) {
+    return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u);
+}
+/* Returns whether a wall is enabled and acts on particle i. */
+DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
+    return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
+}
+
+/* Converts a vector to a wall's own frame, and back. */
+DEM_INLINE dem_vec dem__to_frame(const dem_wall *w, dem_vec d) {
+    return dem_vec3(dem__dot(d, w->axis[0]), dem__dot(d, w->axis[1]), dem__dot(d, w->axis[2]));
+}
+DEM_INLINE dem_vec dem__from_frame(const dem_wall *w, dem_vec v) {
+    return dem__add(dem__add(dem__scale(v.x, w->axis[0]), dem__scale(v.y, w->axis[1])), dem__scale(v.z, w->axis[2]));
+}
+
+DEM_INLINE void dem__touch_flat(const dem_wall *w, dem_vec d, double radius, dem__touch *out) {
+    out->element = 0;
+    out->gap = dem__dot(d, w->axis[2]) - radius;
+    out->normal = w->axis[2], out->curvature = 0.0;
+}
+
+/* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and
+   those that overlap). Returns their number; least: a lower limit of the gap. */
+DEM_INLINE int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out,
+                               double *least) {
+    out[0].element = 0;
+    out[0].curvature = 0.0;
+    return w->kind__->touch(w, dem__sub(centre, w->position), radius, limit, out, least);
+}
+
+/* Finds the one place where an element of a wall is touched, at any gap. */
+static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double radius, int32_t element,
+                                      dem__touch *out) {
+    double least;
+    if (dem__has_elements(w)) {
+        w->kind__->touch_element(w, dem__sub(centre, w->position), radius, element, out);
+        return;
+    }
+    dem__touch touch[DEM__TOUCHES]; /* a mesh can be touched in several places */
+    touch[0].gap = HUGE_VAL, touch[0].normal = w->axis[2];
+    dem__touch_wall(w, centre, radius, HUGE_VAL, touch, &least);
+    *out = touch[0];
+}
+
+/* As dem__wall_kind.reach_round; 0 if the wall is not round. */
+DEM_INLINE double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t element, dem_vec *from, double *inner) {
+    return w->kind__->reach_round ? w->kind__->reach_round(w, dem__sub(centre, w->position), element, from, inner)
+                                  : 0.0;
+}
+/* As dem__wall_kind.normal_rate. */
+DEM_INLINE dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n,
+                                    double inverse, dem_vec u) {
+    return w->kind__->normal_rate
+               ? w->kind__->normal_rate(w, dem__sub(centre, w->position), radius, element, n, inverse, u)
+               : dem_vec3(0.0, 0.0, 0.0);
+}
+
+/* Returns the velocity of a wall's surface at a point whose normal is n. */
+DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
+    const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
+    return dem__add(dem__add(w->velocity, turning), dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n)));
+}
+/* Returns the acceleration of a wall's surface at a point. */
+DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
+    const dem_vec omega = dem__scale(w->spin, w->spin_axis), arm = dem__sub(point, w->position);
+    const dem_vec inward = dem__cross(omega, dem__cross(omega, arm));
+    return dem__add(w->acceleration, dem__add(inward, dem__scale(w->spin_rate, dem__cross(w->spin_axis, arm))));
+}
+
+/* -------------------------------------------------------------------------------------------- >>walls/mesh_touch.h */
+/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by
+   a search. */
+
 /* The face on which a contact with a mesh rests. It is the only place touched as long as the centre is within `slack`
    of `at`, and a contact opens by less than that in a step. */
 typedef struct dem__footing {
@@ -1830,135 +1914,7 @@ typedef struct dem__footing {
     double slack; /* [m]; 0: search */
     int32_t face;
 } dem__footing;
-
-enum {
-    DEM__TOUCHES = 4,
-    DEM__NUMBERS = 16
-};                      /* NUMBERS: contacts of a particle with a mesh, including those that end in this step */
 #define DEM__SMOOTH 0.9 /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides is round */
-
-DEM_INLINE double dem__clamp(double v, double low, double high) { return v < low ? low : (v > high ? high : v); }
-
-/* Computes the vector `from`, in (along, across, up), from the nearest point of the axis of bar `index` of a family, at
-   (index - 1/2) pitch, to a centre. along: the centre's coordinate parallel to the bars; across: in the deck,
-   perpendicular to them. Returns how far the surface is from that point [m]; < 0 if there is no such bar. */
-DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, double along, double across, double up,
-                                 dem_vec *from) {
-    const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire);
-    const double side = family ? w->half_x : w->half_y, length = family ? w->half_y : w->half_x;
-    const double end2 =
-        w->circular ? (w->half_x - bar) * (w->half_x + bar) : length * length; /* square of its half length */
-    const int beyond = !(along * along <= end2);
-    const double da = !beyond ? 0.0 : along < 0.0 ? along + sqrt(end2) : along - sqrt(end2), dc = across - bar;
-    *from = dem_vec3(da, dc, up);
-    if (w->circular ? !(fabs(bar) < w->half_x) : !(fabs(bar) <= side)) return -1.0;
-    if (w->profile == DEM_ROUND || !(up < 0.0)) return half;
-    /* the flat side is as wide as the wire; its ends are round, seen from below */
-    if (!beyond) {
-        from->y = dc - dem__clamp(dc, -half, half);
-        return 0.0;
-    }
-    const double out_by = sqrt(da * da + dc * dc), rest = out_by > half ? (out_by - half) / out_by : 0.0;
-    from->x = rest * da, from->y = rest * dc;
-    return 0.0;
-}
-
-/* Computes the touch with bar `index` of a family; its normal is in (along, across, up). Returns 0 if there is no such
-   bar. */
-DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up,
-                              double radius, dem__touch *out) {
-    dem_vec from;
-    const double inner = dem__reach_bar(w, family, index, along, across, up, &from);
-    if (!(inner >= 0.0)) return 0;
-    const double distance = dem__length(from);
-    out->gap = distance - inner - radius;
-    out->curvature =
-        1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on where it begins */
-    out->normal = dem__scale(1.0 / distance, from);
-    out->element = 2 * (int32_t)index + family;
-    return distance > 0.0;
-}
-
-/* Converts a vector from (along, across, up) of a family to the world's axes. */
-DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
-    const dem_vec a = dem__scale(v.x, w->axis[family]), c = dem__scale(v.y, w->axis[1 - family]),
-                  u = dem__scale(v.z, w->axis[2]);
-    return dem__add(dem__add(a, c), u);
-}
-
-/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck they
-   are the last two. */
-DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across) {
-    const double pitch = w->aperture + w->wire, half = family ? w->half_x : w->half_y,
-                 nearest = floor(across / pitch + 0.5);
-    if (fabs(across) < half - pitch) return nearest;
-    const double last = floor(half / pitch + 0.5);
-    return dem__clamp(nearest, 1.0 - last, last - 1.0);
-}
-
-/* Returns a lower limit of the gap of all other bars [m]. lowest: the smallest gap found, which counts where it is
-   negative. */
-DEM_INLINE double dem__third_bar(const dem_wall *w, double radius, double lowest) {
-    const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, near = lowest < 0.0 ? sum + lowest : sum;
-    return sqrt(near * near + 0.75 * pitch * pitch) - sum;
-}
-
-/* Computes the touch with a frustum. Its nearest point lies in the plane of axis and centre, on a segment. d: the
-   centre, from the low end; up: along the axis. Returns 0 if the gap is not below `limit`; least: the gap. */
-static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, double radius, double limit, dem__touch *out,
-                                  double *least) {
-    const dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
-    const double rho = dem__length(radial), rise = w->high_radius - w->radius,
-                 slant = sqrt(rise * rise + w->length * w->length);
-    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is
-                                                                                       nearest: any point of it */
-    const double along = dem__clamp(((rho - w->radius) * rise + up * w->length) / (slant * slant), 0.0, 1.0);
-    const double x = rho - (w->radius + along * rise), y = up - along * w->length;
-    double distance = sqrt(x * x + y * y), nx = w->length / slant, ny = -rise / slant;
-    const int on_rim = !(along > 0.0 && along < 1.0);
-    if (!on_rim) { /* from the side's own normal, which is accurate near the surface */
-        const double side = (rho - w->radius) * nx + up * ny;
-        distance = fabs(side);
-        if (side < 0.0) nx = -nx, ny = -ny;
-    } else if (distance > 0.0) nx = x / distance, ny = y / distance;
-    *least = out[0].gap = distance - radius;
-    if (!(*least < limit)) return 0;
-    out[0].normal = dem__add(dem__scale(nx, outward), dem__scale(ny, w->axis[2]));
-    /* that half way up: one contact type wherever a contact begins; spheres wider than the ring lie on a rim */
-    out[0].curvature = on_rim ? 0.0 : (nx < 0.0 ? -1.0 : 1.0) * w->length / (slant * (w->radius + w->high_radius));
-    return 1;
-}
-
-/* -------------------------------------------------------------------------------------------- >>walls/mesh_touch.h */
-/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by
-   a search. */
-
-/* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in
-   depth-first order; `skip` is the next node that is not below this one. */
-typedef struct dem__node {
-    double low[3], high[3];
-    int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
-} dem__node;
-typedef int dem__touch_mesh_fn(const dem_wall *w, dem_vec d, double radius, double deep, double limit, dem__touch *out,
-                               double *least);
-/* Sharp edges and corners of a mesh. Entry 3 k + c is the edge of triangle k from its corner c, and that corner. Edges
-   and corners that triangles share have one entry. */
-typedef struct dem__mesh_edges {
-    size_t bytes;
-    dem_vec *outward; /* of an edge: direction away from both of its faces; 0 for a rim */
-    dem_vec *tip;     /* of a corner: direction away from all of its edges; 0 at a rim */
-    uint8_t *kind;    /* DEM__EDGE, .. */
-} dem__mesh_edges;
-typedef struct dem__tree {
-    size_t bytes;
-    dem__mesh_edges *edges; /* sharp edges and corners; NULL until there are polyhedra */
-    int32_t vertices, triangles, nodes;
-    dem_vec *vertex, *normal;
-    int32_t *corner; /* [triangles][3] */
-    dem__node *node;
-    dem__touch_mesh_fn *touch; /* dem__touch_mesh: a program that makes no tree compiles nothing of meshes */
-} dem__tree;
-enum { DEM__LEAF = 4 };
 
 /* Returns the vector from the plane of a triangle to p; distance: its length. All triangles of one plane give the same
    vector. */
@@ -2024,13 +1980,6 @@ static inline void dem__meet_triangle(const dem__tree *t, int32_t k, dem_vec p, 
     touch->normal = distance > 0.0 ? dem__scale(1.0 / distance, v) : t->normal[k];
     touch->curvature = 0.0;
     touch->face = inside ? k : -1;
-}
-
-DEM_INLINE dem_vec dem__to_frame(const dem_wall *w, dem_vec d) {
-    return dem_vec3(dem__dot(d, w->axis[0]), dem__dot(d, w->axis[1]), dem__dot(d, w->axis[2]));
-}
-DEM_INLINE dem_vec dem__from_frame(const dem_wall *w, dem_vec v) {
-    return dem__add(dem__add(dem__scale(v.x, w->axis[0]), dem__scale(v.y, w->axis[1])), dem__scale(v.z, w->axis[2]));
 }
 
 /* Finds the nearest place of a mesh, if its gap is below `limit`, and those with a gap below `deep` that no nearer one
@@ -2151,305 +2100,6 @@ DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_
     out->normal = dem__from_frame(w, dem__scale(1.0 / distance, v));
     return 1;
 }
-
-/* ------------------------------------------------------------------------------------------------- >>walls/kinds.h */
-/* What every kind of wall computes: where it is touched, how its normal turns, how its surface moves. Pure functions.
- */
-
-/* Returns whether a wall acts on particles of a group. */
-DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) {
-    return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u);
-}
-
-DEM_INLINE void dem__touch_plane(const dem_wall *w, dem_vec centre, double radius, dem__touch *out) {
-    out->element = 0;
-    out->gap = dem__dot(dem__sub(centre, w->position), w->axis[2]) - radius;
-    out->normal = w->axis[2], out->curvature = 0.0;
-}
-
-/* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and
-   those that overlap). Returns their number; least: a lower limit of the gap. */
-static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out,
-                                  double *least) {
-    dem_vec d = dem__sub(centre, w->position);
-    double up = dem__dot(d, w->axis[2]);
-    int n = 0;
-    out[0].element = 0;
-    out[0].curvature = 0.0;
-    if (w->kind == DEM_PLANE || w->kind == DEM_EXIT) {
-        dem__touch_plane(w, centre, w->kind == DEM_PLANE ? radius : 0.0, out);
-        *least = out[0].gap;
-        return out[0].gap < limit;
-    }
-    if (w->kind == DEM_CYLINDER || w->kind == DEM_SPHERE) {
-        const dem_vec radial = w->kind == DEM_SPHERE ? d : dem__plus(d, -up, w->axis[2]);
-        const double distance = dem__length(radial), side = w->inside ? -1.0 : 1.0;
-        *least = out[0].gap = side * (distance - w->radius) - radius;
-        if (!(out[0].gap < limit) || !(distance > 0.0)) return 0;
-        out[0].normal = dem__scale(side / distance, radial);
-        out[0].curvature = (w->kind == DEM_SPHERE ? side : 0.5 * side) / w->radius;
-        return 1;
-    }
-    if (w->kind == DEM_CONE) return dem__touch_cone(w, d, up, radius, limit, out, least);
-    if (w->kind == DEM_MESH) return w->tree->touch(w, d, radius, limit < 0.0 ? limit : 0.0, limit, out, least);
-    *least = fabs(up) - radius - 0.5 * w->wire;
-    if (!(*least < limit)) return 0;
-    double bound = HUGE_VAL;
-    for (int family = 0; family < 2; family++) {
-        const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]);
-        const double nearest = dem__nearest_bar(w, family, across);
-        if (!(fabs(nearest) < 1e6)) continue;
-        for (int side = 0; side < 2; side++) {
-            if (!dem__touch_bar(w, family, nearest + side, along, across, up, radius, &out[n])) continue;
-            bound = out[n].gap < bound ? out[n].gap : bound;
-            if (!(out[n].gap < limit)) continue;
-            out[n].normal = dem__from_bar(w, family, out[n].normal);
-            n++;
-        }
-    }
-    const double third = dem__third_bar(w, radius, bound);
-    bound = third < bound ? third : bound;
-    *least = bound > *least ? bound : *least;
-    return n;
-}
-
-/* Finds the one place where an element of a wall is touched, at any gap. */
-static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double radius, int32_t element,
-                                      dem__touch *out) {
-    double least;
-    if (w->kind == DEM_SCREEN) {
-        const dem_vec d = dem__sub(centre, w->position);
-        const int family = (int)((uint32_t)element & 1u);
-        const double index = (double)((element - family) / 2);
-        out->gap = HUGE_VAL, out->curvature = 0.0, out->normal = w->axis[2];
-        if (dem__touch_bar(w, family, index, dem__dot(d, w->axis[family]), dem__dot(d, w->axis[1 - family]),
-                           dem__dot(d, w->axis[2]), radius, out))
-            out->normal = dem__from_bar(w, family, out->normal);
-        return;
-    }
-    if (w->kind == DEM_PLANE) {
-        dem__touch_plane(w, centre, radius, out);
-        return;
-    }
-    dem__touch touch[DEM__TOUCHES]; /* a mesh can be touched in several places */
-    touch[0].gap = HUGE_VAL, touch[0].normal = w->axis[2];
-    dem__touch_wall(w, centre, radius, HUGE_VAL, touch, &least);
-    *out = touch[0];
-}
-
-/* Computes the vector from the axis or centre of a wall that is round at an element to a sphere's centre, and how far
-   from there the surface is. Returns 1 if the sphere is outside, -1 if inside, 0 if the place is not round or has no
-   normal. */
-static inline double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t element, dem_vec *from,
-                                      double *inner) {
-    const dem_vec d = dem__sub(centre, w->position);
-    if (w->kind == DEM_SCREEN) {
-        const int family = (int)((uint32_t)element & 1u);
-        const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]),
-                     up = dem__dot(d, w->axis[2]);
-        *inner = dem__reach_bar(w, family, (double)((element - family) / 2), along, across, up, from);
-        *from = dem__from_bar(w, family, *from);
-        return *inner >= 0.0 && dem__dot(*from, *from) > 0.0 ? 1.0 : 0.0;
-    }
-    if (w->kind != DEM_CYLINDER && w->kind != DEM_SPHERE) return 0.0;
-    *from = w->kind == DEM_SPHERE ? d : dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
-    *inner = w->radius;
-    return !(dem__dot(*from, *from) > 0.0) ? 0.0 : w->inside ? -1.0 : 1.0;
-}
-
-/* Returns the rate of change of the normal at a cone [1/s]; at a rim it is that of a ring. */
-static inline dem_vec dem__normal_rate_of_cone(const dem_wall *w, dem_vec d, double radius, dem_vec n, dem_vec u) {
-    const dem_vec radial = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
-    dem__touch touch;
-    double least;
-    const double from_axis = dem__length(radial);
-    if (!dem__touch_cone(w, d, dem__dot(d, w->axis[2]), radius, HUGE_VAL, &touch, &least) || !(from_axis > 0.0))
-        return dem_vec3(0.0, 0.0, 0.0);
-    const dem_vec outward = dem__scale(1.0 / from_axis, radial);
-    const dem_vec round = dem__cross(w->axis[2], outward);
-    const double about = dem__dot(u, round);
-    dem_vec rate = dem__scale(dem__dot(n, outward) * about / from_axis, round);
-    if (touch.curvature != 0.0) return rate;
-    const dem_vec up = dem__sub(u, dem__add(dem__scale(dem__dot(u, n), n), dem__scale(about, round)));
-    return dem__plus(rate, 1.0 / (radius + touch.gap), up);
-}
-
-/* Returns whether the normal of a wall at rest is the same at all of its places. */
-DEM_INLINE int dem__is_flat(const dem_wall *w) {
-    return w->kind != DEM_SPHERE && w->kind != DEM_CYLINDER && w->kind != DEM_CONE && w->kind != DEM_SCREEN &&
-           w->kind != DEM_MESH;
-}
-
-/* Returns the rate of change of the normal n at a place of a wall [1/s] for a sphere that moves at u in the wall's own
-   frame. inverse: 1 / distance from the axis of a round wall, with the sign of the side. */
-static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n,
-                                       double inverse, dem_vec u) {
-    const dem_vec side = dem__sub(u, dem__scale(dem__dot(u, n), n));
-    if (w->kind == DEM_SPHERE) return dem__scale(inverse, side);
-    if (w->kind == DEM_CYLINDER) return dem__scale(inverse, dem__plus(side, -dem__dot(side, w->axis[2]), w->axis[2]));
-    if (w->kind == DEM_CONE) return dem__normal_rate_of_cone(w, dem__sub(centre, w->position), radius, n, u);
-    if (w->kind == DEM_SCREEN) {
-        const dem_vec along = w->axis[(uint32_t)element & 1u];
-        if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side); /* at a bar's end */
-        if (w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) <= 1e-12 - 1.0)
-            return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
-        return dem__scale(inverse, dem__plus(side, -dem__dot(side, along), along));
-    }
-    return dem_vec3(0.0, 0.0, 0.0);
-}
-
-/* Returns the velocity of a wall's surface at a point whose normal is n. */
-DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
-    const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
-    return dem__add(dem__add(w->velocity, turning), dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n)));
-}
-/* Returns the acceleration of a wall's surface at a point. */
-DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
-    const dem_vec omega = dem__scale(w->spin, w->spin_axis), arm = dem__sub(point, w->position);
-    const dem_vec inward = dem__cross(omega, dem__cross(omega, arm));
-    return dem__add(w->acceleration, dem__add(inward, dem__scale(w->spin_rate, dem__cross(w->spin_axis, arm))));
-}
-
-/* ---------------------------------------------------------------------------------------------------- >>gas/laws.h */
-/* Laws of drag: pure functions of scalars. */
-
-/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], for Re = density |slip|
-   d/viscosity, d the diameter of the sphere of equal volume. The force is (pi/8) viscosity d (c_D Re) slip: finite, and
-   right, at rest. NaN for Re < 0. */
-typedef double (*dem_drag_fn)(double reynolds, const dem_gas *gas);
-
-/* Returns c_D Re by Stokes 1851. */
-DEM_INLINE double dem_drag_stokes(double reynolds, const dem_gas *gas) {
-    (void)gas;
-    return reynolds >= 0.0 ? 24.0 : (double)NAN;
-}
-
-/* Returns c_D Re by Schiller & Naumann 1933, for spheres; beyond Re = 1000 by Newton's 0.44. */
-DEM_INLINE double dem_drag_schiller_naumann(double reynolds, const dem_gas *gas) {
-    (void)gas;
-    if (!(reynolds >= 0.0)) return (double)NAN;
-    if (reynolds > 1000.0) return 0.44 * reynolds;
-    return reynolds > 0.0 ? 24.0 + 3.6 * riddle_exp(0.687 * riddle_log(reynolds)) : 24.0;
-}
-
-/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets. */
-DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, const dem_gas *gas) {
-    return gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
-}
-
-/* Returns the exponent chi of the porosity (Di Felice 1994). The drag on a particle among others is that on a single
-   one, both at the superficial slip, times porosity^-chi. reynolds: at the superficial slip [-] >= 0. */
-DEM_INLINE double dem_di_felice(double reynolds) {
-    if (!(reynolds >= 0.0)) return (double)NAN;
-    const double off = 1.5 - riddle_log(reynolds) / 2.302585092994045684; /* infinite at rest, where chi is 3.7 */
-    return reynolds > 0.0 ? 3.7 - 0.65 * riddle_exp(-0.5 * off * off) : 3.7;
-}
-
-/* The frame of a gas at a time: its centre and its rotation. */
-typedef struct dem__gas_frame {
-    dem_vec centre;
-    double s, c; /* sine and cosine of the angle of rotation */
-} dem__gas_frame;
-DEM_INLINE dem__gas_frame dem__gas_frame_at(const dem_gas *gas, double time) {
-    const double t = time - gas->start;
-    dem__gas_frame f;
-    f.centre = dem__plus(gas->centre, t, gas->drift);
-    f.s = 0.0, f.c = 1.0;
-    if (gas->spin != 0.0) {
-        const double turns = gas->spin * t / (2.0 * RIDDLE_PI), angle = 2.0 * RIDDLE_PI * (turns - floor(turns));
-        f.s = riddle_sin(angle), f.c = riddle_cos(angle);
-    }
-    return f;
-}
-/* Returns v turned by the frame's angle, or with sign -1 turned back. */
-DEM_INLINE dem_vec dem__turned(const dem_gas *gas, const dem__gas_frame *f, dem_vec v, double sign) {
-    const double along = (1.0 - f->c) * dem__dot(gas->axis, v);
-    return dem__plus(dem__plus(dem__scale(f->c, v), sign * f->s, dem__cross(gas->axis, v)), along, gas->axis);
-}
-
-/* A place of the grid: the node below it, and its distance from that node in cells. */
-typedef struct dem__gas_cell {
-    ptrdiff_t first, next[3];
-    double part[3];
-} dem__gas_cell;
-/* Finds the cell of a place in the frame. Returns 0 beyond the grid. */
-DEM_INLINE int dem__gas_cell_of(const dem_gas *gas, dem_vec at, dem__gas_cell *cell) {
-    ptrdiff_t stride = 1;
-    cell->first = 0;
-    for (int a = 0; a < 3; a++) {
-        const double low = dem_axis(gas->low, a), high = dem_axis(gas->high, a), x = dem_axis(at, a);
-        cell->next[a] = 0, cell->part[a] = 0.0;
-        if (!(x >= low && x <= high)) return 0;
-        if (gas->n[a] < 2) continue;
-        const double u = (x - low) / (high - low) * (gas->n[a] - 1);
-        int k = (int)u;
-        k = k > gas->n[a] - 2 ? gas->n[a] - 2 : k;
-        cell->first += k * stride;
-        cell->next[a] = stride;
-        cell->part[a] = u - k;
-        stride *= gas->n[a];
-    }
-    return 1;
-}
-/* Returns component `of` of `size` at a place, interpolated trilinearly. */
-DEM_INLINE double dem__gas_value(const double *values, const dem__gas_cell *cell, int size, int of) {
-    double sum = 0.0;
-    for (int corner = 0; corner < 8; corner++) {
-        ptrdiff_t node = cell->first;
-        double weight = 1.0;
-        for (int a = 0; a < 3; a++) {
-            node += corner >> a & 1 ? cell->next[a] : 0;
-            weight *= corner >> a & 1 ? cell->part[a] : 1.0 - cell->part[a];
-        }
-        sum += weight * values[node * size + of];
-    }
-    return sum;
-}
-DEM_INLINE dem_vec dem__gas_vector(const dem_gas *gas, const dem__gas_frame *f, const double *values,
-                                   const dem__gas_cell *cell) {
-    return dem__turned(gas, f,
-                       dem_vec3(dem__gas_value(values, cell, 3, 0), dem__gas_value(values, cell, 3, 1),
-                                dem__gas_value(values, cell, 3, 2)),
-                       1.0);
-}
-
-/* Returns the velocity of the gas in the world at x, which lies in a cell. */
-DEM_INLINE dem_vec dem__gas_speed(const dem_gas *gas, const dem__gas_frame *f, const dem__gas_cell *cell, dem_vec x) {
-    dem_vec u = gas->drift;
-    if (gas->spin != 0.0) u = dem__plus(u, gas->spin, dem__cross(gas->axis, dem__sub(x, f->centre)));
-    return gas->velocity ? dem__add(u, dem__gas_vector(gas, f, gas->velocity, cell)) : u;
-}
-
-/* Returns the force of a gas on a particle [N]: drag, alone or among others, pressure gradient, buoyancy; 0 beyond the
-   grid. */
-DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, dem_drag_fn drag) {
-    const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
-    const double d = 2.0 * at->radius, volume = RIDDLE_PI / 6.0 * d * d * d;
-    dem_vec place = dem__sub(at->position, f.centre);
-    dem__gas_cell cell;
-    if (gas->spin != 0.0) place = dem__turned(gas, &f, place, -1.0);
-    if (!dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell)) return dem_vec3(0.0, 0.0, 0.0);
-    const dem_vec slip = dem__sub(dem__gas_speed(gas, &f, &cell, at->position), at->velocity);
-    const double porosity = gas->porosity ? dem__gas_value(gas->porosity, &cell, 1, 0) : 1.0;
-    const double reynolds = gas->density * porosity * dem__length(slip) * d / gas->viscosity;
-    double factor = RIDDLE_PI / 8.0 * gas->viscosity * d * drag(reynolds, gas);
-    if (porosity < 1.0) factor *= riddle_exp((1.0 - dem_di_felice(reynolds)) * riddle_log(porosity));
-    dem_vec force = dem__scale(factor, slip);
-    if (gas->pressure_gradient)
-        force = dem__plus(force, -volume, dem__gas_vector(gas, &f, gas->pressure_gradient, &cell));
-    return gas->buoyancy ? dem__plus(force, -gas->density * volume, at->gravity) : force;
-}
-
-/* Makes the kernel of a force field of drag in a gas from a law of drag: DEM_GAS(name, dem_drag_schiller_naumann), or
-   one of yours. */
-#define DEM_GAS(name, drag)                                                                                            \
-    DEM_INLINE dem_vec name##_force(const dem_force_point *at) {                                                       \
-        return dem_gas_force(at, (const dem_gas *)at->user, drag);                                                     \
-    }                                                                                                                  \
-    DEM_FORCE_FIELD(name, name##_force)
-
-/* Bodies: the parts that no other one includes. */
-#ifdef DEM__BODIES
 
 /* ---------------------------------------------------------------------------------------- >>base/polyhedra_state.h */
 /* The engine's state of polyhedra. */
@@ -2595,7 +2245,7 @@ enum {
     DEM__PLACE_ARM = 4,       /* polyhedron: from the centre of i to that of the sphere that touches for it [m] (3) */
     DEM__PLACE_WEIGHT = 7,    /* polyhedron: factor of the force [-] */
     DEM__PLACE_CURVATURE = 8, /* polyhedron: curvature of the wall as the contact began [1/m] */
-    DEM__CONE_CURVATURE = 0,  /* cone: the same */
+    DEM__KEPT_CURVATURE = 0,  /* sphere at a thin sheet: the same */
     DEM__PLACES = 12
 };
 
@@ -2731,8 +2381,8 @@ typedef struct dem__bodies {
                               axes, at the origin */
 } dem__bodies;
 
-/* Walls, beside the public array. walls/add.h and walls/mesh.h add them, walls/motion.h moves them, search/tests.h and
-   search/bounds.h set their timers. */
+/* Walls, beside the public array. The file of its kind adds one, walls/kinematics.h moves it, search/tests.h and
+   search/bounds.h set its timers. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
     int meshes, touch_keepers, controls; /* number of meshes; of walls whose contacts keep a touch (meshes, cones);
@@ -2883,119 +2533,6 @@ typedef struct dem__engine {
          in_##c < (w)->engine->contacts.chunk + (w)->engine->contacts.chunk_count; in_##c++)                           \
         for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->count; c++)
 
-/* ----------------------------------------------------------------------------------------------- >>base/parallel.h */
-/* The loops of a step on several threads. Promises: no result depends on the number of threads. */
-
-/* Runs the tasks of a loop one after the other. */
-static inline void dem__run_alone(int tasks, void (*task)(void *context, int index), void *context) {
-    for (int q = 0; q < tasks; q++) task(context, q);
-}
-
-#ifdef _OPENMP
-/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer
-   than the work takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task
-   that was interrupted counts as at most three times the first, which the waiting thread ran itself. After a loss of 2
-   ms, loops run on one thread for 20 ms, and for twice as long each time that threads lose again soon after. */
-static inline void dem__judge_threads(dem__pace *pace, double start, double end, const double *spent, int tasks) {
-    double alone = 0.0;
-    for (int q = 0; q < tasks; q++) alone += spent[q] < 3.0 * spent[0] ? spent[q] : 3.0 * spent[0];
-    pace->loss += end - start - alone;
-    if (!(pace->loss > 0.0)) pace->loss = 0.0;
-    if (!(pace->loss > 2e-3)) return;
-    pace->rest = end > pace->alone_until + 5.0 * pace->rest ? 0.02 : 2.0 * pace->rest;
-    if (pace->rest > 2.0) pace->rest = 2.0;
-    pace->alone_until = end + pace->rest;
-    pace->loss = 0.0;
-}
-
-/* Runs the tasks of a loop on OpenMP's threads, or on one while these lose time. */
-static inline void dem__run_openmp(dem__pace *pace, int tasks, void (*task)(void *context, int index), void *context) {
-    const double start = omp_get_wtime();
-    double spent[DEM__PARTS_MAX];
-    int q;
-    if (start < pace->alone_until) {
-        dem__run_alone(tasks, task, context);
-        return;
-    }
-#pragma omp parallel for schedule(static, 1) num_threads(tasks)
-    for (q = 0; q < tasks; q++) {
-        const double began = omp_get_wtime();
-        task(context, q);
-        spent[q] = omp_get_wtime() - began;
-    }
-    dem__judge_threads(pace, start, omp_get_wtime(), spent, tasks);
-}
-#endif
-
-/* Runs task(context, index) for every index below `tasks`: on the host's threads, on OpenMP's, or one after the other.
- */
-static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *context, int index), void *context) {
-    if (tasks == 1) task(context, 0); /* a parallel region would cost more than the work of a dilute step */
-    else if (w->def.parallel) w->def.parallel(w->def.parallel_user, tasks, task, context);
-    else {
-#ifdef _OPENMP
-        dem__run_openmp(&w->engine->pace, tasks, task, context);
-#else
-        dem__run_alone(tasks, task, context);
-#endif
-    }
-}
-
-/* Returns the number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for
-   waking a thread. */
-DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
-    const int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
-#ifndef _OPENMP
-    if (!w->def.parallel) return 1;
-#endif
-    return threads == 1 || n < 256 * (ptrdiff_t)threads ? 1 : threads;
-}
-
-/* Returns the same, but at most `most`. */
-DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
-    const int parts = dem__parts(w, n);
-    return parts < most ? parts : most;
-}
-
-/* Returns the first of n items that belongs to a part. */
-DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) {
-    return n / parts * part + (n % parts < part ? n % parts : part);
-}
-
-/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no
-   long lead. */
-DEM_INLINE ptrdiff_t dem__prefetch_from(ptrdiff_t n, ptrdiff_t ahead) { return n < ahead ? -n : -ahead; }
-
-/* Runs a loop over the items first .. end - 1 of part `part`. context: what the loop needs. */
-typedef void dem__range_fn(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context);
-typedef struct dem__split {
-    dem_world *w;
-    dem__range_fn *loop;
-    void *context;
-    ptrdiff_t n;
-    int parts;
-} dem__split;
-
-static inline void dem__run_part(void *context, int q) {
-    const dem__split *s = (const dem__split *)context;
-    s->loop(s->w, dem__part(s->n, q, s->parts), dem__part(s->n, q + 1, s->parts), q, s->context);
-}
-
-/* Runs a loop over n items in `parts` parts. */
-static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__range_fn *loop, void *context) {
-    dem__split split;
-    if (parts == 1) { /* saves the divisions of dem__part */
-        loop(w, 0, n, 0, context);
-        return;
-    }
-    split.w = w;
-    split.loop = loop;
-    split.context = context;
-    split.n = n;
-    split.parts = parts;
-    dem__parallel(w, parts, dem__run_part, &split);
-}
-
 /* ------------------------------------------------------------------------------------------------- >>base/arrays.h */
 /* Memory: blocks of arrays that grow together, and the tables of those arrays. */
 
@@ -3012,7 +2549,7 @@ typedef struct dem__array {
     void *address; /* of the pointer to it */
     size_t size;   /* of an entry [bytes] */
 } dem__array;
-enum { DEM__ARRAYS_MAX = 96, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
+enum { DEM__ARRAYS_MAX = 64 + DEM_STATE_MAX + DEM_CONSTANTS_MAX, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
 
 /* Lists the arrays of particles in a force field. Returns their number. */
 static inline int dem__field_arrays(dem_world *w, dem__array *list) {
@@ -3476,14 +3013,1237 @@ DEM_API void dem_free(dem_world *world) {
     memset(world, 0, sizeof *world);
 }
 
+/* --------------------------------------------------------------------------------------------------- >>walls/add.h */
+/* What the functions that add walls share. */
+
+static inline int dem__unit(dem_vec v, dem_vec *unit) {
+    double length = dem__length(v);
+    if (!(length >= 1e-140 && length <= DBL_MAX)) return 0; /* squares of shorter lengths lose digits */
+    *unit = dem__scale(1.0 / length, v);
+    return 1;
+}
+
+/* Completes a frame whose third axis is given. The first axis is near `along`, or any if that is parallel to the third.
+   Returns 0 if the third has no direction. */
+static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
+    dem_vec z, x;
+    if (!dem__unit(normal, &z)) return 0;
+    x = dem__sub(along, dem__scale(dem__dot(along, z), z));
+    if (!(dem__length(x) > 1e-6)) {
+        dem_vec other = fabs(z.x) < 0.9 ? dem_vec3(1, 0, 0) : dem_vec3(0, 1, 0);
+        x = dem__sub(other, dem__scale(dem__dot(other, z), z));
+    }
+    if (!dem__unit(x, &x)) return 0;
+    wall->axis[0] = wall->asked.rest_axis[0] = x;
+    wall->axis[1] = wall->asked.rest_axis[1] = dem__cross(z, x);
+    wall->axis[2] = wall->asked.rest_axis[2] = z;
+    return 1;
+}
+
+/* Makes room for what contacts with meshes and cones keep. Returns 0 when out of memory. */
+static inline int dem__make_touch_memory(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__array list[DEM__ARRAYS_MAX];
+    if (w->engine->walls.touch_keepers++ > 0 || contacts->capacity == 0) return 1;
+    if (dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
+                        contacts->capacity))
+        return 1;
+    w->engine->walls.touch_keepers--;
+    return 0;
+}
+
+/* Returns DEM_OK if a wall of a material can be added. */
+static inline dem_status dem__may_add_wall(const dem_world *w, int material) {
+    if (dem__is_running(w)) return DEM_BUSY;
+    return w && w->def.allocator.fn && material >= 0 && material < w->def.materials ? DEM_OK : DEM_BAD_ARGUMENT;
+}
+
+/* Adds a wall of a kind, at rest at asked.origin. Returns its index, or minus a dem_status. */
+static inline int dem__add_wall(dem_world *w, const dem__wall_kind *kind, int material, const dem_wall *shape) {
+    if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
+    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
+    if ((kind->flags & (DEM__KEEPS_CURVATURE | DEM__TRIANGULATED)) && !dem__make_touch_memory(w))
+        return -(int)DEM_OUT_OF_MEMORY;
+    dem_wall *a = &w->wall[w->walls];
+    *a = *shape;
+    a->kind = kind->kind, a->kind__ = kind;
+    a->material = material;
+    a->enabled = 1;
+    a->groups = 0xffffffffu;
+    a->position = a->asked.origin;
+    a->asked.motion_start = w->time;
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return w->walls++;
+}
+
+/* ------------------------------------------------------------------------------------------------- >>walls/sheet.h */
+/* What thin sheets share: their circular rims. */
+
+enum { DEM__RIM_POINTS = 16 }; /* points of a rim at which faces of polyhedra can touch it */
+
+/* Returns the rate of change of the normal n [1/s] where a surface or a rim goes around the axis axis[2]. radial: the
+   part of the place that is perpendicular to it; distance: from the rim to the sphere's centre; 0: not at a rim [m]. */
+static inline dem_vec dem__turn_about_axis(const dem_wall *w, dem_vec radial, double distance, dem_vec n, dem_vec u) {
+    const double from_axis = dem__length(radial);
+    if (!(from_axis > 0.0)) return dem_vec3(0.0, 0.0, 0.0);
+    const dem_vec outward = dem__scale(1.0 / from_axis, radial);
+    const dem_vec round = dem__cross(w->axis[2], outward);
+    const double about = dem__dot(u, round);
+    const dem_vec rate = dem__scale(dem__dot(n, outward) * about / from_axis, round);
+    if (distance == 0.0) return rate;
+    const dem_vec up = dem__sub(u, dem__add(dem__scale(dem__dot(u, n), n), dem__scale(about, round)));
+    return dem__plus(rate, 1.0 / distance, up);
+}
+
+/* Shows points of a rim as sharp corners. middle: its centre. */
+static inline void dem__show_rim(const dem_wall *w, dem_vec middle, double radius, double reach, int32_t key,
+                                 dem__edge_visitor *v) {
+    if (!(dem__length(middle) < radius + reach)) return;
+    for (int k = 0; k < (radius > 0.0 ? DEM__RIM_POINTS : 1); k++) {
+        const dem_vec out = dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI / (double)DEM__RIM_POINTS * (double)k);
+        v->corner(v, dem__plus(middle, radius, out), 0.0, dem_vec3(0.0, 0.0, 0.0), key + k);
+    }
+}
+
+/* -------------------------------------------------------------------------------------------------- >>walls/cone.h */
+/* Cones: frustums and tubes of finite length, as thin sheets. A sheet is touched from both sides and at its rims. */
+
+/* Computes the touch with a frustum. Its nearest point lies in the plane of axis and centre, on a segment. d: the
+   centre, from the low end. Returns 0 if the gap is not below `limit`; least: the gap. */
+static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                  double *least) {
+    const double up = dem__dot(d, w->axis[2]);
+    const dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
+    const double rho = dem__length(radial), rise = w->high_radius - w->radius,
+                 slant = sqrt(rise * rise + w->length * w->length);
+    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is
+                                                                                       nearest: any point of it */
+    const double along = dem__clamp(((rho - w->radius) * rise + up * w->length) / (slant * slant), 0.0, 1.0);
+    const double x = rho - (w->radius + along * rise), y = up - along * w->length;
+    double distance = sqrt(x * x + y * y), nx = w->length / slant, ny = -rise / slant;
+    const int on_rim = !(along > 0.0 && along < 1.0);
+    if (!on_rim) { /* from the side's own normal, which is accurate near the surface */
+        const double side = (rho - w->radius) * nx + up * ny;
+        distance = fabs(side);
+        if (side < 0.0) nx = -nx, ny = -ny;
+    } else if (distance > 0.0) nx = x / distance, ny = y / distance;
+    *least = out[0].gap = distance - radius;
+    if (!(*least < limit)) return 0;
+    out[0].normal = dem__add(dem__scale(nx, outward), dem__scale(ny, w->axis[2]));
+    /* that half way up: one contact type wherever a contact begins; spheres wider than the ring lie on a rim */
+    out[0].curvature = on_rim ? 0.0 : (nx < 0.0 ? -1.0 : 1.0) * w->length / (slant * (w->radius + w->high_radius));
+    return 1;
+}
+
+/* Returns the rate of change of the normal [1/s]; at a rim it is that of a ring. */
+static inline dem_vec dem__turn_at_cone(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
+                                        double inverse, dem_vec u) {
+    dem__touch touch;
+    double least;
+    (void)element, (void)inverse;
+    if (!dem__touch_cone(w, d, radius, HUGE_VAL, &touch, &least)) return dem_vec3(0.0, 0.0, 0.0);
+    const dem_vec radial = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
+    return dem__turn_about_axis(w, radial, touch.curvature != 0.0 ? 0.0 : radius + touch.gap, n, u);
+}
+
+static inline int dem__is_cone(const dem_wall *w) {
+    return dem__positive(w->length) && dem__not_negative(w->radius) && dem__not_negative(w->high_radius) &&
+           dem__positive(w->radius + w->high_radius);
+}
+
+/* Returns whether the line from p to q passes through the sheet. */
+static inline int dem__crosses_cone(const dem_wall *w, dem_vec p, dem_vec q) {
+    const dem_vec u = dem__sub(q, p);
+    const double slope = (w->high_radius - w->radius) / w->length, z = dem__dot(p, w->axis[2]),
+                 along = dem__dot(u, w->axis[2]);
+    const double r = w->radius + slope * z, dr = slope * along; /* radius of the cone at p, and its change to q */
+    const double a = dem__dot(u, u) - along * along - dr * dr, b = dem__dot(p, u) - z * along - r * dr;
+    const double c = dem__dot(p, p) - z * z - r * r, root = sqrt(b * b > a * c ? b * b - a * c : 0.0);
+    const double t[2] = {b > 0.0 ? c / (-b - root) : (root - b) / a, b > 0.0 ? (-b - root) / a : c / (root - b)};
+    if (b * b < a * c) return 0;
+    for (int k = 0; k < 2; k++) {
+        if (t[k] >= 0.0 && t[k] <= 1.0 && z + t[k] * along >= 0.0 && z + t[k] * along <= w->length &&
+            r + t[k] * dr >= 0.0)
+            return 1;
+    }
+    return 0;
+}
+
+/* Shows points of both rims. */
+static inline void dem__cone_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    const dem_vec low = dem__sub(w->position, centre);
+    dem__show_rim(w, low, w->radius, reach, DEM_CORNERS_MAX + DEM__SEARCH_KEYS, v);
+    dem__show_rim(w, dem__plus(low, w->length, w->axis[2]), w->high_radius, reach,
+                  DEM_CORNERS_MAX + DEM__SEARCH_KEYS + DEM__RIM_POINTS, v);
+}
+
+static const dem__wall_kind dem__cone = {
+    DEM_CONE,                                 /* kind */
+    DEM__KEEPS_CURVATURE | DEM__CURVED_SHEET, /* flags */
+    dem__is_cone,                             /* is_sound */
+    dem__touch_cone,                          /* touch */
+    NULL,                                     /* touch_element */
+    NULL,                                     /* other_elements */
+    NULL,                                     /* reach_round */
+    dem__turn_at_cone,                        /* normal_rate */
+    NULL,                                     /* is_endless */
+    NULL,                                     /* closing */
+    NULL,                                     /* corners */
+    dem__cone_edges,                          /* edges */
+    dem__crosses_cone                         /* crosses */
+};
+
+DEM_API dem_cone dem_default_cone(void) {
+    dem_cone c;
+    c.low = dem_vec3(0, 0, 0);
+    c.high = dem_vec3(0, 0, 0.1);
+    c.low_radius = 0.02;
+    c.high_radius = 0.1;
+    return c;
+}
+
+DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
+    dem_wall wall;
+    const dem_status status = dem__may_add_wall(world, material);
+    memset(&wall, 0, sizeof wall);
+    if (status != DEM_OK) return -(int)status;
+    if (!cone || !dem__is_place(cone->low) || !dem__is_place(cone->high)) return -(int)DEM_BAD_ARGUMENT;
+    const dem_vec axis = dem__sub(cone->high, cone->low);
+    wall.asked.origin = cone->low;
+    wall.radius = cone->low_radius;
+    wall.high_radius = cone->high_radius;
+    wall.length = dem__length(axis);
+    if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0)) || !dem__is_cone(&wall)) return -(int)DEM_BAD_ARGUMENT;
+    return dem__add_wall(world, &dem__cone, material, &wall);
+}
+
+/* ------------------------------------------------------------------------------------------------- >>walls/round.h */
+/* What cylinders and spheres share. `radial` is the part of the place that is perpendicular to an axis, or all of it. */
+
+/* Finds the touch with a surface of constant radius. part: its mean curvature times the radius [-]. */
+DEM_INLINE int dem__touch_round(const dem_wall *w, dem_vec radial, double part, double radius, double limit,
+                                dem__touch *out, double *least) {
+    const double distance = dem__length(radial), side = w->inside ? -1.0 : 1.0;
+    *least = out[0].gap = side * (distance - w->radius) - radius;
+    if (!(out[0].gap < limit) || !(distance > 0.0)) return 0;
+    out[0].normal = dem__scale(side / distance, radial);
+    out[0].curvature = part * side / w->radius;
+    return 1;
+}
+
+/* Returns which side of a surface of constant radius a sphere is on; 0 where it has no normal. */
+DEM_INLINE double dem__side_of_round(const dem_wall *w, dem_vec radial, dem_vec *from, double *inner) {
+    *from = radial;
+    *inner = w->radius;
+    return !(dem__dot(radial, radial) > 0.0) ? 0.0 : w->inside ? -1.0 : 1.0;
+}
+
+static inline int dem__is_round(const dem_wall *w) { return w->radius > 0.0 && w->radius <= DBL_MAX; }
+
+/* Adds a cylinder or a sphere. */
+static inline int dem__add_round(dem_world *w, const dem__wall_kind *kind, int material, dem_vec point, dem_vec axis,
+                                 double radius, int inside) {
+    dem_wall wall;
+    const dem_status status = dem__may_add_wall(w, material);
+    memset(&wall, 0, sizeof wall);
+    if (status != DEM_OK) return -(int)status;
+    if (!dem__is_place(point) || !dem__finite_vec(axis) || !dem__positive(radius) ||
+        !dem__frame(&wall, axis, dem_vec3(1, 0, 0)))
+        return -(int)DEM_BAD_ARGUMENT;
+    wall.asked.origin = point;
+    wall.radius = radius;
+    wall.inside = inside != 0;
+    return dem__add_wall(w, kind, material, &wall);
+}
+
+/* ---------------------------------------------------------------------------------------------- >>walls/cylinder.h */
+/* Cylinders without ends: with particles inside, or outside. */
+
+/* Returns the part of a vector that is perpendicular to the axis. */
+DEM_INLINE dem_vec dem__across_axis(const dem_wall *w, dem_vec d) {
+    return dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
+}
+
+static inline int dem__touch_cylinder(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                      double *least) {
+    return dem__touch_round(w, dem__across_axis(w, d), 0.5, radius, limit, out, least);
+}
+
+static inline double dem__reach_cylinder(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner) {
+    (void)element;
+    return dem__side_of_round(w, dem__across_axis(w, d), from, inner);
+}
+
+static inline dem_vec dem__turn_at_cylinder(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
+                                            double inverse, dem_vec u) {
+    (void)d, (void)radius, (void)element;
+    return dem__scale(inverse, dem__across_axis(w, dem__sub(u, dem__scale(dem__dot(u, n), n))));
+}
+
+static inline int dem__is_along_cylinder(const dem_wall *w, int axis) {
+    return fabs(dem_axis(w->axis[2], axis)) == 1.0;
+}
+
+/* Along the axis nothing closes the gap. From inside, a straight path at u bends towards the surface: the distance from
+   the axis grows by no more than the outward velocity and u_side^2 / distance give. */
+static inline double dem__closing_at_cylinder(const dem_wall *w, const dem__touch *touch, double radius,
+                                              dem_vec gravity, dem_vec u) {
+    const double along = dem__dot(gravity, w->axis[2]), from_axis = w->radius - radius - touch->gap;
+    const double a = sqrt(fabs(dem__dot(gravity, gravity) - along * along)) + w->side_bound;
+    if (!w->inside) return a;
+    const double up = dem__dot(u, w->axis[2]);
+    return a + (from_axis > 0.0 ? (dem__dot(u, u) - up * up) / from_axis : HUGE_VAL);
+}
+
+static inline int dem__cylinder_corners(const dem_wall *w) { return w->inside ? DEM__CORNERS_ALL : DEM__CORNERS_SOME; }
+
+/* From outside, a cylinder is one long edge: as long as edges of a polyhedron can cross it. */
+static inline void dem__cylinder_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    const dem_vec foot = dem__across_axis(w, dem__sub(w->position, centre));
+    const double far_off = 4.0 * (reach + w->radius);
+    dem__wall_edge e;
+    if (w->inside) return;
+    memset(&e, 0, sizeof e);
+    e.from = dem__plus(foot, -far_off, w->axis[2]), e.to = dem__plus(foot, far_off, w->axis[2]);
+    e.radius = w->radius;
+    e.key = DEM_CORNERS_MAX;
+    v->edge(v, &e);
+}
+
+static const dem__wall_kind dem__cylinder = {
+    DEM_CYLINDER,             /* kind */
+    DEM__CONVEX,              /* flags */
+    dem__is_round,            /* is_sound */
+    dem__touch_cylinder,      /* touch */
+    NULL,                     /* touch_element */
+    NULL,                     /* other_elements */
+    dem__reach_cylinder,      /* reach_round */
+    dem__turn_at_cylinder,    /* normal_rate */
+    dem__is_along_cylinder,   /* is_endless */
+    dem__closing_at_cylinder, /* closing */
+    dem__cylinder_corners,    /* corners */
+    dem__cylinder_edges,      /* edges */
+    NULL                      /* crosses */
+};
+
+DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside) {
+    return dem__add_round(world, &dem__cylinder, material, point, axis, radius, inside);
+}
+
+/* ------------------------------------------------------------------------------------------------- >>walls/plane.h */
+/* Planes: half spaces, touched where the sphere is nearest. */
+
+static inline int dem__touch_plane(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                   double *least) {
+    dem__touch_flat(w, d, radius, out);
+    *least = out[0].gap;
+    return out[0].gap < limit;
+}
+
+/* Returns whether a plane is the same all along an axis of the world. */
+static inline int dem__is_along_plane(const dem_wall *w, int axis) { return dem_axis(w->axis[2], axis) == 0.0; }
+
+static inline int dem__plane_corners(const dem_wall *w) {
+    (void)w;
+    return DEM__CORNERS_ALL;
+}
+
+static const dem__wall_kind dem__plane = {
+    DEM_PLANE,                     /* kind */
+    DEM__HALF_SPACE | DEM__CONVEX, /* flags */
+    NULL,                          /* is_sound */
+    dem__touch_plane,              /* touch */
+    NULL,                          /* touch_element */
+    NULL,                          /* other_elements */
+    NULL,                          /* reach_round */
+    NULL,                          /* normal_rate */
+    dem__is_along_plane,           /* is_endless */
+    NULL,                          /* closing */
+    dem__plane_corners,            /* corners */
+    NULL,                          /* edges */
+    NULL                           /* crosses */
+};
+
+/* Adds a plane or an exit. */
+static inline int dem__add_flat(dem_world *w, const dem__wall_kind *kind, int material, dem_vec point, dem_vec normal) {
+    dem_wall wall;
+    const dem_status status = dem__may_add_wall(w, material);
+    memset(&wall, 0, sizeof wall);
+    if (status != DEM_OK) return -(int)status;
+    if (!dem__is_place(point) || !dem__finite_vec(normal) || !dem__frame(&wall, normal, dem_vec3(1, 0, 0)))
+        return -(int)DEM_BAD_ARGUMENT;
+    wall.asked.origin = point;
+    return dem__add_wall(w, kind, material, &wall);
+}
+
+DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal) {
+    return dem__add_flat(world, &dem__plane, material, point, normal);
+}
+
+/* -------------------------------------------------------------------------------------------------- >>walls/exit.h */
+/* Exits: planes without a surface. A particle leaves when its centre is beyond one. */
+
+static inline int dem__touch_exit(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                  double *least) {
+    (void)radius;
+    return dem__touch_plane(w, d, 0.0, limit, out, least);
+}
+
+static const dem__wall_kind dem__exit = {
+    DEM_EXIT,                      /* kind */
+    DEM__NO_SURFACE | DEM__CONVEX, /* flags */
+    NULL,                          /* is_sound */
+    dem__touch_exit,               /* touch */
+    NULL,                          /* touch_element */
+    NULL,                          /* other_elements */
+    NULL,                          /* reach_round */
+    NULL,                          /* normal_rate */
+    dem__is_along_plane,           /* is_endless */
+    NULL,                          /* closing */
+    NULL,                          /* corners */
+    NULL,                          /* edges */
+    NULL                           /* crosses */
+};
+
+DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) {
+    return dem__add_flat(world, &dem__exit, 0, point, normal);
+}
+
+/* --------------------------------------------------------------------------------------------- >>walls/mesh_tree.h */
+/* The tree of a mesh's triangles. */
+
+/* Spreads 21 bits to every third bit of a Morton code. */
+static inline uint64_t dem__interleave(uint64_t v) {
+    v = (v | v << 32) & 0x1f00000000ffffu;
+    v = (v | v << 16) & 0x1f0000ff0000ffu;
+    v = (v | v << 8) & 0x100f00f00f00f00fu;
+    v = (v | v << 4) & 0x10c30c30c30c30c3u;
+    return (v | v << 2) & 0x1249249249249249u;
+}
+
+typedef struct dem__keyed {
+    uint64_t key;
+    int32_t index;
+} dem__keyed;
+/* Sorts by key, then index. temporary: room for n items. */
+static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptrdiff_t n) {
+    for (ptrdiff_t width = 1; width < n; width *= 2) {
+        for (ptrdiff_t low = 0; low < n; low += 2 * width) {
+            const ptrdiff_t mid = low + width < n ? low + width : n, high = mid + width < n ? mid + width : n;
+            for (ptrdiff_t a = low, b = mid, to = low; to < high; to++) {
+                const int left = a < mid && (b >= high || items[a].key < items[b].key ||
+                                             (items[a].key == items[b].key && items[a].index < items[b].index));
+                temporary[to] = left ? items[a++] : items[b++];
+            }
+        }
+        memcpy(items, temporary, (size_t)n * sizeof *items);
+    }
+}
+
+/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those
+   of each half. */
+static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
+    const int32_t at = t->nodes++;
+    dem__node *node = &t->node[at];
+    node->first = first;
+    node->count = end - first <= DEM__LEAF ? end - first : 0;
+    for (int a = 0; a < 3; a++) node->low[a] = HUGE_VAL, node->high[a] = -HUGE_VAL;
+    for (int32_t k = 3 * first; k < 3 * (first + node->count); k++) {
+        for (int a = 0; a < 3; a++) {
+            const double v = dem_axis(t->vertex[t->corner[k]], a);
+            node->low[a] = v < node->low[a] ? v : node->low[a];
+            node->high[a] = v > node->high[a] ? v : node->high[a];
+        }
+    }
+    if (node->count == 0) {
+        const int32_t middle = first + (end - first) / 2;
+        for (int side = 0; side < 2; side++) {
+            const int32_t child = t->nodes;
+            dem__grow_node(t, side ? middle : first, side ? end : middle);
+            for (int a = 0; a < 3; a++) {
+                const double low = t->node[child].low[a], high = t->node[child].high[a];
+                node->low[a] = low < node->low[a] ? low : node->low[a];
+                node->high[a] = high > node->high[a] ? high : node->high[a];
+            }
+        }
+    }
+    node->skip = t->nodes;
+}
+
+/* Returns an empty tree with room for the mesh; NULL when out of memory. */
+static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
+    const size_t v = (size_t)vertices, k = (size_t)triangles;
+    const size_t bytes =
+        sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
+    dem__tree *t = (dem__tree *)a->fn(a->user, NULL, 0, bytes);
+    if (!t) return NULL;
+    memset(t, 0, bytes);
+    t->bytes = bytes;
+    t->vertices = (int32_t)vertices;
+    t->vertex = (dem_vec *)(void *)(t + 1);
+    t->normal = t->vertex + v;
+    t->node = (dem__node *)(void *)(t->normal + k);
+    t->corner = (int32_t *)(void *)(t->node + k);
+    return t;
+}
+
+/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for
+   slivers. */
+static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
+    const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
+    const double x = dem__dot(ab, ab), y = dem__dot(bc, bc), z = dem__dot(ca, ca);
+    if (x >= y && x >= z) return dem__cross(bc, ca);
+    return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
+}
+
+/* Returns whether a triangle has an area that is not round-off of its corners; unit: its normal. */
+static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
+    const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
+    double longest = dem__dot(ab, ab);
+    longest = dem__dot(ac, ac) > longest ? dem__dot(ac, ac) : longest;
+    longest = dem__dot(bc, bc) > longest ? dem__dot(bc, bc) : longest;
+    return dem__length(n) > 1e-9 * longest && dem__unit(n, unit);
+}
+
+/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT
+   if there is none. */
+static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex,
+                                        ptrdiff_t triangles, const int32_t *corner, dem_status *status) {
+    const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
+    dem_vec low = vertex[0], high = vertex[0], normal;
+    ptrdiff_t n = 0;
+    for (ptrdiff_t v = 0; v < vertices; v++) {
+        for (int c = 0; c < 3; c++) {
+            double *l = dem_axis_of(&low, c), *h = dem_axis_of(&high, c), x = dem_axis(vertex[v], c);
+            *l = x < *l ? x : *l;
+            *h = x > *h ? x : *h;
+        }
+    }
+    *status = DEM_OUT_OF_MEMORY;
+    dem__keyed *items = (dem__keyed *)a->fn(a->user, NULL, 0, scratch);
+    if (!items) return NULL;
+    for (int32_t k = 0; k < (int32_t)triangles; k++) {
+        const dem_vec p[3] = {vertex[corner[3 * k]], vertex[corner[3 * k + 1]], vertex[corner[3 * k + 2]]};
+        if (!dem__has_area(p[0], p[1], p[2], &normal)) continue;
+        items[n].index = k;
+        items[n].key = 0;
+        for (int c = 0; c < 3; c++) {
+            const double from = dem_axis(low, c), span = dem_axis(high, c) - from;
+            const double x = (dem_axis(p[0], c) + dem_axis(p[1], c) + dem_axis(p[2], c)) / 3.0 - from;
+            items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0)
+                            << c;
+        }
+        n++;
+    }
+    dem__tree *t = n > 0 ? dem__plant(a, vertices, n) : NULL;
+    if (n == 0) *status = DEM_BAD_ARGUMENT;
+    if (t) {
+        dem__sort_keyed(items, items + n, n);
+        memcpy(t->vertex, vertex, (size_t)vertices * sizeof *vertex);
+        for (ptrdiff_t k = 0; k < n; k++) {
+            const int32_t *from = &corner[3 * items[k].index];
+            memcpy(&t->corner[3 * k], from, 3 * sizeof *from);
+            dem__has_area(vertex[from[0]], vertex[from[1]], vertex[from[2]], &t->normal[k]);
+        }
+        t->triangles = (int32_t)n;
+        dem__grow_node(t, 0, (int32_t)n);
+        *status = DEM_OK;
+    }
+    a->fn(a->user, items, scratch, 0);
+    return t;
+}
+
+/* Returns whether a mesh's numbers are valid; low, high: its bounding box. */
+static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
+    if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
+        m->triangles > INT32_MAX / 4)
+        return 0;
+    *low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), *high = dem__scale(-1.0, *low);
+    for (ptrdiff_t k = 0; k < 3 * m->triangles; k++) {
+        if (m->triangle[k] < 0 || m->triangle[k] >= m->vertices) return 0;
+    }
+    for (ptrdiff_t k = 0; k < 3 * m->vertices; k++) {
+        double *l = dem_axis_of(low, (int)(k % 3)), *h = dem_axis_of(high, (int)(k % 3)), x = m->vertex[k];
+        if (!(fabs(x) < 1e50)) return 0; /* so that squares of areas are finite */
+        *l = x < *l ? x : *l;
+        *h = x > *h ? x : *h;
+    }
+    return 1;
+}
+
+/* -------------------------------------------------------------------------------------------------- >>walls/mesh.h */
+/* Meshes of triangles: thin sheets, or closed bodies. Spheres touch them at several places, which their contacts follow
+   (meshes/follow.h); polyhedra touch their sharp edges and corners. */
+
+static inline int dem__touch_triangles(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                       double *least) {
+    return dem__touch_mesh(w, d, radius, limit < 0.0 ? limit : 0.0, limit, out, least);
+}
+
+/* Keys of an edge and its corner. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the order of
+   the tree. */
+enum { DEM__SHARP_KEYS = 1 + DEM__EDGE_KEYS, DEM__SHARP_EDGES_MAX = (1 << 30) / DEM__SHARP_KEYS };
+DEM_INLINE int32_t dem__sharp_key(int32_t at) {
+    return DEM_CORNERS_MAX * DEM__PLACE_DIRECTIONS + (int32_t)((int64_t)(at % DEM__SHARP_EDGES_MAX) * DEM__SHARP_KEYS);
+}
+
+/* Shows the sharp edges and corners of a triangle. */
+static inline void dem__show_triangle(const dem_wall *w, int32_t k, dem_vec d, dem__edge_visitor *v) {
+    const dem__tree *t = w->tree;
+    for (int32_t at = 3 * k; at < 3 * k + 3; at++) {
+        const int kind = t->edges->kind[at];
+        dem__wall_edge e;
+        if (!(kind & (DEM__EDGE | DEM__CORNER))) continue;
+        memset(&e, 0, sizeof e);
+        e.key = dem__sharp_key(at);
+        e.from = dem__sub(dem__from_frame(w, t->vertex[t->corner[at]]), d);
+        if (kind & DEM__CORNER) v->corner(v, e.from, 0.0, dem__from_frame(w, t->edges->tip[at]), e.key);
+        if (!(kind & DEM__EDGE)) continue;
+        e.to = dem__sub(dem__from_frame(w, t->vertex[t->corner[at % 3 < 2 ? at + 1 : at - 2]]), d);
+        e.ends = (kind & DEM__FROM_END ? 1 : 0) | (kind & DEM__TO_END ? 2 : 0);
+        e.is_sided = !(kind & DEM__RIM), e.outward = dem__from_frame(w, t->edges->outward[at]);
+        e.key++;
+        v->edge(v, &e);
+    }
+}
+static inline void dem__mesh_edges_near(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    const dem__tree *t = w->tree;
+    const dem_vec d = dem__sub(centre, w->position), p = dem__to_frame(w, d);
+    for (int32_t b = 0; b < (t->edges ? t->nodes : 0);) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, p, reach)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) dem__show_triangle(w, k, d, v);
+    }
+}
+
+static const dem__wall_kind dem__triangles = {
+    DEM_MESH,             /* kind */
+    DEM__TRIANGULATED,    /* flags */
+    NULL,                 /* is_sound: triangles are checked as they are read */
+    dem__touch_triangles, /* touch */
+    NULL,                 /* touch_element */
+    NULL,                 /* other_elements */
+    NULL,                 /* reach_round */
+    NULL,                 /* normal_rate: a contact knows its normals */
+    NULL,                 /* is_endless */
+    NULL,                 /* closing */
+    NULL,                 /* corners */
+    dem__mesh_edges_near, /* edges */
+    NULL                  /* crosses */
+};
+
+/* ------------------------------------------------------------------------------------------------ >>walls/screen.h */
+/* Woven screens: two families of bars, round or half-round. Each bar is an element. */
+
+/* Computes the vector `from`, in (along, across, up), from the nearest point of the axis of bar `index` of a family, at
+   (index - 1/2) pitch, to a centre. along: the centre's coordinate parallel to the bars; across: in the deck,
+   perpendicular to them. Returns how far the surface is from that point [m]; < 0 if there is no such bar. */
+DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, double along, double across, double up,
+                                 dem_vec *from) {
+    const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire);
+    const double side = family ? w->half_x : w->half_y, length = family ? w->half_y : w->half_x;
+    const double end2 =
+        w->circular ? (w->half_x - bar) * (w->half_x + bar) : length * length; /* square of its half length */
+    const int beyond = !(along * along <= end2);
+    const double da = !beyond ? 0.0 : along < 0.0 ? along + sqrt(end2) : along - sqrt(end2), dc = across - bar;
+    *from = dem_vec3(da, dc, up);
+    if (w->circular ? !(fabs(bar) < w->half_x) : !(fabs(bar) <= side)) return -1.0;
+    if (w->profile == DEM_ROUND || !(up < 0.0)) return half;
+    /* the flat side is as wide as the wire; its ends are round, seen from below */
+    if (!beyond) {
+        from->y = dc - dem__clamp(dc, -half, half);
+        return 0.0;
+    }
+    const double out_by = sqrt(da * da + dc * dc), rest = out_by > half ? (out_by - half) / out_by : 0.0;
+    from->x = rest * da, from->y = rest * dc;
+    return 0.0;
+}
+
+/* Computes the touch with bar `index` of a family; its normal is in (along, across, up). Returns 0 if there is no such
+   bar. */
+DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up,
+                              double radius, dem__touch *out) {
+    dem_vec from;
+    const double inner = dem__reach_bar(w, family, index, along, across, up, &from);
+    if (!(inner >= 0.0)) return 0;
+    const double distance = dem__length(from);
+    out->gap = distance - inner - radius;
+    out->curvature =
+        1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on where it begins */
+    out->normal = dem__scale(1.0 / distance, from);
+    out->element = 2 * (int32_t)index + family;
+    return distance > 0.0;
+}
+
+/* Converts a vector from (along, across, up) of a family to the world's axes. */
+DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
+    const dem_vec a = dem__scale(v.x, w->axis[family]), c = dem__scale(v.y, w->axis[1 - family]),
+                  u = dem__scale(v.z, w->axis[2]);
+    return dem__add(dem__add(a, c), u);
+}
+
+/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck they
+   are the last two. */
+DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across) {
+    const double pitch = w->aperture + w->wire, half = family ? w->half_x : w->half_y,
+                 nearest = floor(across / pitch + 0.5);
+    if (fabs(across) < half - pitch) return nearest;
+    const double last = floor(half / pitch + 0.5);
+    return dem__clamp(nearest, 1.0 - last, last - 1.0);
+}
+
+/* Returns a lower limit of the gap of all other bars [m]. lowest: the smallest gap found, which counts where it is
+   negative. */
+DEM_INLINE double dem__third_bar(const dem_wall *w, double radius, double lowest) {
+    const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, near = lowest < 0.0 ? sum + lowest : sum;
+    return sqrt(near * near + 0.75 * pitch * pitch) - sum;
+}
+
+static inline int dem__touch_screen(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                    double *least) {
+    const double up = dem__dot(d, w->axis[2]);
+    int n = 0;
+    *least = fabs(up) - radius - 0.5 * w->wire;
+    if (!(*least < limit)) return 0;
+    double bound = HUGE_VAL;
+    for (int family = 0; family < 2; family++) {
+        const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]);
+        const double nearest = dem__nearest_bar(w, family, across);
+        if (!(fabs(nearest) < 1e6)) continue;
+        for (int side = 0; side < 2; side++) {
+            if (!dem__touch_bar(w, family, nearest + side, along, across, up, radius, &out[n])) continue;
+            bound = out[n].gap < bound ? out[n].gap : bound;
+            if (!(out[n].gap < limit)) continue;
+            out[n].normal = dem__from_bar(w, family, out[n].normal);
+            n++;
+        }
+    }
+    const double third = dem__third_bar(w, radius, bound);
+    bound = third < bound ? third : bound;
+    *least = bound > *least ? bound : *least;
+    return n;
+}
+
+/* Finds the family and the index of a bar from the number of the element. */
+DEM_INLINE int dem__family_of(int32_t element) { return (int)((uint32_t)element & 1u); }
+DEM_INLINE double dem__index_of(int32_t element) { return (double)((element - dem__family_of(element)) / 2); }
+
+static inline void dem__touch_element_of_screen(const dem_wall *w, dem_vec d, double radius, int32_t element,
+                                                dem__touch *out) {
+    const int family = dem__family_of(element);
+    out->gap = HUGE_VAL, out->curvature = 0.0, out->normal = w->axis[2];
+    if (dem__touch_bar(w, family, dem__index_of(element), dem__dot(d, w->axis[family]),
+                       dem__dot(d, w->axis[1 - family]), dem__dot(d, w->axis[2]), radius, out))
+        out->normal = dem__from_bar(w, family, out->normal);
+}
+
+static inline double dem__reach_screen(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner) {
+    const int family = dem__family_of(element);
+    const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]),
+                 up = dem__dot(d, w->axis[2]);
+    *inner = dem__reach_bar(w, family, dem__index_of(element), along, across, up, from);
+    *from = dem__from_bar(w, family, *from);
+    return *inner >= 0.0 && dem__dot(*from, *from) > 0.0 ? 1.0 : 0.0;
+}
+
+static inline dem_vec dem__turn_at_screen(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
+                                          double inverse, dem_vec u) {
+    const dem_vec along = w->axis[dem__family_of(element)], side = dem__sub(u, dem__scale(dem__dot(u, n), n));
+    (void)d, (void)radius;
+    if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side); /* at a bar's end */
+    if (w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) <= 1e-12 - 1.0)
+        return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
+    return dem__scale(inverse, dem__plus(side, -dem__dot(side, along), along));
+}
+
+/* Finds the ends of a bar's axis, from the screen's origin. Returns 0 if there is no such bar. */
+static inline int dem__bar_ends(const dem_wall *w, int family, double index, dem_vec end[2]) {
+    const double bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
+    dem_vec from;
+    if (dem__reach_bar(w, family, index, 0.0, bar, 0.0, &from) < 0.0) return 0;
+    const double reach = w->circular ? sqrt((w->half_x - bar) * (w->half_x + bar)) : length;
+    for (int k = 0; k < 2; k++) end[k] = dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0));
+    return 1;
+}
+/* Finds the first and the last bar of a family near a polyhedron at d. reach: its own [m]. */
+DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double reach, double *first, double *last) {
+    const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]),
+                 half = family ? w->half_x : w->half_y;
+    const double low = dem__clamp(across - reach - 0.5 * w->wire, -half, half);
+    const double high = dem__clamp(across + reach + 0.5 * w->wire, -half, half);
+    *first = floor(low / pitch + 0.5), *last = floor(high / pitch + 0.5);
+}
+
+/* Shows the edges of a bar and its ends. A half-round bar is a capsule when touched from above, and two sharp edges
+   when touched from below. */
+static inline void dem__show_bar(const dem_wall *w, int family, double index, dem_vec d, dem__edge_visitor *v) {
+    const double half = 0.5 * w->wire;
+    const int32_t key = DEM__ELEMENT_KEYS * (2 * (int32_t)index + family + DEM__ELEMENTS_FROM) + DEM_CORNERS_MAX;
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    dem__wall_edge e, below;
+    dem_vec end[2];
+    if (!dem__bar_ends(w, family, index, end)) return;
+    for (int k = 0; k < 2; k++) end[k] = dem__sub(end[k], d);
+    for (int k = 0; k < 2; k++) v->corner(v, end[k], half, none, key + k);
+    memset(&e, 0, sizeof e);
+    e.from = end[0], e.to = end[1], e.radius = half, e.ends = 3, e.is_axis = 1, e.key = key + 2;
+    e.side = w->axis[2], e.sign = w->profile == DEM_ROUND ? 0.0 : 1.0;
+    v->edge(v, &e);
+    for (int side = -1; side < 2 && w->profile != DEM_ROUND; side += 2) {
+        const dem_vec off = dem__scale(side * half, w->axis[1 - family]);
+        memset(&below, 0, sizeof below);
+        below.from = dem__add(end[0], off), below.to = dem__add(end[1], off);
+        below.key = key + 2 + DEM__EDGE_KEYS * (side > 0 ? 2 : 1);
+        below.side = w->axis[2], below.sign = -1.0;
+        v->edge(v, &below);
+    }
+}
+static inline void dem__screen_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    const dem_vec d = dem__sub(centre, w->position);
+    double first, last;
+    for (int family = 0; family < 2; family++) {
+        dem__bars_near(w, family, d, reach, &first, &last);
+        for (double index = first; index <= last; index += 1.0) dem__show_bar(w, family, index, d, v);
+    }
+}
+
+/* Returns whether a screen has lengths, and no more bars and apertures than integers count. */
+static inline int dem__is_deck(const dem_wall *w) {
+    const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
+    return (w->profile == DEM_ROUND || w->profile == DEM_SEMICIRCLE) && dem__positive(w->aperture) &&
+           dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 && x * y < 2.5e8;
+}
+
+static const dem__wall_kind dem__woven_screen = {
+    DEM_SCREEN,                   /* kind */
+    DEM__CONVEX,                  /* flags: of each bar */
+    dem__is_deck,                 /* is_sound */
+    dem__touch_screen,            /* touch */
+    dem__touch_element_of_screen, /* touch_element */
+    dem__third_bar,               /* other_elements */
+    dem__reach_screen,            /* reach_round */
+    dem__turn_at_screen,          /* normal_rate */
+    NULL,                         /* is_endless */
+    NULL,                         /* closing */
+    NULL,                         /* corners */
+    dem__screen_edges,            /* edges */
+    NULL                          /* crosses */
+};
+
+DEM_API dem_screen dem_default_screen(void) {
+    dem_screen s;
+    memset(&s, 0, sizeof s);
+    s.aperture = 8e-3;
+    s.wire = 2e-3;
+    s.profile = DEM_SEMICIRCLE;
+    s.circular = 1;
+    s.half_x = s.half_y = 0.095;
+    s.normal = dem_vec3(0, 0, 1);
+    s.direction = dem_vec3(1, 0, 0);
+    return s;
+}
+
+DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen) {
+    dem_wall wall;
+    const dem_status status = dem__may_add_wall(world, material);
+    memset(&wall, 0, sizeof wall);
+    if (status != DEM_OK) return -(int)status;
+    if (!screen || !dem__is_place(screen->centre) || !dem__finite_vec(screen->normal) ||
+        !dem__finite_vec(screen->direction) || !dem__frame(&wall, screen->normal, screen->direction))
+        return -(int)DEM_BAD_ARGUMENT;
+    wall.asked.origin = screen->centre;
+    wall.aperture = screen->aperture;
+    wall.wire = screen->wire;
+    wall.profile = (int)screen->profile;
+    wall.circular = screen->circular != 0;
+    wall.half_x = screen->half_x;
+    wall.half_y = screen->circular ? screen->half_x : screen->half_y;
+    if (!dem__is_deck(&wall)) return -(int)DEM_BAD_ARGUMENT;
+    return dem__add_wall(world, &dem__woven_screen, material, &wall);
+}
+
+/* ------------------------------------------------------------------------------------------------ >>walls/sphere.h */
+/* Spheres as walls: hollow, with particles inside, or solid ones with particles outside. */
+
+static inline int dem__touch_sphere(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                    double *least) {
+    return dem__touch_round(w, d, 1.0, radius, limit, out, least);
+}
+
+static inline double dem__reach_sphere(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner) {
+    (void)element;
+    return dem__side_of_round(w, d, from, inner);
+}
+
+static inline dem_vec dem__turn_at_sphere(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
+                                          double inverse, dem_vec u) {
+    (void)w, (void)d, (void)radius, (void)element;
+    return dem__scale(inverse, dem__sub(u, dem__scale(dem__dot(u, n), n)));
+}
+
+/* A solid sphere touches a polyhedron as a corner of a wall does, with all of its surface. */
+static inline int dem__sphere_corners(const dem_wall *w) { return w->inside ? DEM__CORNERS_ALL : DEM__CORNERS_NONE; }
+static inline void dem__sphere_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    (void)reach;
+    if (!w->inside) v->corner(v, dem__sub(w->position, centre), w->radius, dem_vec3(0.0, 0.0, 0.0), 0);
+}
+
+static const dem__wall_kind dem__sphere = {
+    DEM_SPHERE,          /* kind */
+    0,                   /* flags */
+    dem__is_round,       /* is_sound */
+    dem__touch_sphere,   /* touch */
+    NULL,                /* touch_element */
+    NULL,                /* other_elements */
+    dem__reach_sphere,   /* reach_round */
+    dem__turn_at_sphere, /* normal_rate */
+    NULL,                /* is_endless */
+    NULL,                /* closing */
+    dem__sphere_corners, /* corners */
+    dem__sphere_edges,   /* edges */
+    NULL                 /* crosses */
+};
+
+DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside) {
+    return dem__add_round(world, &dem__sphere, material, centre, dem_vec3(0, 0, 1), radius, inside);
+}
+
+/* ------------------------------------------------------------------------------------------------- >>walls/kinds.h */
+/* All kinds of walls. A new kind is a file like these and a row here; its name is in base/types.h. */
+
+static const dem__wall_kind *const dem__wall_kinds[] = {
+    &dem__plane, &dem__cylinder, &dem__woven_screen, &dem__exit, &dem__sphere, &dem__cone, &dem__triangles,
+};
+
+/* Returns the row of a kind; NULL for an unknown kind. */
+static inline const dem__wall_kind *dem__find_kind(int kind) {
+    for (size_t k = 0; k < sizeof dem__wall_kinds / sizeof *dem__wall_kinds; k++) {
+        if (dem__wall_kinds[k]->kind == kind) return dem__wall_kinds[k];
+    }
+    return NULL;
+}
+
+/* ---------------------------------------------------------------------------------------------------- >>gas/laws.h */
+/* Laws of drag: pure functions of scalars. */
+
+/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], of a particle among others. For Re
+   = density porosity |slip| d/viscosity, d the diameter of the sphere of equal volume, slip the velocity of the gas
+   between the particles minus the particle's. The force is (pi/8) viscosity d (c_D Re) slip, apart from the pressure
+   gradient: finite, and right, at rest. porosity: 0 < .. <= 1. NaN outside: Re < 0, another porosity. */
+typedef double (*dem_drag_fn)(double reynolds, double porosity, const dem_gas *gas);
+
+/* Returns x^power of x > 0. */
+DEM_INLINE double dem__drag_power(double x, double power) { return riddle_exp(power * riddle_log(x)); }
+DEM_INLINE int dem__is_drag(double reynolds, double porosity) {
+    return reynolds >= 0.0 && porosity > 0.0 && porosity <= 1.0;
+}
+
+/* Returns the exponent chi of the porosity (Di Felice 1994). reynolds: at the superficial slip [-] >= 0. */
+DEM_INLINE double dem_di_felice(double reynolds) {
+    if (!(reynolds >= 0.0)) return (double)NAN;
+    const double off = 1.5 - riddle_log(reynolds) / 2.302585092994045684; /* infinite at rest, where chi is 3.7 */
+    return reynolds > 0.0 ? 3.7 - 0.65 * riddle_exp(-0.5 * off * off) : 3.7;
+}
+/* Returns by what other particles raise c_D Re of a single one (Di Felice 1994): porosity^(1 - chi), where both have the
+   superficial slip, and the force counts on the slip between the particles; 1 alone. A law for single particles is
+   multiplied by it. */
+DEM_INLINE double dem_hindrance_di_felice(double reynolds, double porosity) {
+    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
+    return porosity < 1.0 ? dem__drag_power(porosity, 1.0 - dem_di_felice(reynolds)) : 1.0;
+}
+
+/* Returns c_D Re of single spheres by Schiller & Naumann 1933; beyond Re = 1000 by Newton's 0.44. */
+DEM_INLINE double dem__drag_of_sphere(double reynolds) {
+    if (reynolds > 1000.0) return 0.44 * reynolds;
+    return reynolds > 0.0 ? 24.0 + 3.6 * dem__drag_power(reynolds, 0.687) : 24.0;
+}
+
+/* Returns c_D Re by Stokes 1851, among others by Di Felice. */
+DEM_INLINE double dem_drag_stokes(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    return 24.0 * dem_hindrance_di_felice(reynolds, porosity);
+}
+
+/* Returns c_D Re by Schiller & Naumann 1933, for spheres, beyond Re = 1000 by Newton's 0.44; among others by Di Felice.
+ */
+DEM_INLINE double dem_drag_schiller_naumann(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    const double hindrance = dem_hindrance_di_felice(reynolds, porosity); /* NaN outside the domain */
+    return dem__drag_of_sphere(reynolds) * hindrance;
+}
+
+/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets; among others by Di
+   Felice. */
+DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, double porosity, const dem_gas *gas) {
+    const double alone = gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
+    return alone * dem_hindrance_di_felice(reynolds, porosity);
+}
+
+/* Returns c_D Re by Gidaspow 1994, for spheres: below a porosity of 0.8 by Ergun 1952, from there on by Wen & Yu 1966.
+   It jumps there. */
+DEM_INLINE double dem_drag_gidaspow(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
+    if (porosity < 0.8) return (200.0 * (1.0 - porosity) + 7.0 / 3.0 * reynolds) / porosity;
+    const double alone = dem__drag_of_sphere(reynolds);
+    return porosity < 1.0 ? alone * dem__drag_power(porosity, -2.65) : alone;
+}
+
+/* Returns c_D Re by Beetstra, van der Hoef & Kuipers 2007, eq. 16, for spheres: from lattice-Boltzmann simulations with
+   porosities of 0.4 and more, Re up to 1000. */
+DEM_INLINE double dem_drag_beetstra(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
+    const double solid = 1.0 - porosity, square = porosity * porosity;
+    double force = 10.0 * solid / square + square * (1.0 + 1.5 * sqrt(solid)); /* over 3 pi viscosity d (superficial) */
+    if (reynolds > 0.0) {
+        const double ten = 2.302585092994045684, log_re = riddle_log(reynolds);
+        const double sum = 1.0 / porosity + 3.0 * porosity * solid + 8.4 * riddle_exp(-0.343 * log_re);
+        const double fade = 1.0 + riddle_exp(3.0 * ten * solid - 0.5 * (1.0 + 4.0 * solid) * log_re);
+        force += 0.413 / 24.0 * reynolds / square * sum / fade;
+    }
+    return 24.0 * porosity * force;
+}
+
+/* Returns c_D Re by Hill, Koch & Ladd 2001 (Koch & Hill 2001), for spheres: F0 + F3 Re/2, from lattice-Boltzmann
+   simulations with porosities of 0.36 and more, Re up to 240. Their F contains the pressure gradient's part, 1 -
+   porosity of it. In dilute gas it is only right at small Re. */
+DEM_INLINE double dem_drag_koch_hill(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
+    const double solid = 1.0 - porosity, square = porosity * porosity;
+    const double logarithm = solid > 0.0 ? 135.0 / 64.0 * solid * riddle_log(solid) : 0.0;
+    const double slow = solid < 0.4 ? (1.0 + 3.0 * sqrt(0.5 * solid) + logarithm + 16.14 * solid) /
+                                          (1.0 + solid * (0.681 + solid * (-8.48 + solid * 8.16)))
+                                    : 10.0 * solid / (square * porosity);
+    const double fast = 0.0673 + 0.212 * solid + 0.0232 / (square * square * porosity);
+    return 24.0 * square * (slow + 0.5 * fast * reynolds);
+}
+
+/* The frame of a gas at a time: its centre and its rotation. */
+typedef struct dem__gas_frame {
+    dem_vec centre;
+    double s, c; /* sine and cosine of the angle of rotation */
+} dem__gas_frame;
+DEM_INLINE dem__gas_frame dem__gas_frame_at(const dem_gas *gas, double time) {
+    const double t = time - gas->start;
+    dem__gas_frame f;
+    f.centre = dem__plus(gas->centre, t, gas->drift);
+    f.s = 0.0, f.c = 1.0;
+    if (gas->spin != 0.0) {
+        const double turns = gas->spin * t / (2.0 * RIDDLE_PI), angle = 2.0 * RIDDLE_PI * (turns - floor(turns));
+        f.s = riddle_sin(angle), f.c = riddle_cos(angle);
+    }
+    return f;
+}
+/* Returns v turned by the frame's angle, or with sign -1 turned back. */
+DEM_INLINE dem_vec dem__turned(const dem_gas *gas, const dem__gas_frame *f, dem_vec v, double sign) {
+    const double along = (1.0 - f->c) * dem__dot(gas->axis, v);
+    return dem__plus(dem__plus(dem__scale(f->c, v), sign * f->s, dem__cross(gas->axis, v)), along, gas->axis);
+}
+
+/* A place of the grid: the node below it, and its distance from that node in cells. */
+typedef struct dem__gas_cell {
+    ptrdiff_t first, next[3];
+    double part[3];
+} dem__gas_cell;
+/* Finds the cell of a place in the frame. Returns 0 beyond the grid. */
+DEM_INLINE int dem__gas_cell_of(const dem_gas *gas, dem_vec at, dem__gas_cell *cell) {
+    ptrdiff_t stride = 1;
+    cell->first = 0;
+    for (int a = 0; a < 3; a++) {
+        const double low = dem_axis(gas->low, a), high = dem_axis(gas->high, a), x = dem_axis(at, a);
+        cell->next[a] = 0, cell->part[a] = 0.0;
+        if (!(x >= low && x <= high)) return 0;
+        if (gas->n[a] < 2) continue;
+        const double u = (x - low) / (high - low) * (gas->n[a] - 1);
+        int k = (int)u;
+        k = k > gas->n[a] - 2 ? gas->n[a] - 2 : k;
+        cell->first += k * stride;
+        cell->next[a] = stride;
+        cell->part[a] = u - k;
+        stride *= gas->n[a];
+    }
+    return 1;
+}
+/* Returns component `of` of `size` at a place, interpolated trilinearly. */
+DEM_INLINE double dem__gas_value(const double *values, const dem__gas_cell *cell, int size, int of) {
+    double sum = 0.0;
+    for (int corner = 0; corner < 8; corner++) {
+        ptrdiff_t node = cell->first;
+        double weight = 1.0;
+        for (int a = 0; a < 3; a++) {
+            node += corner >> a & 1 ? cell->next[a] : 0;
+            weight *= corner >> a & 1 ? cell->part[a] : 1.0 - cell->part[a];
+        }
+        sum += weight * values[node * size + of];
+    }
+    return sum;
+}
+DEM_INLINE dem_vec dem__gas_vector(const dem_gas *gas, const dem__gas_frame *f, const double *values,
+                                   const dem__gas_cell *cell) {
+    return dem__turned(gas, f,
+                       dem_vec3(dem__gas_value(values, cell, 3, 0), dem__gas_value(values, cell, 3, 1),
+                                dem__gas_value(values, cell, 3, 2)),
+                       1.0);
+}
+
+/* Returns the velocity of the gas in the world at x, which lies in a cell. */
+DEM_INLINE dem_vec dem__gas_speed(const dem_gas *gas, const dem__gas_frame *f, const dem__gas_cell *cell, dem_vec x) {
+    dem_vec u = gas->drift;
+    if (gas->spin != 0.0) u = dem__plus(u, gas->spin, dem__cross(gas->axis, dem__sub(x, f->centre)));
+    return gas->velocity ? dem__add(u, dem__gas_vector(gas, f, gas->velocity, cell)) : u;
+}
+
+/* Returns the force of a gas on a particle [N]: drag, alone or among others, pressure gradient, buoyancy; 0 beyond the
+   grid. */
+DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, dem_drag_fn drag) {
+    const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
+    const double d = 2.0 * at->radius, volume = RIDDLE_PI / 6.0 * d * d * d;
+    dem_vec place = dem__sub(at->position, f.centre);
+    dem__gas_cell cell;
+    if (gas->spin != 0.0) place = dem__turned(gas, &f, place, -1.0);
+    if (!dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell)) return dem_vec3(0.0, 0.0, 0.0);
+    const dem_vec slip = dem__sub(dem__gas_speed(gas, &f, &cell, at->position), at->velocity);
+    const double porosity = gas->porosity ? dem__gas_value(gas->porosity, &cell, 1, 0) : 1.0;
+    const double reynolds = gas->density * porosity * dem__length(slip) * d / gas->viscosity;
+    dem_vec force = dem__scale(RIDDLE_PI / 8.0 * gas->viscosity * d * drag(reynolds, porosity, gas), slip);
+    if (gas->pressure_gradient)
+        force = dem__plus(force, -volume, dem__gas_vector(gas, &f, gas->pressure_gradient, &cell));
+    return gas->buoyancy ? dem__plus(force, -gas->density * volume, at->gravity) : force;
+}
+
+/* Makes the kernel of a force field of drag in a gas from a law of drag: DEM_GAS(name, dem_drag_schiller_naumann), or
+   one of yours. */
+#define DEM_GAS(name, drag)                                                                                            \
+    DEM_INLINE dem_vec name##_force(const dem_force_point *at) {                                                       \
+        return dem_gas_force(at, (const dem_gas *)at->user, drag);                                                     \
+    }                                                                                                                  \
+    DEM_FORCE_FIELD(name, name##_force)
+
+/* Bodies: the parts that no other one includes. */
+#ifdef DEM__BODIES
+
+/* ----------------------------------------------------------------------------------------------- >>base/parallel.h */
+/* The loops of a step on several threads. Promises: no result depends on the number of threads. */
+
+/* Runs the tasks of a loop one after the other. */
+static inline void dem__run_alone(int tasks, void (*task)(void *context, int index), void *context) {
+    for (int q = 0; q < tasks; q++) task(context, q);
+}
+
+#ifdef _OPENMP
+/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer
+   than the work takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task
+   that was interrupted counts as at most three times the first, which the waiting thread ran itself. After a loss of 2
+   ms, loops run on one thread for 20 ms, and for twice as long each time that threads lose again soon after. */
+static inline void dem__judge_threads(dem__pace *pace, double start, double end, const double *spent, int tasks) {
+    double alone = 0.0;
+    for (int q = 0; q < tasks; q++) alone += spent[q] < 3.0 * spent[0] ? spent[q] : 3.0 * spent[0];
+    pace->loss += end - start - alone;
+    if (!(pace->loss > 0.0)) pace->loss = 0.0;
+    if (!(pace->loss > 2e-3)) return;
+    pace->rest = end > pace->alone_until + 5.0 * pace->rest ? 0.02 : 2.0 * pace->rest;
+    if (pace->rest > 2.0) pace->rest = 2.0;
+    pace->alone_until = end + pace->rest;
+    pace->loss = 0.0;
+}
+
+/* Runs the tasks of a loop on OpenMP's threads, or on one while these lose time. */
+static inline void dem__run_openmp(dem__pace *pace, int tasks, void (*task)(void *context, int index), void *context) {
+    const double start = omp_get_wtime();
+    double spent[DEM__PARTS_MAX];
+    int q;
+    if (start < pace->alone_until) {
+        dem__run_alone(tasks, task, context);
+        return;
+    }
+#pragma omp parallel for schedule(static, 1) num_threads(tasks)
+    for (q = 0; q < tasks; q++) {
+        const double began = omp_get_wtime();
+        task(context, q);
+        spent[q] = omp_get_wtime() - began;
+    }
+    dem__judge_threads(pace, start, omp_get_wtime(), spent, tasks);
+}
+#endif
+
+/* Runs task(context, index) for every index below `tasks`: on the host's threads, on OpenMP's, or one after the other.
+ */
+static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *context, int index), void *context) {
+    if (tasks == 1) task(context, 0); /* a parallel region would cost more than the work of a dilute step */
+    else if (w->def.parallel) w->def.parallel(w->def.parallel_user, tasks, task, context);
+    else {
+#ifdef _OPENMP
+        dem__run_openmp(&w->engine->pace, tasks, task, context);
+#else
+        dem__run_alone(tasks, task, context);
+#endif
+    }
+}
+
+/* Returns the number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for
+   waking a thread. */
+DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
+    const int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
+#ifndef _OPENMP
+    if (!w->def.parallel) return 1;
+#endif
+    return threads == 1 || n < 256 * (ptrdiff_t)threads ? 1 : threads;
+}
+
+/* Returns the same, but at most `most`. */
+DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
+    const int parts = dem__parts(w, n);
+    return parts < most ? parts : most;
+}
+
+/* Returns the first of n items that belongs to a part. */
+DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) {
+    return n / parts * part + (n % parts < part ? n % parts : part);
+}
+
+/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no
+   long lead. */
+DEM_INLINE ptrdiff_t dem__prefetch_from(ptrdiff_t n, ptrdiff_t ahead) { return n < ahead ? -n : -ahead; }
+
+/* Runs a loop over the items first .. end - 1 of part `part`. context: what the loop needs. */
+typedef void dem__range_fn(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context);
+typedef struct dem__split {
+    dem_world *w;
+    dem__range_fn *loop;
+    void *context;
+    ptrdiff_t n;
+    int parts;
+} dem__split;
+
+static inline void dem__run_part(void *context, int q) {
+    const dem__split *s = (const dem__split *)context;
+    s->loop(s->w, dem__part(s->n, q, s->parts), dem__part(s->n, q + 1, s->parts), q, s->context);
+}
+
+/* Runs a loop over n items in `parts` parts. */
+static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__range_fn *loop, void *context) {
+    dem__split split;
+    if (parts == 1) { /* saves the divisions of dem__part */
+        loop(w, 0, n, 0, context);
+        return;
+    }
+    split.w = w;
+    split.loop = loop;
+    split.context = context;
+    split.n = n;
+    split.parts = parts;
+    dem__parallel(w, parts, dem__run_part, &split);
+}
+
 /* ----------------------------------------------------------------------------------------------- >>energy/ledger.h */
 /* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its
    sums, but step/step.h sets where they start. */
-
-/* Returns whether a wall is enabled and acts on particle i. */
-DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
-    return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
-}
 
 /* Returns the first of two vectors: the force of a wrench. */
 DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
@@ -3742,9 +4502,11 @@ DEM_INLINE double dem__turn_stride(dem_vec momentum, dem_vec moments) {
     return size > 0.0 ? 0.25 * smallest / size : HUGE_VAL;
 }
 
-/* Rotates a free body with three moments for any time, in steps of at most a quarter radian. */
+/* Rotates a free body with three moments for a time of a few steps, in strides of at most a quarter radian. A body that
+   turns by more, as only a forged save may have one, is left as it is. */
 static inline dem_quaternion dem__turn_far(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     const double steps = floor(fabs(t) / dem__turn_stride(momentum, moments)) + 1.0, h = t / steps;
+    if (!(steps < 1e5)) return q;
     for (double n = 0.0; n < steps; n += 1.0) q = dem__turn_nine(q, momentum, moments, h);
     return q;
 }
@@ -4483,7 +5245,7 @@ DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t
     r->x = d.x, r->y = d.y, r->z = d.z, r->reach = pair->distance + 2.0 * w->engine->pairs.position_tolerance;
 }
 
-/* ------------------------------------------------------------------------------------------------- >>walls/exits.h */
+/* --------------------------------------------------------------------------------------------- >>particles/exits.h */
 /* The records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises:
    the order of records does not depend on the order of tests. */
 
@@ -4544,7 +5306,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
 
 /* ------------------------------------------------------------------------------------------------ >>search/tests.h */
 /* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the
-   last chunk. Relies on search/timers.h and walls/kinds.h. */
+   last chunk. */
 
 /* Returns the slot of contact k. In public functions contacts are numbered from 0 in the order of slots. */
 DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
@@ -4652,8 +5414,8 @@ DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
 DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     if (dem__is_fixed(w, i)) return 0;
     if (dem__shape_of(w, i))
-        return w->wall[wall].kind == DEM_EXIT; /* others: by corners and edges, in polyhedra/pairs.h */
-    if (w->wall[wall].kind == DEM_SCREEN) return 1;
+        return !dem__has_surface(&w->wall[wall]); /* others: by corners and edges, in polyhedra/pairs.h */
+    if (dem__has_elements(&w->wall[wall])) return 1;
     for (int32_t c = w->engine->walls.first_contact[i]; c >= 0; c = w->engine->contacts.wall_next[c]) {
         if (w->engine->contacts.j[c] == -1 - wall) return 0;
     }
@@ -4678,18 +5440,6 @@ DEM_INLINE dem_vec dem__place_before(const dem_world *w, ptrdiff_t c) {
     return dem__place_vec(w, DEM__PLACE_BEFORE, c);
 }
 DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_ARM, c); }
-DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    dem__footing f;
-    f.at = dem__place_vec(w, DEM__PLACE_FOOTING, c);
-    f.slack = place[DEM__PLACE_SLACK][c], f.face = (int32_t)place[DEM__PLACE_FACE][c];
-    return f;
-}
-DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *f) {
-    double *const *place = w->engine->contacts.touch;
-    dem__set_place_vec(w, DEM__PLACE_FOOTING, c, f->at);
-    place[DEM__PLACE_SLACK][c] = f->slack, place[DEM__PLACE_FACE][c] = (double)f->face;
-}
 /* Moves the contact in slot c to a place of its mesh. */
 DEM_INLINE void dem__set_touch(dem_world *w, ptrdiff_t c, const dem__touch *touch) {
     dem__set_place_vec(w, DEM__PLACE_NORMAL, c, touch->normal);
@@ -4702,143 +5452,12 @@ static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, con
     dem__contacts *contacts = &w->engine->contacts;
     if (!dem__new_contact(w, i, -1 - wall, element, -1)) return 0;
     const ptrdiff_t c = dem__next_slot(w) - 1;
-    if (w->wall[wall].kind == DEM_CONE) contacts->touch[DEM__CONE_CURVATURE][c] = touch->curvature;
-    if (w->wall[wall].kind != DEM_MESH) return 1;
+    if (dem__has(&w->wall[wall], DEM__KEEPS_CURVATURE)) contacts->touch[DEM__KEPT_CURVATURE][c] = touch->curvature;
+    if (!dem__has(&w->wall[wall], DEM__TRIANGULATED)) return 1;
     dem__set_touch(w, c, touch);
     contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing yet */
     dem__set_place_vec(w, DEM__PLACE_BEFORE, c, touch->normal);
     return 1;
-}
-
-/* Lists the contacts of particle i with wall k in the order of elements. Returns their number, at most DEM__NUMBERS. */
-DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t *slot) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    int n = 0;
-    for (int32_t c = w->engine->walls.first_contact[i]; c >= 0 && n < DEM__NUMBERS; c = contacts->wall_next[c]) {
-        if (contacts->j[c] != -1 - k) continue;
-        int q = n++;
-        for (; q > 0 && contacts->element[slot[q - 1]] > contacts->element[c]; q--) slot[q] = slot[q - 1];
-        slot[q] = c;
-    }
-    return n;
-}
-
-/* Where particle i touches mesh k. */
-typedef struct dem__mesh_places {
-    dem__touch touch[DEM__TOUCHES];
-    int n, taken, used; /* number of places; bits: places that have a contact, elements of the contacts */
-} dem__mesh_places;
-
-/* Moves the contacts of particle i with mesh k, in the listed slots, to a step to which the wall has been moved. Each
-   continues at the deepest place whose normal is near its own, or ends. Returns the places; none if the only contact
-   rests on its footing. */
-static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step,
-                                     dem__mesh_places *at) {
-    dem__contacts *contacts = &w->engine->contacts;
-    const dem_wall *wall = &w->wall[k];
-    const double tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
-    const dem_vec x = dem__at(w, i, tau), d = dem__sub(x, wall->position);
-    const double speed =
-        dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
-    const double radius = w->particle[i].radius, near = w->engine->links.near,
-                 leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact opens in a step */
-        deep = leaves > near ? leaves : near;
-    dem__footing footing = dem__footing_of(w, slot[0]);
-    double least;
-    at->n = at->taken = at->used = 0;
-    if (slots == 1 && dem__keeps_footing(wall, &footing, d, radius, deep, at->touch)) {
-        dem__set_touch(w, slot[0], at->touch);
-        return;
-    }
-    at->n = dem__touch_mesh(wall, d, radius, deep, radius, at->touch, &least);
-    for (int m = 0; m < slots; m++) {
-        const int32_t c = slot[m];
-        int q = 0;
-        at->used |= 1 << contacts->element[c];
-        while (q < at->n &&
-               ((at->taken >> q & 1) || !(dem__dot(at->touch[q].normal, dem__place_normal(w, c)) > DEM__SMOOTH)))
-            q++;
-        if (q == at->n) { /* merged with another: it ends without a force, whatever its depth */
-            contacts->touch[DEM__PLACE_GAP][c] = w->particle[i].radius;
-            contacts->force[c] = 0.0;
-            continue;
-        }
-        at->taken |= 1 << q;
-        dem__set_touch(w, c, &at->touch[q]);
-    }
-    footing.slack = 0.0;
-    if (slots == 1 && at->n == 1 && at->taken) footing = dem__find_footing(wall, d, radius, at->touch);
-    for (int m = 0; m < slots; m++) dem__set_footing(w, slot[m], &footing);
-}
-
-/* Returns whether place q touches and has no contact. */
-DEM_INLINE int dem__is_place_left(const dem__mesh_places *at, int q) {
-    return !(at->taken >> q & 1) && at->touch[q].gap < 0.0;
-}
-static inline int dem__are_places_left(const dem__mesh_places *at) {
-    for (int q = 0; q < at->n; q++) {
-        if (dem__is_place_left(at, q)) return 1;
-    }
-    return 0;
-}
-
-/* Begins contacts of particle i with mesh k at the places that are left, as long as there are free elements. */
-static inline void dem__begin_at_places(dem_world *w, ptrdiff_t i, int k, dem__mesh_places *at) {
-    for (int q = 0; q < at->n; q++) {
-        int32_t element = 0;
-        if (!dem__is_place_left(at, q)) continue;
-        while (at->used >> element & 1) element++;
-        if (element == DEM__NUMBERS) return;
-        at->used |= 1 << element;
-        if (!dem__new_wall_contact(w, i, k, &at->touch[q], element)) return;
-    }
-}
-
-/* Lists the contacts of a particle with a mesh if slot c holds the first of them. Returns their number, otherwise 0. */
-static inline int dem__contacts_at_mesh(const dem_world *w, ptrdiff_t c, int32_t *slot) {
-    const int k = -1 - (int)w->engine->contacts.j[c];
-    if (k < 0 || w->wall[k].kind != DEM_MESH || dem__is_convex_contact(w, c))
-        return 0; /* those of a polyhedron follow its points */
-    const int slots = dem__contacts_at(w, w->engine->contacts.i[c], k, slot);
-    return slots > 0 && slot[0] == c ? slots : 0;
-}
-
-/* Moves the contacts of chunks first .. end-1. Notes in contacts.edge, which is free before the kernel, where places
-   are left: contacts begin on one thread. */
-static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
-    dem__contacts *contacts = &w->engine->contacts;
-    (void)part;
-    for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
-        for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
-            int32_t slot[DEM__NUMBERS];
-            dem__mesh_places at;
-            const int slots = dem__contacts_at_mesh(w, c, slot);
-            contacts->edge[c] = 0;
-            if (slots == 0) continue;
-            for (int m = 0; m < slots; m++)
-                dem__set_place_vec(w, DEM__PLACE_BEFORE, slot[m], dem__place_normal(w, slot[m]));
-            dem__match_places(w, contacts->i[c], -1 - (int)contacts->j[c], slot, slots, *(const int64_t *)step, &at);
-            contacts->edge[c] = (uint8_t)dem__are_places_left(&at);
-        }
-    }
-}
-
-/* Moves contacts with meshes to a step to which the walls have been moved, and begins those at other places of meshes
-   that particles touch already. */
-static inline void dem__follow_meshes(dem_world *w, int64_t step) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const ptrdiff_t end = dem__next_slot(w);
-    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count,
-                  dem__find_followers, &step);
-    DEM__EACH_CONTACT(w, c) {
-        int32_t slot[DEM__NUMBERS];
-        dem__mesh_places at;
-        if (c >= end || !contacts->edge[c] || w->status != DEM_OK) continue;
-        const ptrdiff_t i = contacts->i[c];
-        const int k = -1 - (int)contacts->j[c], slots = dem__contacts_at_mesh(w, c, slot);
-        dem__match_places(w, i, k, slot, slots, step, &at);
-        dem__begin_at_places(w, i, k, &at);
-    }
 }
 
 /* Returns whether a point is beyond an exit. A rigid body leaves when its centre of mass is, and the centre of one of
@@ -4847,20 +5466,13 @@ static inline int dem__has_passed(const dem_wall *wall, dem_vec x) {
     return dem__dot(dem__sub(x, wall->position), wall->axis[2]) < 0.0;
 }
 
-/* Returns an acceleration [m/s2]: on a straight path at u, from_axis [m] off a wall's axis, the distance from the axis
-   grows by no more than the outward velocity and this acceleration give: u_side^2 / from_axis. */
-DEM_INLINE double dem__bend(const dem_wall *wall, dem_vec u, double from_axis) {
-    const double along = dem__dot(u, wall->axis[2]);
-    return from_axis > 0.0 ? (dem__dot(u, u) - along * along) / from_axis : HUGE_VAL;
-}
-
-/* Returns a lower limit of the gap of bars that are not among those found [m]. */
-static inline double dem__other_bars(const dem_world *w, const dem_wall *wall, double radius, const dem__touch *touch,
-                                     int found) {
+/* Returns a lower limit of the gap of elements that are not among those found [m]. */
+static inline double dem__other_elements(const dem_world *w, const dem_wall *wall, double radius,
+                                         const dem__touch *touch, int found) {
     double lowest = 0.0;
     for (int q = 0; q < found; q++) lowest = touch[q].gap < lowest ? touch[q].gap : lowest;
-    const double third = dem__third_bar(wall, radius, lowest);
-    return third < w->engine->pairs.wall_reach ? third : w->engine->pairs.wall_reach;
+    const double others = wall->kind__->other_elements(wall, radius, lowest);
+    return others < w->engine->pairs.wall_reach ? others : w->engine->pairs.wall_reach;
 }
 
 /* Returns how far x is from a face of the periodic box beyond which the wall does not continue [m]: walls are not
@@ -4868,10 +5480,10 @@ static inline double dem__other_bars(const dem_world *w, const dem_wall *wall, d
 static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wall, dem_vec x) {
     double least = HUGE_VAL;
     for (int a = 0; a < 3; a++) {
-        const double along = fabs(dem_axis(wall->axis[2], a)), at = dem_axis(x, a);
-        const int flat = (wall->kind == DEM_PLANE || wall->kind == DEM_EXIT) && along == 0.0,
-                  tube = wall->kind == DEM_CYLINDER && along == 1.0;
-        if (!w->def.periodic[a] || (wall->spin_bound == 0.0 && (flat || tube))) continue;
+        const double at = dem_axis(x, a);
+        if (!w->def.periodic[a] ||
+            (wall->spin_bound == 0.0 && wall->kind__->is_endless && wall->kind__->is_endless(wall, a)))
+            continue;
         const double below = at - dem_axis(w->def.low, a), above = dem_axis(w->def.high, a) - at;
         least = below < least ? below : least;
         least = above < least ? above : least;
@@ -4900,17 +5512,13 @@ static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test 
                  near = w->engine->links.near + w->engine->pairs.position_tolerance, radius = w->particle[t->i].radius;
     const dem_vec u = dem__sub(t->v, wall->velocity), g = dem__free_fall(w);
     double a = w->engine->pairs.gravity_size + wall->acceleration_bound, least = HUGE_VAL;
-    if (t->found == 0 || wall->asked.drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 ||
+    if (t->found == 0 || wall->asked.drive != DEM_KINEMATIC || !dem__has(wall, DEM__CONVEX) || wall->spin != 0.0 ||
         !(a < HUGE_VAL))
         return 0.0;
-    if (wall->kind == DEM_SCREEN) least = dem__time_to_close(t->others - near, dem__length(u) + stray, a);
-    if (wall->kind == DEM_CYLINDER) {
-        const double along = dem__dot(g, wall->axis[2]), from_axis = wall->radius - radius - t->touch->gap;
-        a = sqrt(fabs(dem__dot(g, g) - along * along)) + wall->side_bound;
-        if (wall->inside) a += dem__bend(wall, u, from_axis);
-    }
+    if (dem__has_elements(wall)) least = dem__time_to_close(t->others - near, dem__length(u) + stray, a);
+    if (wall->kind__->closing) a = wall->kind__->closing(wall, t->touch, radius, g, u);
     for (int q = 0; q < t->found; q++) {
-        if (wall->kind != DEM_EXIT && dem__touches_element(w, t->i, t->k, t->touch[q].element)) continue;
+        if (dem__has_surface(wall) && dem__touches_element(w, t->i, t->k, t->touch[q].element)) continue;
         const double time = dem__time_to_close(t->touch[q].gap - near, stray - dem__dot(u, t->touch[q].normal), a);
         least = time < least ? time : least;
     }
@@ -4930,8 +5538,8 @@ static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t
 static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
     const double near = w->engine->links.near;
     int touches = 0;
-    if (t->wall->kind == DEM_SCREEN)
-        t->others = dem__other_bars(w, t->wall, w->particle[t->i].radius, t->touch, t->found);
+    if (dem__has_elements(t->wall))
+        t->others = dem__other_elements(w, t->wall, w->particle[t->i].radius, t->touch, t->found);
     t->clear = t->others;
     for (int q = 0; q < t->found; q++) {
         const dem__touch *place = &t->touch[q];
@@ -4942,7 +5550,7 @@ static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
             touches = 1;
         } else t->clear = place->gap - near < t->clear ? place->gap - near : t->clear;
     }
-    return !touches || t->wall->kind == DEM_SCREEN;
+    return !touches || dem__has_elements(t->wall);
 }
 
 /* Returns a limit of the speed at which particle and wall approach each other now [m/s]. most: number of steps for
@@ -4990,11 +5598,11 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
         t.x = dem__in_box(w, t.x); /* where the step will put it: bars are told apart by their place */
     t.others = w->engine->pairs.wall_reach;
     t.found = dem__touch_wall(t.wall, t.x, radius, skips ? t.others : w->engine->links.near, t.touch, &t.clear);
-    if (t.wall->kind == DEM_EXIT && t.clear < 0.0) {
+    if (!dem__has_surface(t.wall) && t.clear < 0.0) {
         dem__test_exit(w, &t, e, step);
         return;
     }
-    if (t.wall->kind != DEM_EXIT && t.found > 0 && !dem__begin_at_wall(w, &t)) return;
+    if (dem__has_surface(t.wall) && t.found > 0 && !dem__begin_at_wall(w, &t)) return;
     if (skips) dem__wait_for_wall(w, &t, e, step);
 }
 
@@ -5192,175 +5800,142 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
     return g->first + ((ptrdiff_t)cz * g->n[1] + cy) * g->n[0] + cx;
 }
 
-/* --------------------------------------------------------------------------------------------------- >>walls/add.h */
-/* Adding walls of every kind but meshes. */
+/* -------------------------------------------------------------------------------------------- >>walls/kinematics.h */
+/* Where a wall is at a time, and how it moves there: vibration, rotation, the caller's function, or a force's drive. */
 
-static inline int dem__unit(dem_vec v, dem_vec *unit) {
-    double length = dem__length(v);
-    if (!(length >= 1e-140 && length <= DBL_MAX)) return 0; /* squares of shorter lengths lose digits */
-    *unit = dem__scale(1.0 / length, v);
-    return 1;
-}
-
-/* Completes a frame whose third axis is given. The first axis is near `along`, or any if that is parallel to the third.
-   Returns 0 if the third has no direction. */
-static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
-    dem_vec z, x;
-    if (!dem__unit(normal, &z)) return 0;
-    x = dem__sub(along, dem__scale(dem__dot(along, z), z));
-    if (!(dem__length(x) > 1e-6)) {
-        dem_vec other = fabs(z.x) < 0.9 ? dem_vec3(1, 0, 0) : dem_vec3(0, 1, 0);
-        x = dem__sub(other, dem__scale(dem__dot(other, z), z));
+/* Returns the displacement of a harmonic vibration from its start [m], and its velocity and acceleration. start: sine
+   of the phase; angle: 2 pi times frequency and time. */
+DEM_INLINE double dem__vibration(double amplitude, double phase, double start, double angle, double rate,
+                                 double *velocity, double *acceleration) {
+    if (amplitude == 0.0) {
+        *velocity = *acceleration = 0.0;
+        return 0.0;
     }
-    if (!dem__unit(x, &x)) return 0;
-    wall->axis[0] = wall->asked.rest_axis[0] = x;
-    wall->axis[1] = wall->asked.rest_axis[1] = dem__cross(z, x);
-    wall->axis[2] = wall->asked.rest_axis[2] = z;
-    return 1;
+    double c, s = dem__sine(angle + phase, &c);
+    *velocity = amplitude * rate * c;
+    *acceleration = -amplitude * rate * rate * s;
+    return amplitude * (s - start);
 }
 
-/* Adds a wall at rest. Returns its index, or minus a dem_status. */
-static inline int dem__add_wall(dem_world *w, const dem_wall *wall) {
-    if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
-    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
-    w->wall[w->walls] = *wall;
-    w->wall[w->walls].enabled = 1;
-    w->wall[w->walls].groups = 0xffffffffu;
-    w->wall[w->walls].position = wall->asked.origin;
-    w->wall[w->walls].asked.motion_start = w->time;
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return w->walls++;
+/* Sets the sines of a vibration's phases, which do not change while it lasts. */
+static inline void dem__set_phase_sine(dem_wall *w) {
+    const dem_vec phase = w->asked.phase;
+    w->phase_sine =
+        dem_vec3(riddle_sin(phase.x) + 0.0, riddle_sin(phase.y) + 0.0, riddle_sin(phase.z) + 0.0); /* no -0 */
 }
 
-static inline int dem__add_flat(dem_world *w, int kind, int material, dem_vec point, dem_vec normal) {
-    if (dem__is_running(w)) return -(int)DEM_BUSY;
-    dem_wall wall;
-    memset(&wall, 0, sizeof wall);
-    if (!w || material < 0 || material >= w->def.materials || !dem__is_place(point) || !dem__finite_vec(normal))
-        return -(int)DEM_BAD_ARGUMENT;
-    if (!dem__frame(&wall, normal, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
-    wall.kind = kind;
-    wall.material = material;
-    wall.asked.origin = point;
-    return dem__add_wall(w, &wall);
-}
-
-DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal) {
-    return dem__add_flat(world, DEM_PLANE, material, point, normal);
-}
-DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) {
-    return dem__add_flat(world, DEM_EXIT, 0, point, normal);
-}
-
-static inline int dem__add_round(dem_world *w, int kind, int material, dem_vec point, dem_vec axis, double radius,
-                                 int inside) {
-    if (dem__is_running(w)) return -(int)DEM_BUSY;
-    dem_wall wall;
-    memset(&wall, 0, sizeof wall);
-    if (!w || material < 0 || material >= w->def.materials || !dem__is_place(point) || !dem__finite_vec(axis) ||
-        !dem__positive(radius))
-        return -(int)DEM_BAD_ARGUMENT;
-    if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
-    wall.kind = kind;
-    wall.material = material;
-    wall.asked.origin = point;
-    wall.radius = radius;
-    wall.inside = inside != 0;
-    return dem__add_wall(w, &wall);
-}
-
-DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside) {
-    return dem__add_round(world, DEM_CYLINDER, material, point, axis, radius, inside);
-}
-DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside) {
-    return dem__add_round(world, DEM_SPHERE, material, centre, dem_vec3(0, 0, 1), radius, inside);
-}
-
-/* Makes room for what contacts with meshes and cones keep. Returns 0 when out of memory. */
-static inline int dem__make_touch_memory(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    dem__array list[DEM__ARRAYS_MAX];
-    if (w->engine->walls.touch_keepers++ > 0 || contacts->capacity == 0) return 1;
-    if (dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
-                        contacts->capacity))
-        return 1;
-    w->engine->walls.touch_keepers--;
-    return 0;
-}
-
-DEM_API dem_cone dem_default_cone(void) {
-    dem_cone c;
-    c.low = dem_vec3(0, 0, 0);
-    c.high = dem_vec3(0, 0, 0.1);
-    c.low_radius = 0.02;
-    c.high_radius = 0.1;
-    return c;
-}
-
-DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
-    if (dem__is_running(world)) return -(int)DEM_BUSY;
-    dem_wall wall;
-    memset(&wall, 0, sizeof wall);
-    if (!world || !world->def.allocator.fn || !cone || material < 0 || material >= world->def.materials ||
-        !dem__is_place(cone->low) || !dem__is_place(cone->high))
-        return -(int)DEM_BAD_ARGUMENT;
-    const dem_vec axis = dem__sub(cone->high, cone->low);
-    if (!dem__not_negative(cone->low_radius) || !dem__not_negative(cone->high_radius) ||
-        !dem__positive(cone->low_radius + cone->high_radius) || !dem__frame(&wall, axis, dem_vec3(1, 0, 0)))
-        return -(int)DEM_BAD_ARGUMENT;
-    wall.kind = DEM_CONE;
-    wall.material = material;
-    wall.asked.origin = cone->low;
-    wall.radius = cone->low_radius;
-    wall.high_radius = cone->high_radius;
-    wall.length = dem__length(axis);
-    return dem__make_touch_memory(world) ? dem__add_wall(world, &wall) : -(int)DEM_OUT_OF_MEMORY;
-}
-
-DEM_API dem_screen dem_default_screen(void) {
-    dem_screen s;
-    memset(&s, 0, sizeof s);
-    s.aperture = 8e-3;
-    s.wire = 2e-3;
-    s.profile = DEM_SEMICIRCLE;
-    s.circular = 1;
-    s.half_x = s.half_y = 0.095;
-    s.normal = dem_vec3(0, 0, 1);
-    s.direction = dem_vec3(1, 0, 0);
+/* Displacement, velocity and acceleration of a wall by vibration. */
+typedef struct dem__sway {
+    dem_vec shift, velocity, acceleration;
+} dem__sway;
+static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
+    const double rate = 2.0 * RIDDLE_PI * w->asked.frequency, turns = w->asked.frequency * t;
+    const double angle = 2.0 * RIDDLE_PI * (turns - floor(turns));
+    const dem_vec size = w->asked.amplitude, phase = w->asked.phase, start = w->phase_sine;
+    dem__sway s;
+    s.shift.x = dem__vibration(size.x, phase.x, start.x, angle, rate, &s.velocity.x, &s.acceleration.x);
+    s.shift.y = dem__vibration(size.y, phase.y, start.y, angle, rate, &s.velocity.y, &s.acceleration.y);
+    s.shift.z = dem__vibration(size.z, phase.z, start.z, angle, rate, &s.velocity.z, &s.acceleration.z);
     return s;
 }
 
-/* Returns whether a screen has lengths, and no more bars and apertures than integers count. */
-static inline int dem__is_deck(const dem_wall *w) {
-    const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
-    return dem__positive(w->aperture) && dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 &&
-           x * y < 2.5e8;
+/* Returns whether two walls vibrate alike, as a deck and its side wall do. */
+DEM_INLINE int dem__sways_like(const dem_wall *a, const dem_wall *b) {
+    return memcmp(&a->asked.amplitude, &b->asked.amplitude, sizeof a->asked.amplitude) == 0 &&
+           memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 &&
+           a->asked.frequency == b->asked.frequency && a->asked.motion_start == b->asked.motion_start;
 }
 
-DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen) {
-    if (dem__is_running(world)) return -(int)DEM_BUSY;
-    dem_wall wall;
-    memset(&wall, 0, sizeof wall);
-    if (!world || !screen || material < 0 || material >= world->def.materials || !dem__is_place(screen->centre) ||
-        !dem__finite_vec(screen->normal) || !dem__finite_vec(screen->direction))
-        return -(int)DEM_BAD_ARGUMENT;
-    if (screen->profile != DEM_ROUND && screen->profile != DEM_SEMICIRCLE) return -(int)DEM_BAD_ARGUMENT;
-    if (!dem__frame(&wall, screen->normal, screen->direction)) return -(int)DEM_BAD_ARGUMENT;
-    wall.kind = DEM_SCREEN;
-    wall.material = material;
-    wall.asked.origin = screen->centre;
-    wall.aperture = screen->aperture;
-    wall.wire = screen->wire;
-    wall.profile = (int)screen->profile;
-    wall.circular = screen->circular != 0;
-    wall.half_x = screen->half_x;
-    wall.half_y = screen->circular ? screen->half_x : screen->half_y;
-    if (!dem__is_deck(&wall)) return -(int)DEM_BAD_ARGUMENT;
-    return dem__add_wall(world, &wall);
+/* Returns the position of a wall in a pose; axis: its axes in the pose. */
+static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_vec *axis) {
+    const double angle = dem__length(pose->turn);
+    dem_vec arm = dem__sub(w->asked.origin, w->asked.spin_centre);
+    for (int k = 0; k < 3; k++) axis[k] = w->asked.rest_axis[k];
+    if (angle != 0.0) { /* true for NaN, which is passed on */
+        const dem_vec about = dem__scale(1.0 / angle, pose->turn);
+        for (int k = 0; k < 3; k++) axis[k] = dem__rotated(axis[k], about, angle);
+        arm = dem__rotated(arm, about, angle);
+    }
+    return dem__add(dem__add(w->asked.spin_centre, arm), pose->shift);
+}
+
+/* Moves a prescribed wall to its place at a time. Its velocity, acceleration and spin are central differences. */
+static inline void dem__prescribed_wall(dem_wall *w, double time) {
+    dem_vec at[3], axis[3][3], omega = dem_vec3(0.0, 0.0, 0.0);
+    const double rate = 0.5 / w->asked.interval;
+    if (!w->asked.motion) return;
+    for (int k = 0; k < 3; k++) {
+        dem_pose pose;
+        memset(&pose, 0, sizeof pose);
+        w->asked.motion(w->asked.motion_user, time + (k - 1) * w->asked.interval, &pose);
+        at[k] = dem__posed(w, &pose, axis[k]);
+    }
+    for (int k = 0; k < 3; k++) { /* omega = 1/2 sum of a x da/dt over the axes */
+        w->axis[k] = axis[1][k];
+        omega = dem__add(omega, dem__scale(0.5 * rate, dem__cross(axis[1][k], dem__sub(axis[2][k], axis[0][k]))));
+    }
+    w->position = at[1];
+    w->velocity = dem__scale(rate, dem__sub(at[2], at[0]));
+    w->acceleration = dem__scale(4.0 * rate * rate, dem__sub(dem__add(at[0], at[2]), dem__scale(2.0, at[1])));
+    w->spin = dem__length(omega);
+    if (w->spin > 0.0) w->spin_axis = dem__scale(1.0 / w->spin, omega);
+}
+
+/* Sets velocity and acceleration of a controlled wall at its present place. rate: its speed [m/s] or spin [rad/s]. */
+static inline void dem__rated_wall(dem_wall *w, double rate) {
+    if (w->asked.drive == DEM_FORCE_CONTROLLED) {
+        w->velocity = dem__scale(rate, w->spin_axis), w->acceleration = dem__scale(w->rate_change, w->spin_axis);
+        return;
+    }
+    const dem_vec arm = dem__sub(w->position, w->asked.spin_centre), across = dem__cross(w->spin_axis, arm);
+    w->spin = rate, w->spin_rate = w->rate_change;
+    w->velocity = dem__scale(rate, across);
+    w->acceleration =
+        dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
+}
+
+/* Moves a controlled wall to its place at a time: predicted from the last step, as a particle is. */
+static inline void dem__controlled_wall(dem_wall *w, double time) {
+    const double tau = time - w->asked.motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
+    dem_pose pose;
+    memset(&pose, 0, sizeof pose);
+    if (w->asked.drive == DEM_FORCE_CONTROLLED) pose.shift = dem__scale(way, w->spin_axis);
+    else pose.turn = dem__scale(way, w->spin_axis);
+    w->position = dem__posed(w, &pose, w->axis);
+    dem__rated_wall(w, w->rate + tau * w->rate_change);
+}
+
+/* Moves a kinematic wall to its place t after its motion began [s]. */
+static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *sway) {
+    const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->asked.drift));
+    w->velocity = dem__add(sway->velocity, w->asked.drift);
+    w->acceleration = sway->acceleration;
+    dem_vec origin = w->asked.origin;
+    if (w->spin != 0.0) {
+        double angle = w->spin * t;
+        for (int k = 0; k < 3; k++) w->axis[k] = dem__rotated(w->asked.rest_axis[k], w->spin_axis, angle);
+        dem_vec arm = dem__rotated(dem__sub(w->asked.origin, w->asked.spin_centre), w->spin_axis, angle),
+                omega = dem__scale(w->spin, w->spin_axis);
+        dem_vec turning = dem__cross(omega, arm);
+        origin = dem__add(w->asked.spin_centre, arm);
+        w->velocity = dem__add(w->velocity, turning);
+        w->acceleration = dem__add(w->acceleration, dem__cross(omega, turning));
+    }
+    w->position = dem__add(origin, shift);
+}
+
+/* Moves a wall to its place at a time [s]. */
+static inline void dem__move_wall(dem_wall *w, double time) {
+    if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
+    else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
+    else {
+        const dem__sway sway = dem__sway_at(w, time - w->asked.motion_start);
+        dem__kinematic_wall(w, time - w->asked.motion_start, &sway);
+    }
 }
 
 /* ------------------------------------------------------------------------------------------------ >>walls/motion.h */
-/* Motion of walls that the caller prescribes, and walls driven by forces. */
+/* Setting walls in motion: vibrations, rotations, the caller's functions, forces and torques. */
 
 /* Places a wall of the world, or a copy of one, where it is now. Its function may not change the world. */
 static inline void dem__place_wall(dem_world *w, dem_wall *a) {
@@ -6596,11 +7171,11 @@ DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old,
 /* Finds the place where a wall is touched by the contact in a slot, or by a link (slot -1). */
 DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius,
                                  int32_t element, dem__touch *touch) {
-    if (slot >= 0 && wall->kind == DEM_MESH) {
+    if (dem__has(wall, DEM__HALF_SPACE)) dem__touch_flat(wall, dem__sub(x, wall->position), radius, touch);
+    else if (slot >= 0 && dem__has(wall, DEM__TRIANGULATED)) {
         touch->normal = dem__place_normal(w, slot);
         touch->gap = w->engine->contacts.touch[DEM__PLACE_GAP][slot];
-    } else if (wall->kind == DEM_PLANE) dem__touch_plane(wall, x, radius, touch);
-    else dem__touch_element(wall, x, radius, element, touch);
+    } else dem__touch_element(wall, x, radius, element, touch);
 }
 
 /* A row of a block that is at a wall. */
@@ -6699,7 +7274,8 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
     const dem_particle *s = at->particle;
     const dem_vec n = dem_vec3(b->nx[k], b->ny[k], b->nz[k]);
     dem_vec t;
-    if (wall->kind == DEM_MESH && at->slot >= 0) { /* between edges and faces: only the contact knows both normals */
+    if (dem__has(wall, DEM__TRIANGULATED) &&
+        at->slot >= 0) { /* between edges and faces: only the contact knows both normals */
         t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, dem__place_before(w, at->slot)));
     } else {
         dem_vec u = dem_vec3(b->vx[k], b->vy[k], b->vz[k]);
@@ -6743,7 +7319,7 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
         const int k = wall[q].row;
         dem__complete_wall(b, half, &wall[q]);
         if (!has_friction) continue;
-        if (dem__is_flat(wall[q].wall) && wall[q].wall->spin == 0.0) b->tx[k] = b->ty[k] = b->tz[k] = 0.0;
+        if (dem__has(wall[q].wall, DEM__HALF_SPACE) && wall[q].wall->spin == 0.0) b->tx[k] = b->ty[k] = b->tz[k] = 0.0;
         else dem__turn_at_wall(w, b, half, turn, &wall[q]);
     }
 }
@@ -7602,13 +8178,14 @@ DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     dem__wake(w, i);
 }
 
-/* Returns the curvature of a wall where a sphere touches it, in slot c: that of a cone as the contact began. */
+/* Returns the curvature of a wall where a sphere touches it, in slot c, or touched it as the contact
+   began. */
 static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_wall *wall = &w->wall[-1 - contacts->j[c]];
     const dem_particle *p = &w->particle[contacts->i[c]];
     dem__touch touch;
-    if (wall->kind == DEM_CONE) return contacts->touch[DEM__CONE_CURVATURE][c];
+    if (dem__has(wall, DEM__KEEPS_CURVATURE)) return contacts->touch[DEM__KEPT_CURVATURE][c];
     dem__touch_element(wall, p->x, p->radius, contacts->element[c], &touch);
     return touch.curvature;
 }
@@ -9167,7 +9744,7 @@ static inline void dem__test_everything(dem_world *w) {
     if (w->engine->convex.calls) w->engine->convex.calls->follow(w, w->step);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls; k++) {
-            if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k))
+            if (dem__has_surface(&w->wall[k]) && dem__needs_test(w, i, k))
                 dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
         }
     }
@@ -9217,7 +9794,7 @@ static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     dem__list_active(w);
     for (ptrdiff_t k = 0; k < begun; k++) {
         const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
-        if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN)
+        if (j < 0 && !dem__has_elements(&w->wall[-1 - j]))
             dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
     }
     return begun;
@@ -10785,216 +11362,8 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
     return count;
 }
 
-/* -------------------------------------------------------------------------------------------------- >>walls/mesh.h */
-/* Adding meshes and boxes: the tree of a mesh's triangles. */
-
-/* Spreads 21 bits to every third bit of a Morton code. */
-static inline uint64_t dem__interleave(uint64_t v) {
-    v = (v | v << 32) & 0x1f00000000ffffu;
-    v = (v | v << 16) & 0x1f0000ff0000ffu;
-    v = (v | v << 8) & 0x100f00f00f00f00fu;
-    v = (v | v << 4) & 0x10c30c30c30c30c3u;
-    return (v | v << 2) & 0x1249249249249249u;
-}
-
-typedef struct dem__keyed {
-    uint64_t key;
-    int32_t index;
-} dem__keyed;
-/* Sorts by key, then index. temporary: room for n items. */
-static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptrdiff_t n) {
-    for (ptrdiff_t width = 1; width < n; width *= 2) {
-        for (ptrdiff_t low = 0; low < n; low += 2 * width) {
-            const ptrdiff_t mid = low + width < n ? low + width : n, high = mid + width < n ? mid + width : n;
-            for (ptrdiff_t a = low, b = mid, to = low; to < high; to++) {
-                const int left = a < mid && (b >= high || items[a].key < items[b].key ||
-                                             (items[a].key == items[b].key && items[a].index < items[b].index));
-                temporary[to] = left ? items[a++] : items[b++];
-            }
-        }
-        memcpy(items, temporary, (size_t)n * sizeof *items);
-    }
-}
-
-/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those
-   of each half. */
-static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
-    const int32_t at = t->nodes++;
-    dem__node *node = &t->node[at];
-    node->first = first;
-    node->count = end - first <= DEM__LEAF ? end - first : 0;
-    for (int a = 0; a < 3; a++) node->low[a] = HUGE_VAL, node->high[a] = -HUGE_VAL;
-    for (int32_t k = 3 * first; k < 3 * (first + node->count); k++) {
-        for (int a = 0; a < 3; a++) {
-            const double v = dem_axis(t->vertex[t->corner[k]], a);
-            node->low[a] = v < node->low[a] ? v : node->low[a];
-            node->high[a] = v > node->high[a] ? v : node->high[a];
-        }
-    }
-    if (node->count == 0) {
-        const int32_t middle = first + (end - first) / 2;
-        for (int side = 0; side < 2; side++) {
-            const int32_t child = t->nodes;
-            dem__grow_node(t, side ? middle : first, side ? end : middle);
-            for (int a = 0; a < 3; a++) {
-                const double low = t->node[child].low[a], high = t->node[child].high[a];
-                node->low[a] = low < node->low[a] ? low : node->low[a];
-                node->high[a] = high > node->high[a] ? high : node->high[a];
-            }
-        }
-    }
-    node->skip = t->nodes;
-}
-
-/* Returns an empty tree with room for the mesh; NULL when out of memory. */
-static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
-    const size_t v = (size_t)vertices, k = (size_t)triangles;
-    const size_t bytes =
-        sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
-    dem__tree *t = (dem__tree *)a->fn(a->user, NULL, 0, bytes);
-    if (!t) return NULL;
-    memset(t, 0, bytes);
-    t->bytes = bytes;
-    t->vertices = (int32_t)vertices;
-    t->vertex = (dem_vec *)(void *)(t + 1);
-    t->normal = t->vertex + v;
-    t->node = (dem__node *)(void *)(t->normal + k);
-    t->corner = (int32_t *)(void *)(t->node + k);
-    return t;
-}
-
-/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for
-   slivers. */
-static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
-    const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
-    const double x = dem__dot(ab, ab), y = dem__dot(bc, bc), z = dem__dot(ca, ca);
-    if (x >= y && x >= z) return dem__cross(bc, ca);
-    return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
-}
-
-/* Returns whether a triangle has an area that is not round-off of its corners; unit: its normal. */
-static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
-    const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
-    double longest = dem__dot(ab, ab);
-    longest = dem__dot(ac, ac) > longest ? dem__dot(ac, ac) : longest;
-    longest = dem__dot(bc, bc) > longest ? dem__dot(bc, bc) : longest;
-    return dem__length(n) > 1e-9 * longest && dem__unit(n, unit);
-}
-
-/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT
-   if there is none. */
-static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex,
-                                        ptrdiff_t triangles, const int32_t *corner, dem_status *status) {
-    const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
-    dem_vec low = vertex[0], high = vertex[0], normal;
-    ptrdiff_t n = 0;
-    for (ptrdiff_t v = 0; v < vertices; v++) {
-        for (int c = 0; c < 3; c++) {
-            double *l = dem_axis_of(&low, c), *h = dem_axis_of(&high, c), x = dem_axis(vertex[v], c);
-            *l = x < *l ? x : *l;
-            *h = x > *h ? x : *h;
-        }
-    }
-    *status = DEM_OUT_OF_MEMORY;
-    dem__keyed *items = (dem__keyed *)a->fn(a->user, NULL, 0, scratch);
-    if (!items) return NULL;
-    for (int32_t k = 0; k < (int32_t)triangles; k++) {
-        const dem_vec p[3] = {vertex[corner[3 * k]], vertex[corner[3 * k + 1]], vertex[corner[3 * k + 2]]};
-        if (!dem__has_area(p[0], p[1], p[2], &normal)) continue;
-        items[n].index = k;
-        items[n].key = 0;
-        for (int c = 0; c < 3; c++) {
-            const double from = dem_axis(low, c), span = dem_axis(high, c) - from;
-            const double x = (dem_axis(p[0], c) + dem_axis(p[1], c) + dem_axis(p[2], c)) / 3.0 - from;
-            items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0)
-                            << c;
-        }
-        n++;
-    }
-    dem__tree *t = n > 0 ? dem__plant(a, vertices, n) : NULL;
-    if (n == 0) *status = DEM_BAD_ARGUMENT;
-    if (t) {
-        dem__sort_keyed(items, items + n, n);
-        memcpy(t->vertex, vertex, (size_t)vertices * sizeof *vertex);
-        for (ptrdiff_t k = 0; k < n; k++) {
-            const int32_t *from = &corner[3 * items[k].index];
-            memcpy(&t->corner[3 * k], from, 3 * sizeof *from);
-            dem__has_area(vertex[from[0]], vertex[from[1]], vertex[from[2]], &t->normal[k]);
-        }
-        t->triangles = (int32_t)n, t->touch = dem__touch_mesh;
-        dem__grow_node(t, 0, (int32_t)n);
-        *status = DEM_OK;
-    }
-    a->fn(a->user, items, scratch, 0);
-    return t;
-}
-
-/* Counts one mesh more. */
-static inline void dem__count_mesh(dem_world *w) {
-    w->engine->walls.meshes++;
-    w->engine->walls.follow_meshes = dem__follow_meshes;
-}
-
-DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
-    if (dem__is_running(world)) return -(int)DEM_BUSY;
-    dem_world *w = world;
-    dem_wall wall;
-    memset(&wall, 0, sizeof wall);
-    if (!w || !w->def.allocator.fn || !mesh || material < 0 || material >= w->def.materials || !mesh->vertex ||
-        !mesh->triangle || mesh->vertices < 1 || mesh->triangles < 1 || mesh->vertices > INT32_MAX / 4 ||
-        mesh->triangles > INT32_MAX / 4)
-        return -(int)DEM_BAD_ARGUMENT;
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-    for (ptrdiff_t k = 0; k < 3 * mesh->triangles; k++) {
-        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices) return -(int)DEM_BAD_ARGUMENT;
-    }
-    for (ptrdiff_t k = 0; k < 3 * mesh->vertices; k++) {
-        const double x = mesh->vertex[k];
-        if (!(fabs(x) < 1e50)) return -(int)DEM_BAD_ARGUMENT; /* so that squares of areas are finite */
-        low[k % 3] = x < low[k % 3] ? x : low[k % 3];
-        high[k % 3] = x > high[k % 3] ? x : high[k % 3];
-    }
-    if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
-    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
-    wall.kind = DEM_MESH;
-    wall.material = material;
-    wall.asked.origin = dem_vec3(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]));
-    dem__frame(&wall, dem_vec3(0, 0, 1), dem_vec3(1, 0, 0));
-
-    const dem_allocator *a = &w->def.allocator;
-    const size_t bytes = (size_t)mesh->vertices * sizeof(dem_vec);
-    dem_status status = DEM_OUT_OF_MEMORY;
-    dem_vec *local = (dem_vec *)a->fn(a->user, NULL, 0, bytes);
-    for (ptrdiff_t k = 0; local && k < mesh->vertices; k++) {
-        const double *x = &mesh->vertex[3 * k];
-        local[k] = dem__sub(dem_vec3(x[0], x[1], x[2]), wall.asked.origin);
-    }
-    if (local) wall.tree = dem__make_tree(a, mesh->vertices, local, mesh->triangles, mesh->triangle, &status);
-    if (local) a->fn(a->user, local, bytes, 0);
-    if (wall.tree && !dem__make_touch_memory(w)) {
-        a->fn(a->user, wall.tree, wall.tree->bytes, 0);
-        wall.tree = NULL, status = DEM_OUT_OF_MEMORY;
-    }
-    if (!wall.tree) return -(int)status;
-    dem__count_mesh(w);
-    return dem__add_wall(w, &wall);
-}
-
-DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high) {
-    /* corner k: bit c chooses low or high of axis c */
-    int32_t faces[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
-                         2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
-    double corners[24];
-    dem_mesh mesh;
-    memset(&mesh, 0, sizeof mesh);
-    if (!(low.x < high.x && low.y < high.y && low.z < high.z)) return -(int)DEM_BAD_ARGUMENT;
-    for (int k = 0; k < 24; k++) corners[k] = (k / 3 >> k % 3 & 1) ? dem_axis(high, k % 3) : dem_axis(low, k % 3);
-    mesh.vertices = 8, mesh.vertex = corners;
-    mesh.triangles = 12, mesh.triangle = faces;
-    return dem_add_mesh(world, material, &mesh);
-}
-
-/* ---- STL ---- */
+/* --------------------------------------------------------------------------------------------------- >>walls/stl.h */
+/* Reading STL files: facets from bytes, corners welded. */
 
 /* A slot of a hash table with open addressing: a 64-bit key, 0 if empty, and a number. The capacity is a power of two.
  */
@@ -11002,9 +11371,6 @@ typedef struct dem__slot {
     uint64_t key;
     int32_t value, forward, backward; /* edges: number of triangles that run along it each way */
 } dem__slot;
-
-/* --------------------------------------------------------------------------------------------------- >>walls/stl.h */
-/* Reading STL files: facets from bytes, corners welded. */
 
 static inline uint64_t dem__scramble(uint64_t z) {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -11638,31 +12004,13 @@ DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid) {
     if (!world || !world->def.allocator.fn || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
     dem_wall *w = &world->wall[wall];
     if (solid) {
-        if (w->kind != DEM_MESH) return DEM_BAD_ARGUMENT;
+        if (!w->tree) return DEM_BAD_ARGUMENT;
         const dem_status status =
             dem__check_closed(&world->def.allocator, w->tree->triangles, w->tree->vertex, w->tree->corner);
         if (status != DEM_OK) return status;
     }
     w->solid = solid != 0;
     return DEM_OK;
-}
-
-/* Returns whether a mesh's numbers are valid; low, high: its bounding box. */
-static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
-    if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
-        m->triangles > INT32_MAX / 4)
-        return 0;
-    *low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), *high = dem__scale(-1.0, *low);
-    for (ptrdiff_t k = 0; k < 3 * m->triangles; k++) {
-        if (m->triangle[k] < 0 || m->triangle[k] >= m->vertices) return 0;
-    }
-    for (ptrdiff_t k = 0; k < 3 * m->vertices; k++) {
-        double *l = dem_axis_of(low, (int)(k % 3)), *h = dem_axis_of(high, (int)(k % 3)), x = m->vertex[k];
-        if (!(fabs(x) < 1e50)) return 0; /* so that squares of areas are finite */
-        *l = x < *l ? x : *l;
-        *h = x > *h ? x : *h;
-    }
-    return 1;
 }
 
 DEM_API dem_region dem_mesh_region(const dem_mesh *mesh) {
@@ -12109,7 +12457,7 @@ static inline dem_status dem__make_inside(dem_wall *inside, const dem_world *w, 
     const dem_mesh *m = region->mesh;
     dem_status status = DEM_OK;
     if (region->kind != DEM_REGION_MESH) return DEM_OK;
-    inside->kind = DEM_MESH, inside->solid = 1;
+    inside->kind__ = &dem__triangles, inside->solid = 1;
     dem__frame(inside, dem_vec3(0.0, 0.0, 1.0), dem_vec3(1.0, 0.0, 0.0));
     inside->tree = dem__make_tree(&w->def.allocator, m->vertices, (const dem_vec *)(const void *)m->vertex,
                                   m->triangles, m->triangle, &status);
@@ -13490,7 +13838,7 @@ static inline int dem__is_sound_polyhedron(const dem_world *w, ptrdiff_t i) {
 /* ------------------------------------------------------------------------------------------------- >>save/fields.h */
 /* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none. */
 
-enum { DEM__FIELDS_MAX = 64 };
+enum { DEM__FIELDS_MAX = 64 + DEM_STATE_MAX };
 
 /* Fields with the same number of entries. */
 typedef struct dem__group {
@@ -13877,11 +14225,19 @@ static inline void dem__write_meshes(dem__stream *s, const dem_world *w, dem__gr
     dem__group triangles;
     for (int k = 0; k < w->walls; k++) {
         const dem__tree *tree = w->wall[k].tree;
-        if (w->wall[k].kind != DEM_MESH) continue;
+        if (!tree) continue;
         dem__mesh_fields(tree->vertex, tree->corner, k, g, &triangles);
         dem__write_group(s, w, g, tree->vertices, 0);
         dem__write_group(s, w, &triangles, tree->triangles, 0);
     }
+}
+
+static inline void dem__write_materials(dem__stream *s, dem_world *w, dem__group *g) {
+    const int n = w->def.materials;
+    dem_pair_def pair[DEM_MATERIALS_MAX * DEM_MATERIALS_MAX]; /* without gaps: DEM_MATERIALS_MAX may change */
+    for (int k = 0; k < n * n; k++) pair[k] = w->def.pair[k / n][k % n];
+    dem__material_fields(w->def.material, g), dem__write_group(s, w, g, n, 0);
+    dem__pair_fields(pair, g), dem__write_group(s, w, g, n * n, 0);
 }
 
 /* Writes a world, or counts its bytes. */
@@ -13890,8 +14246,7 @@ static inline void dem__write_world(dem__stream *s, dem_world *w) {
     dem__group g;
     dem__stream_u64(s, &magic), dem__stream_u64(s, &version);
     dem__world_fields(w, &g), dem__write_group(s, w, &g, 1, 0);
-    dem__material_fields(w->def.material, &g), dem__write_group(s, w, &g, DEM_MATERIALS_MAX, 0);
-    dem__pair_fields(&w->def.pair[0][0], &g), dem__write_group(s, w, &g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX, 0);
+    dem__write_materials(s, w, &g);
     dem__wall_fields(w->wall, &g), dem__write_group(s, w, &g, w->walls, 0);
     dem__write_meshes(s, w, &g);
     if (w->engine->convex.shapes > 0) {
@@ -14008,6 +14363,204 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
     }
     dem__hash_rigids(&hash, w);
     return hash;
+}
+
+/* ----------------------------------------------------------------------------------------------- >>meshes/follow.h */
+/* Contacts of spheres with meshes: each follows its place from step to step. */
+
+DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
+    double *const *place = w->engine->contacts.touch;
+    dem__footing f;
+    f.at = dem__place_vec(w, DEM__PLACE_FOOTING, c);
+    f.slack = place[DEM__PLACE_SLACK][c], f.face = (int32_t)place[DEM__PLACE_FACE][c];
+    return f;
+}
+DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *f) {
+    double *const *place = w->engine->contacts.touch;
+    dem__set_place_vec(w, DEM__PLACE_FOOTING, c, f->at);
+    place[DEM__PLACE_SLACK][c] = f->slack, place[DEM__PLACE_FACE][c] = (double)f->face;
+}
+
+/* Lists the contacts of particle i with wall k in the order of elements. Returns their number, at most DEM__NUMBERS. */
+DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t *slot) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    int n = 0;
+    for (int32_t c = w->engine->walls.first_contact[i]; c >= 0 && n < DEM__NUMBERS; c = contacts->wall_next[c]) {
+        if (contacts->j[c] != -1 - k) continue;
+        int q = n++;
+        for (; q > 0 && contacts->element[slot[q - 1]] > contacts->element[c]; q--) slot[q] = slot[q - 1];
+        slot[q] = c;
+    }
+    return n;
+}
+
+/* Where particle i touches mesh k. */
+typedef struct dem__mesh_places {
+    dem__touch touch[DEM__TOUCHES];
+    int n, taken, used; /* number of places; bits: places that have a contact, elements of the contacts */
+} dem__mesh_places;
+
+/* Moves the contacts of particle i with mesh k, in the listed slots, to a step to which the wall has been moved. Each
+   continues at the deepest place whose normal is near its own, or ends. Returns the places; none if the only contact
+   rests on its footing. */
+static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step,
+                                     dem__mesh_places *at) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const dem_wall *wall = &w->wall[k];
+    const double tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
+    const dem_vec x = dem__at(w, i, tau), d = dem__sub(x, wall->position);
+    const double speed =
+        dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
+    const double radius = w->particle[i].radius, near = w->engine->links.near,
+                 leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact opens in a step */
+        deep = leaves > near ? leaves : near;
+    dem__footing footing = dem__footing_of(w, slot[0]);
+    double least;
+    at->n = at->taken = at->used = 0;
+    if (slots == 1 && dem__keeps_footing(wall, &footing, d, radius, deep, at->touch)) {
+        dem__set_touch(w, slot[0], at->touch);
+        return;
+    }
+    at->n = dem__touch_mesh(wall, d, radius, deep, radius, at->touch, &least);
+    for (int m = 0; m < slots; m++) {
+        const int32_t c = slot[m];
+        int q = 0;
+        at->used |= 1 << contacts->element[c];
+        while (q < at->n &&
+               ((at->taken >> q & 1) || !(dem__dot(at->touch[q].normal, dem__place_normal(w, c)) > DEM__SMOOTH)))
+            q++;
+        if (q == at->n) { /* merged with another: it ends without a force, whatever its depth */
+            contacts->touch[DEM__PLACE_GAP][c] = w->particle[i].radius;
+            contacts->force[c] = 0.0;
+            continue;
+        }
+        at->taken |= 1 << q;
+        dem__set_touch(w, c, &at->touch[q]);
+    }
+    footing.slack = 0.0;
+    if (slots == 1 && at->n == 1 && at->taken) footing = dem__find_footing(wall, d, radius, at->touch);
+    for (int m = 0; m < slots; m++) dem__set_footing(w, slot[m], &footing);
+}
+
+/* Returns whether place q touches and has no contact. */
+DEM_INLINE int dem__is_place_left(const dem__mesh_places *at, int q) {
+    return !(at->taken >> q & 1) && at->touch[q].gap < 0.0;
+}
+static inline int dem__are_places_left(const dem__mesh_places *at) {
+    for (int q = 0; q < at->n; q++) {
+        if (dem__is_place_left(at, q)) return 1;
+    }
+    return 0;
+}
+
+/* Begins contacts of particle i with mesh k at the places that are left, as long as there are free elements. */
+static inline void dem__begin_at_places(dem_world *w, ptrdiff_t i, int k, dem__mesh_places *at) {
+    for (int q = 0; q < at->n; q++) {
+        int32_t element = 0;
+        if (!dem__is_place_left(at, q)) continue;
+        while (at->used >> element & 1) element++;
+        if (element == DEM__NUMBERS) return;
+        at->used |= 1 << element;
+        if (!dem__new_wall_contact(w, i, k, &at->touch[q], element)) return;
+    }
+}
+
+/* Lists the contacts of a particle with a mesh if slot c holds the first of them. Returns their number, otherwise 0. */
+static inline int dem__contacts_at_mesh(const dem_world *w, ptrdiff_t c, int32_t *slot) {
+    const int k = -1 - (int)w->engine->contacts.j[c];
+    if (k < 0 || !dem__has(&w->wall[k], DEM__TRIANGULATED) || dem__is_convex_contact(w, c))
+        return 0; /* those of a polyhedron follow its points */
+    const int slots = dem__contacts_at(w, w->engine->contacts.i[c], k, slot);
+    return slots > 0 && slot[0] == c ? slots : 0;
+}
+
+/* Moves the contacts of chunks first .. end-1. Notes in contacts.edge, which is free before the kernel, where places
+   are left: contacts begin on one thread. */
+static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
+    dem__contacts *contacts = &w->engine->contacts;
+    (void)part;
+    for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
+        for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
+            int32_t slot[DEM__NUMBERS];
+            dem__mesh_places at;
+            const int slots = dem__contacts_at_mesh(w, c, slot);
+            contacts->edge[c] = 0;
+            if (slots == 0) continue;
+            for (int m = 0; m < slots; m++)
+                dem__set_place_vec(w, DEM__PLACE_BEFORE, slot[m], dem__place_normal(w, slot[m]));
+            dem__match_places(w, contacts->i[c], -1 - (int)contacts->j[c], slot, slots, *(const int64_t *)step, &at);
+            contacts->edge[c] = (uint8_t)dem__are_places_left(&at);
+        }
+    }
+}
+
+/* Moves contacts with meshes to a step to which the walls have been moved, and begins those at other places of meshes
+   that particles touch already. */
+static inline void dem__follow_meshes(dem_world *w, int64_t step) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t end = dem__next_slot(w);
+    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count,
+                  dem__find_followers, &step);
+    DEM__EACH_CONTACT(w, c) {
+        int32_t slot[DEM__NUMBERS];
+        dem__mesh_places at;
+        if (c >= end || !contacts->edge[c] || w->status != DEM_OK) continue;
+        const ptrdiff_t i = contacts->i[c];
+        const int k = -1 - (int)contacts->j[c], slots = dem__contacts_at_mesh(w, c, slot);
+        dem__match_places(w, i, k, slot, slots, step, &at);
+        dem__begin_at_places(w, i, k, &at);
+    }
+}
+
+/* -------------------------------------------------------------------------------------------------- >>meshes/add.h */
+/* Adding meshes and boxes. */
+
+/* Counts one mesh more. */
+static inline void dem__count_mesh(dem_world *w) {
+    w->engine->walls.meshes++;
+    w->engine->walls.follow_meshes = dem__follow_meshes;
+}
+
+DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
+    dem_wall wall;
+    dem_vec low, high;
+    dem_status status = dem__may_add_wall(world, material);
+    memset(&wall, 0, sizeof wall);
+    if (status != DEM_OK) return -(int)status;
+    if (!dem__is_mesh(mesh, &low, &high)) return -(int)DEM_BAD_ARGUMENT;
+    if (world->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
+    wall.asked.origin = dem__scale(0.5, dem__add(low, high));
+    dem__frame(&wall, dem_vec3(0, 0, 1), dem_vec3(1, 0, 0));
+
+    const dem_allocator *a = &world->def.allocator;
+    const size_t bytes = (size_t)mesh->vertices * sizeof(dem_vec);
+    dem_vec *local = (dem_vec *)a->fn(a->user, NULL, 0, bytes);
+    if (!local) return -(int)DEM_OUT_OF_MEMORY;
+    for (ptrdiff_t k = 0; k < mesh->vertices; k++) {
+        const double *x = &mesh->vertex[3 * k];
+        local[k] = dem__sub(dem_vec3(x[0], x[1], x[2]), wall.asked.origin);
+    }
+    wall.tree = dem__make_tree(a, mesh->vertices, local, mesh->triangles, mesh->triangle, &status);
+    a->fn(a->user, local, bytes, 0);
+    if (!wall.tree) return -(int)status;
+    const int index = dem__add_wall(world, &dem__triangles, material, &wall);
+    if (index < 0) dem__release(a, wall.tree, wall.tree->bytes);
+    else dem__count_mesh(world);
+    return index;
+}
+
+DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high) {
+    /* corner k: bit c chooses low or high of axis c */
+    int32_t faces[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                         2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    double corners[24];
+    dem_mesh mesh;
+    memset(&mesh, 0, sizeof mesh);
+    if (!(low.x < high.x && low.y < high.y && low.z < high.z)) return -(int)DEM_BAD_ARGUMENT;
+    for (int k = 0; k < 24; k++) corners[k] = (k / 3 >> k % 3 & 1) ? dem_axis(high, k % 3) : dem_axis(low, k % 3);
+    mesh.vertices = 8, mesh.vertex = corners;
+    mesh.triangles = 12, mesh.triangle = faces;
+    return dem_add_mesh(world, material, &mesh);
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/shape.h */
@@ -15192,15 +15745,6 @@ static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, c
 #define DEM__FLAT_EDGE                                                                                                 \
     1e-3 /* edges: sine of the angle of two triangles, up to which they are flat; corners: the same for two edges */
 
-/* Flags of entry `at`: of an edge, and of the corner at which it begins. */
-enum {
-    DEM__EDGE = 1,     /* a sharp edge, which protrudes on one side, or a rim */
-    DEM__RIM = 2,      /* edge of one triangle, or of more than two: can be touched from all around */
-    DEM__CORNER = 4,   /* the corner is sharp, and this is its entry */
-    DEM__FROM_END = 8, /* the edge begins at a sharp corner */
-    DEM__TO_END = 16   /* the edge ends at one */
-};
-
 /* Finds the first vertex at the same place for each vertex. */
 static inline void dem__weld_places(const dem__tree *t, int32_t *same, dem__keyed *items) {
     for (int32_t v = 0; v < t->vertices; v++) {
@@ -15323,6 +15867,7 @@ static inline int dem__make_mesh_edges(const dem_allocator *a, dem__tree *t) {
 
 /* A polyhedron at a wall, seen from its centre, and the points found so far. */
 typedef struct dem__at_wall {
+    dem__edge_visitor visitor; /* first, so that a visitor's address is that of this struct */
     const dem_wall *wall;
     const dem_convex *shape;
     dem_vec centre;   /* of the polyhedron */
@@ -15333,22 +15878,11 @@ typedef struct dem__at_wall {
     dem__convex_point *out;
 } dem__at_wall;
 
-/* Keys of points: below 32, corners; then edges, five keys each; for a screen, the same again for each bar. */
-enum {
-    DEM__BAR_KEYS = DEM_CORNERS_MAX + 2 + 3 * 5 * DEM_EDGES_MAX,
-    DEM__BARS_FROM = 1 << 18,               /* added to the number of a bar, which may be negative */
-    DEM__MESH_PLACES = 54,                  /* directions of normals, for corners at a mesh */
-    DEM__MESH_KEYS = 1 + 5 * DEM_EDGES_MAX, /* of an edge of a mesh and its corner */
-    DEM__MESH_EDGES_MAX = (1 << 30) / DEM__MESH_KEYS,
-    DEM__RING_POINTS = 16, /* points of a cone's rim at which faces can touch it */
-    DEM__CROSSINGS_MAX = 4 /* of an edge with a cone, at most */
-};
-
-/* Returns the key of a corner at an element of a wall: a bar of a screen by its number, a place of a mesh by the
-   direction of its normal in the wall's frame. */
+/* Returns the key of a corner at an element of a wall, by its number, or at a place of a mesh, by the direction of its
+   normal in the wall's frame. */
 static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
-    if (wall->kind == DEM_SCREEN) return corner + DEM__BAR_KEYS * (touch->element + DEM__BARS_FROM);
-    if (wall->kind != DEM_MESH) return corner;
+    if (dem__has_elements(wall)) return corner + DEM__ELEMENT_KEYS * (touch->element + DEM__ELEMENTS_FROM);
+    if (!dem__has(wall, DEM__TRIANGULATED)) return corner;
     const double n[3] = {dem__dot(touch->normal, wall->axis[0]), dem__dot(touch->normal, wall->axis[1]),
                          dem__dot(touch->normal, wall->axis[2])};
     int most = fabs(n[1]) > fabs(n[0]) ? 1 : 0;
@@ -15363,7 +15897,7 @@ static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touc
 
 /* Returns the element of a wall to which a key belongs. */
 DEM_INLINE int32_t dem__element_of_key(const dem_wall *wall, int32_t key) {
-    return wall->kind == DEM_SCREEN ? key / DEM__BAR_KEYS - DEM__BARS_FROM : 0;
+    return dem__has_elements(wall) ? key / DEM__ELEMENT_KEYS - DEM__ELEMENTS_FROM : 0;
 }
 
 /* Lists the edges of the polyhedron unless that is done. */
@@ -15375,17 +15909,17 @@ static inline void dem__list_edges(dem__at_wall *q) {
     for (int e = 0; e < q->shape->edges; e++) dem__place_edge(&side, e, 0, &q->edge[q->edges++]);
 }
 
-/* Sets an edge of a wall between two places, given from the polyhedron's centre. Returns 0 if it is too far away to
-   touch. */
-DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec to, double radius, int ends,
-                                  dem__placed_edge *e) {
-    const dem_vec u = dem__sub(to, from);
+/* Places an edge of a wall. Returns 0 if it is too far away to touch. */
+DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, const dem__wall_edge *of, dem__placed_edge *e) {
+    const dem_vec u = dem__sub(of->to, of->from);
     dem_vec n;
     memset(e, 0, sizeof *e);
     e->length = dem__length(u);
     if (!(e->length > 0.0)) return 0;
-    e->from = from, e->along = dem__scale(1.0 / e->length, u), e->ends = ends;
-    return dem__from_edge(e, dem_vec3(0.0, 0.0, 0.0), &n) < q->shape->reach + radius;
+    e->from = of->from, e->along = dem__scale(1.0 / e->length, u), e->ends = of->ends;
+    if (!(dem__from_edge(e, dem_vec3(0.0, 0.0, 0.0), &n) < q->shape->reach + of->radius)) return 0;
+    e->sided = of->is_sided, e->outward = of->outward;
+    return 1;
 }
 
 /* Returns whether an edge of a wall lies wholly beyond a face of the core, by more than a distance. */
@@ -15400,24 +15934,26 @@ static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_e
     return 0;
 }
 
-/* Adds the points of all edges of the polyhedron at an edge of a wall with a radius. sign: 1 or -1 takes only those
-   whose normals are on that side, 0 all. */
-static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge *e, double radius, int32_t key,
-                                        dem_vec side, double sign) {
-    if (dem__is_beyond_face(q, e, DEM__WINDOW * (q->shape->radius + radius))) return;
+/* Adds the points of all edges of the polyhedron at an edge of a wall. */
+static inline void dem__cross_wall_edge(dem__edge_visitor *v, const dem__wall_edge *of) {
+    dem__at_wall *q = (dem__at_wall *)(void *)v;
+    dem__placed_edge e;
+    if (q->n == DEM__POINTS_MAX || !dem__set_wall_edge(q, of, &e)) return;
+    const double radii = q->shape->radius + of->radius;
+    if (dem__is_beyond_face(q, &e, DEM__WINDOW * radii)) return;
     dem__list_edges(q);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
-        const int n = dem__cross_edges(&q->edge[k], e, q->shape->radius + radius, !e->sided,
-                                       key + 5 * q->edge[k].number, q->out + q->n);
+        const int n =
+            dem__cross_edges(&q->edge[k], &e, radii, !e.sided, of->key + 5 * q->edge[k].number, q->out + q->n);
         if (n == 0) continue;
-        const double up = dem__dot(q->out[q->n].normal, side);
-        if (sign == 0.0 || (sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
+        const double up = dem__dot(q->out[q->n].normal, of->side);
+        if (of->sign == 0.0 || (of->sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
     }
 }
 
-/* Adds the point of a wall's corner, a sphere with a radius at x, at the polyhedron's core. tip: its outward direction;
-   0: it can be touched from all sides. */
-static inline void dem__touch_wall_corner(dem__at_wall *q, dem_vec x, double radius, dem_vec tip, int32_t key) {
+/* Adds the point of a wall's corner at the polyhedron's core. */
+static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, double radius, dem_vec tip, int32_t key) {
+    dem__at_wall *q = (dem__at_wall *)(void *)v;
     dem__convex_point *point = &q->out[q->n];
     dem_vec n;
     if (q->n == DEM__POINTS_MAX || !(dem__length(x) < q->shape->reach + radius)) return;
@@ -15447,140 +15983,40 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
     }
 }
 
-/* Finds the ends of a bar's axis, from the screen's origin. Returns 0 if there is no such bar. */
-static inline int dem__bar_ends(const dem_wall *w, int family, double index, dem_vec end[2]) {
-    const double bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
-    dem_vec from;
-    if (dem__reach_bar(w, family, index, 0.0, bar, 0.0, &from) < 0.0) return 0;
-    const double reach = w->circular ? sqrt((w->half_x - bar) * (w->half_x + bar)) : length;
-    for (int k = 0; k < 2; k++) end[k] = dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0));
-    return 1;
-}
-/* Finds the first and the last bar of a family near a polyhedron at d from the screen's origin; reach: its own [m]. */
-DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double reach, double *first, double *last) {
-    const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]),
-                 half = family ? w->half_x : w->half_y;
-    const double low = dem__clamp(across - reach - 0.5 * w->wire, -half, half);
-    const double high = dem__clamp(across + reach + 0.5 * w->wire, -half, half);
-    *first = floor(low / pitch + 0.5), *last = floor(high / pitch + 0.5);
-}
+/* ---- curved sheets ---- */
 
-/* Adds the points of edges at a bar. A half-round bar is a capsule when touched from above, and two sharp edges when
-   touched from below. */
-static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double index, dem_vec d) {
-    const dem_wall *w = q->wall;
-    const double half = 0.5 * w->wire;
-    const int32_t key = DEM__BAR_KEYS * (2 * (int32_t)index + family + DEM__BARS_FROM) + DEM_CORNERS_MAX;
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
-    dem__placed_edge e;
-    dem_vec end[2];
-    if (!dem__bar_ends(w, family, index, end)) return;
-    for (int k = 0; k < 2; k++) end[k] = dem__sub(end[k], d);
-    for (int k = 0; k < 2; k++) dem__touch_wall_corner(q, end[k], half, none, key + k);
-    if (!dem__set_wall_edge(q, end[0], end[1], half, 3, &e)) return;
-    dem__cross_wall_edge(q, &e, half, key + 2, w->axis[2], w->profile == DEM_ROUND ? 0.0 : 1.0);
-    for (int side = -1; side < 2 && w->profile != DEM_ROUND; side += 2) {
-        const dem_vec off = dem__scale(side * half, w->axis[1 - family]);
-        if (dem__set_wall_edge(q, dem__add(end[0], off), dem__add(end[1], off), 0.0, 0, &e))
-            dem__cross_wall_edge(q, &e, 0.0, key + 2 + 5 * DEM_EDGES_MAX * (side > 0 ? 2 : 1), w->axis[2], -1.0);
-    }
-}
-/* Adds the points of edges at all bars near the polyhedron. */
-static inline void dem__touch_screen_with_edges(dem__at_wall *q) {
-    const dem_wall *w = q->wall;
-    const dem_vec d = dem__sub(q->centre, w->position);
-    double first, last;
-    for (int family = 0; family < 2; family++) {
-        dem__bars_near(w, family, d, q->shape->reach, &first, &last);
-        for (double index = first; index <= last && q->n < DEM__POINTS_MAX; index += 1.0)
-            dem__touch_bar_with_edges(q, family, index, d);
-    }
-}
-
-/* Adds the points of edges across the outside of a cylinder, whose axis has no ends. */
-static inline void dem__touch_cylinder_with_edges(dem__at_wall *q) {
-    const dem_wall *w = q->wall;
-    const dem_vec d = dem__sub(w->position, q->centre), foot = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
-    const double far_off = 4.0 * (q->shape->reach + w->radius);
-    dem__placed_edge e;
-    if (dem__set_wall_edge(q, dem__plus(foot, -far_off, w->axis[2]), dem__plus(foot, far_off, w->axis[2]), w->radius, 0,
-                           &e))
-        dem__cross_wall_edge(q, &e, w->radius, DEM_CORNERS_MAX, w->axis[2], 0.0);
-}
-
-/* Returns the key of an edge of a mesh. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the
-   order of the tree. */
-DEM_INLINE int32_t dem__mesh_key(int32_t at) {
-    return DEM_CORNERS_MAX * DEM__MESH_PLACES + (int32_t)((int64_t)(at % DEM__MESH_EDGES_MAX) * DEM__MESH_KEYS);
-}
-
-/* Adds the points at the sharp edges and corners of a triangle. */
-static inline void dem__touch_triangle_with_edges(dem__at_wall *q, int32_t k, dem_vec d) {
-    const dem_wall *w = q->wall;
-    const dem__tree *t = w->tree;
-    dem__placed_edge e;
-    for (int32_t at = 3 * k; at < 3 * k + 3; at++) {
-        const int kind = t->edges->kind[at];
-        const int32_t key = dem__mesh_key(at);
-        if (!(kind & (DEM__EDGE | DEM__CORNER))) continue;
-        const dem_vec from = dem__sub(dem__from_frame(w, t->vertex[t->corner[at]]), d);
-        if (kind & DEM__CORNER) dem__touch_wall_corner(q, from, 0.0, dem__from_frame(w, t->edges->tip[at]), key);
-        if (!(kind & DEM__EDGE)) continue;
-        const dem_vec to = dem__sub(dem__from_frame(w, t->vertex[t->corner[at % 3 < 2 ? at + 1 : at - 2]]), d);
-        const int ends = (kind & DEM__FROM_END ? 1 : 0) | (kind & DEM__TO_END ? 2 : 0);
-        if (!dem__set_wall_edge(q, from, to, 0.0, ends, &e)) continue;
-        e.sided = !(kind & DEM__RIM), e.outward = dem__from_frame(w, t->edges->outward[at]);
-        dem__cross_wall_edge(q, &e, 0.0, key + 1, w->axis[2], 0.0);
-    }
-}
-/* Adds the points at all triangles near the polyhedron. */
-static inline void dem__touch_mesh_with_edges(dem__at_wall *q) {
-    const dem__tree *t = q->wall->tree;
-    const dem_vec d = dem__sub(q->centre, q->wall->position), p = dem__to_frame(q->wall, d);
-    if (!t->edges) return;
-    for (int32_t b = 0; b < t->nodes;) {
-        const dem__node *node = &t->node[b];
-        if (dem__is_far(node, p, q->shape->reach)) {
-            b = node->skip;
-            continue;
-        }
-        b++;
-        for (int32_t k = node->first; k < node->first + node->count; k++) dem__touch_triangle_with_edges(q, k, d);
-    }
-}
-
-/* Returns the touch of a cone with the sphere about the point at t of an edge. */
-DEM_INLINE dem__touch dem__touch_cone_along(const dem__at_wall *q, const dem__placed_edge *e, double t) {
-    dem__touch touch;
+/* Returns the touch of a sheet with the sphere about the point at t of an edge. */
+static inline dem__touch dem__touch_sheet_along(const dem__at_wall *q, const dem__placed_edge *e, double t) {
+    dem__touch touch[DEM__TOUCHES];
     double least;
-    const dem_vec d = dem__sub(dem__add(q->centre, dem__plus(e->from, t, e->along)), q->wall->position);
-    touch.normal = q->wall->axis[2];
-    dem__touch_cone(q->wall, d, dem__dot(d, q->wall->axis[2]), q->shape->radius, HUGE_VAL, &touch, &least);
-    return touch;
+    touch->normal = q->wall->axis[2];
+    dem__touch_wall(q->wall, dem__add(q->centre, dem__plus(e->from, t, e->along)), q->shape->radius, HUGE_VAL, touch,
+                    &least);
+    return touch[0];
 }
 
-/* Returns where an edge is nearest to a cone, between a place where it approaches and one where it recedes. */
+/* Returns where an edge is nearest to a sheet, between a place where it approaches and one where it recedes. */
 static inline double dem__nearest_between(const dem__at_wall *q, const dem__placed_edge *e, double low, double high) {
     for (int k = 0; k < 50; k++) {
         const double middle = 0.5 * (low + high);
-        if (dem__dot(dem__touch_cone_along(q, e, middle).normal, e->along) > 0.0) high = middle;
+        if (dem__dot(dem__touch_sheet_along(q, e, middle).normal, e->along) > 0.0) high = middle;
         else low = middle;
     }
     return 0.5 * (low + high);
 }
 
-/* Finds the places at which an edge touches a cone between its ends, by steps along it: long ones where no contact is
+/* Finds the places at which an edge touches a sheet between its ends, by steps along it: long ones where no contact is
    possible, otherwise short ones. Returns their number. */
 static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_edge *e, double *at) {
     const double step = 0.25 * q->shape->radius, least = 0.0625 * step;
-    dem__touch was = dem__touch_cone_along(q, e, 0.0);
+    dem__touch was = dem__touch_sheet_along(q, e, 0.0);
     int n = 0;
     for (double t = 0.0; t < e->length && n < DEM__CROSSINGS_MAX;) {
         const double ahead = was.gap <= 0.0    ? step
                              : was.gap > least ? was.gap
                                                : least,
                      next = t + ahead < e->length ? t + ahead : e->length;
-        const dem__touch here = dem__touch_cone_along(q, e, next);
+        const dem__touch here = dem__touch_sheet_along(q, e, next);
         if (was.gap < least && dem__dot(was.normal, e->along) < 0.0 && dem__dot(here.normal, e->along) > 0.0)
             at[n++] = dem__nearest_between(q, e, t, next);
         t = next, was = here;
@@ -15588,15 +16024,15 @@ static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_ed
     return n;
 }
 
-/* Adds the point of an edge at t with a cone, and the points of the edge's ends, with weights as for crossing edges. */
+/* Adds the point of an edge at t with a sheet, and the points of the edge's ends, with weights as for crossing edges. */
 static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, double t, int32_t key) {
     dem__convex_point *point = &q->out[q->n];
     double share[2], rest[2], left = 1.0;
     int n = 1;
-    const dem__touch here = dem__touch_cone_along(q, e, t);
+    const dem__touch here = dem__touch_sheet_along(q, e, t);
     if (!(here.gap < 0.0) || q->n + 3 > DEM__POINTS_MAX) return;
     for (int k = 0; k < 2; k++) {
-        const dem__touch end = dem__touch_cone_along(q, e, k ? e->length : 0.0);
+        const dem__touch end = dem__touch_sheet_along(q, e, k ? e->length : 0.0);
         share[k] = end.gap < 0.0 ? end.gap * end.gap / (here.gap * here.gap) : 0.0;
         rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
         left *= rest[k];
@@ -15613,10 +16049,8 @@ static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, 
     q->n += n;
 }
 
-/* Adds the points of edges at a cone and its rims, and of faces at points of the rims. */
-static inline void dem__touch_cone_with_edges(dem__at_wall *q) {
-    const dem_wall *w = q->wall;
-    const int32_t rings = DEM_CORNERS_MAX + 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX;
+/* Adds the points of edges at a sheet and its rims. */
+static inline void dem__touch_sheet_with_edges(dem__at_wall *q) {
     double at[DEM__CROSSINGS_MAX];
     dem__list_edges(q);
     for (int k = 0; k < q->edges; k++) {
@@ -15624,17 +16058,11 @@ static inline void dem__touch_cone_with_edges(dem__at_wall *q) {
         for (int m = 0; m < n; m++)
             dem__weigh_along(q, &q->edge[k], at[m], DEM_CORNERS_MAX + 3 * (DEM__CROSSINGS_MAX * q->edge[k].number + m));
     }
-    for (int ring = 0; ring < 2; ring++) {
-        const double radius = ring ? w->high_radius : w->radius;
-        const dem_vec middle = dem__plus(dem__sub(w->position, q->centre), ring ? w->length : 0.0, w->axis[2]);
-        if (!(dem__length(middle) < radius + q->shape->reach)) continue;
-        for (int k = 0; k < (radius > 0.0 ? DEM__RING_POINTS : 1); k++) {
-            const dem_vec out =
-                dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI / (double)DEM__RING_POINTS * (double)k);
-            dem__touch_wall_corner(q, dem__plus(middle, radius, out), 0.0, dem_vec3(0.0, 0.0, 0.0),
-                                   rings + DEM__RING_POINTS * ring + k);
-        }
-    }
+}
+
+/* How corners of a polyhedron tell its gap to a wall. */
+DEM_INLINE int dem__corners_at(const dem_wall *wall) {
+    return wall->kind__->corners ? wall->kind__->corners(wall) : DEM__CORNERS_SOME;
 }
 
 /* Finds the points of a polyhedron at a wall, both at the end of the step. Returns their number. */
@@ -15645,17 +16073,12 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     double least;
     dem__touch_wall(wall, place->x, s->reach, 0.0, touch, &least);
     if (!(least < 0.0)) return 0;
+    q.visitor.corner = dem__touch_wall_corner, q.visitor.edge = dem__cross_wall_edge;
     q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
     q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);
-    if (wall->kind == DEM_SPHERE && !wall->inside) {
-        dem__touch_wall_corner(&q, dem__sub(wall->position, place->x), wall->radius, dem_vec3(0.0, 0.0, 0.0), 0);
-        return q.n;
-    }
-    dem__touch_with_corners(&q);
-    if (wall->kind == DEM_CYLINDER && !wall->inside) dem__touch_cylinder_with_edges(&q);
-    if (wall->kind == DEM_SCREEN) dem__touch_screen_with_edges(&q);
-    if (wall->kind == DEM_MESH) dem__touch_mesh_with_edges(&q);
-    if (wall->kind == DEM_CONE) dem__touch_cone_with_edges(&q);
+    if (dem__corners_at(wall) != DEM__CORNERS_NONE) dem__touch_with_corners(&q);
+    if (dem__has(wall, DEM__CURVED_SHEET)) dem__touch_sheet_with_edges(&q);
+    if (wall->kind__->edges) wall->kind__->edges(wall, place->x, s->reach, &q.visitor);
     return q.n;
 }
 
@@ -15705,10 +16128,9 @@ static inline double dem__clear_of_mesh(const dem_wall *wall, const dem_convex *
 static inline double dem__clear_of_wall(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
     dem__touch touch[DEM__TOUCHES];
     double least = HUGE_VAL, gap;
-    if (wall->kind == DEM_MESH) return dem__clear_of_mesh(wall, s, place) - s->radius;
-    if (wall->kind != DEM_PLANE && !(wall->inside && (wall->kind == DEM_CYLINDER || wall->kind == DEM_SPHERE)))
-        return 0.0;
-    for (int k = 0; k < s->corners; k++) { /* nothing of it is nearer than a corner */
+    if (dem__has(wall, DEM__TRIANGULATED)) return dem__clear_of_mesh(wall, s, place) - s->radius;
+    if (dem__corners_at(wall) != DEM__CORNERS_ALL) return 0.0;
+    for (int k = 0; k < s->corners; k++) {
         dem__touch_wall(wall, dem__corner_at(s, place, k), s->radius, 0.0, touch, &gap);
         least = gap < least ? gap : least;
     }
@@ -15725,23 +16147,6 @@ static inline int dem__passes_triangle(dem_vec p, dem_vec q, dem_vec a, dem_vec 
     const double ab = dem__dot(u, dem__cross(pa, pb)), bc = dem__dot(u, dem__cross(pb, pc)),
                  ca = dem__dot(u, dem__cross(pc, pa));
     return (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
-}
-/* Returns whether the line from p to q, given from a cone's lower end, passes through the cone. */
-static inline int dem__passes_cone(const dem_wall *w, dem_vec p, dem_vec q) {
-    const dem_vec u = dem__sub(q, p);
-    const double slope = (w->high_radius - w->radius) / w->length, z = dem__dot(p, w->axis[2]),
-                 along = dem__dot(u, w->axis[2]);
-    const double r = w->radius + slope * z, dr = slope * along; /* radius of the cone at p, and its change to q */
-    const double a = dem__dot(u, u) - along * along - dr * dr, b = dem__dot(p, u) - z * along - r * dr;
-    const double c = dem__dot(p, p) - z * z - r * r, root = sqrt(b * b > a * c ? b * b - a * c : 0.0);
-    const double t[2] = {b > 0.0 ? c / (-b - root) : (root - b) / a, b > 0.0 ? (-b - root) / a : c / (root - b)};
-    if (b * b < a * c) return 0;
-    for (int k = 0; k < 2; k++) {
-        if (t[k] >= 0.0 && t[k] <= 1.0 && z + t[k] * along >= 0.0 && z + t[k] * along <= w->length &&
-            r + t[k] * dr >= 0.0)
-            return 1;
-    }
-    return 0;
 }
 /* Returns whether an edge of a core, whose corners are given in a mesh's frame, passes through the mesh. */
 static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s, const dem_vec *corner,
@@ -15776,30 +16181,38 @@ static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q
     }
     return low < high;
 }
-static inline int dem__core_passes_screen(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
-    const dem_vec d = dem__sub(place->x, w->position);
-    double first, last;
-    dem_vec end[2];
-    for (int family = 0; family < 2; family++) {
-        dem__bars_near(w, family, d, s->reach, &first, &last);
-        for (double index = first; index <= last; index += 1.0) {
-            if (!dem__bar_ends(w, family, index, end)) continue;
-            for (int k = 0; k < 2; k++) end[k] = dem__into_core(place, dem__sub(end[k], d));
-            if (dem__core_holds_line(s, end[0], end[1])) return 1;
-        }
-    }
-    return 0;
+/* Looks for the axis of a bar that passes through a core. */
+typedef struct dem__axis_visitor {
+    dem__edge_visitor visitor;
+    const dem_convex *shape;
+    const dem__placed *place;
+    int found;
+} dem__axis_visitor;
+static inline void dem__skip_corner(dem__edge_visitor *v, dem_vec x, double radius, dem_vec tip, int32_t key) {
+    (void)v, (void)x, (void)radius, (void)tip, (void)key;
 }
+static inline void dem__look_at_axis(dem__edge_visitor *v, const dem__wall_edge *e) {
+    dem__axis_visitor *q = (dem__axis_visitor *)(void *)v;
+    if (q->found || !e->is_axis) return;
+    q->found = dem__core_holds_line(q->shape, dem__into_core(q->place, e->from), dem__into_core(q->place, e->to));
+}
+
 /* Returns whether a core has passed into a sheet, a mesh or a cone, or into the axis of a bar: beyond them its corners
    touch nothing. */
 static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
     dem_vec corner[DEM_CORNERS_MAX];
-    if (w->kind == DEM_SCREEN) return dem__core_passes_screen(w, s, place);
-    for (int k = 0; k < s->corners; k++) corner[k] = dem__sub(dem__corner_at(s, place, k), w->position);
-    for (int e = 0; e < s->edges && w->kind == DEM_CONE; e++) {
-        if (dem__passes_cone(w, corner[s->edge[e][0]], corner[s->edge[e][1]])) return 1;
+    if (dem__has_elements(w)) {
+        dem__axis_visitor q;
+        q.visitor.corner = dem__skip_corner, q.visitor.edge = dem__look_at_axis;
+        q.shape = s, q.place = place, q.found = 0;
+        w->kind__->edges(w, place->x, s->reach, &q.visitor);
+        return q.found;
     }
-    if (w->kind != DEM_MESH) return 0;
+    for (int k = 0; k < s->corners; k++) corner[k] = dem__sub(dem__corner_at(s, place, k), w->position);
+    for (int e = 0; e < s->edges && w->kind__->crosses; e++) {
+        if (w->kind__->crosses(w, corner[s->edge[e][0]], corner[s->edge[e][1]])) return 1;
+    }
+    if (!dem__has(w, DEM__TRIANGULATED)) return 0;
     for (int k = 0; k < s->corners; k++) corner[k] = dem__to_frame(w, corner[k]);
     return dem__core_passes_mesh(w->tree, s, corner, dem__to_frame(w, dem__sub(place->x, w->position)));
 }
@@ -16182,7 +16595,7 @@ static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__co
     const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
     dem__touch touch;
     touch.curvature = 0.0;
-    if (j < 0 && w->wall[-1 - j].kind != DEM_MESH) {
+    if (j < 0 && !dem__has(&w->wall[-1 - j], DEM__TRIANGULATED)) {
         const dem_wall *wall = &w->wall[-1 - j];
         dem__touch_element(wall, dem__add(w->engine->convex.place[i].x, p->at), dem__touching_radius(w, i),
                            dem__element_of_key(wall, p->key), &touch);
@@ -16265,7 +16678,7 @@ static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pa
     *of_particles = n;
     for (int32_t i = 0; i < (int32_t)w->count; i++) {
         for (int k = 0; k < w->walls && w->alive[i] && dem__shape_of(w, i) && !dem__is_fixed(w, i); k++) {
-            if (w->wall[k].kind == DEM_EXIT) continue;
+            if (!dem__has_surface(&w->wall[k])) continue;
             p.i = i, p.j = -1 - k, p.near = -1;
             if (pair) pair[n] = p;
             n++;
@@ -16282,7 +16695,7 @@ static inline int dem__list_convex_pairs(dem_world *w) {
     const dem_allocator *a = &w->def.allocator;
     const ptrdiff_t n = dem__put_convex_pairs(w, NULL, &convex->of_particles);
     for (int k = 0; k < w->walls; k++) {
-        if (w->wall[k].kind == DEM_MESH && !dem__make_mesh_edges(a, w->wall[k].tree)) return 0;
+        if (w->wall[k].tree && !dem__make_mesh_edges(a, w->wall[k].tree)) return 0;
     }
     if (n > INT32_MAX / 2) return 0;
     if (n > convex->pair_capacity) {
@@ -16575,15 +16988,24 @@ static inline int dem__find_field(const dem__file *file, const dem__group *g, in
     return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
 }
 
-/* Reads a group of n consecutive entries. Returns 0 if the file is not valid. */
-static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
+/* Reads entries first .. end-1 of a group of n into consecutive ones from `to` on. Returns 0 if the file is not valid.
+ */
+static inline int dem__read_some(const dem__file *file, const dem__group *g, ptrdiff_t n, ptrdiff_t first,
+                                 ptrdiff_t end, ptrdiff_t to) {
     for (int q = 0; q < g->fields && n > 0; q++) {
+        const dem__saved_field *f = &g->field[q];
         dem__stream s;
         const int found = dem__find_field(file, g, q, n, &s);
         if (found < 0) return 0;
-        for (ptrdiff_t k = 0; k < n && found; k++) dem__stream_entry(&s, &g->field[q], k);
+        s.at += (size_t)first * (size_t)(f->numbers * f->width);
+        for (ptrdiff_t k = first; k < end && found; k++) dem__stream_entry(&s, f, to + k - first);
     }
     return 1;
+}
+
+/* Reads all n entries of a group. */
+static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
+    return dem__read_some(file, g, n, 0, n, 0);
 }
 
 /* Reads contacts into their slots. Returns 0 if the file is not valid. */
@@ -16600,28 +17022,44 @@ static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__g
     return 1;
 }
 
+/* Steps that a run may owe: half a one, and more after a change of the time step. */
+#define DEM__OWED_STEPS 1e7
+
 static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
+
+/* Reads materials and their pairs. Files have as many as the world, older ones DEM_MATERIALS_MAX of the program that
+   wrote them. Returns 0 if the file is not valid. */
+static inline int dem__read_materials(const dem__file *file, dem_world *w, dem__group *g) {
+    const ptrdiff_t used = w->def.materials, n = dem__entries_of(file, "material.density");
+    if (used < 1 || used > DEM_MATERIALS_MAX || n < used || n > INT16_MAX) return 0;
+    dem__material_fields(w->def.material, g);
+    if (!dem__read_some(file, g, n, 0, used, 0)) return 0;
+    dem__pair_fields(&w->def.pair[0][0], g);
+    for (ptrdiff_t a = 0; a < used; a++) {
+        for (ptrdiff_t b = 0; b < used; b++) w->def.pair[a][b].given = 1; /* still older ones do not say what was set */
+        if (!dem__read_some(file, g, n * n, a * n, a * n + used, a * DEM_MATERIALS_MAX)) return 0;
+    }
+    return 1;
+}
 
 /* Reads the definition and single numbers. Returns 0 if the file is not valid. */
 static inline int dem__read_world(const dem__file *file, dem_world *w, dem__group *g) {
     dem__engine *e = w->engine;
     dem__world_fields(w, g);
-    if (!dem__read_group(file, g, 1)) return 0;
-    dem__material_fields(w->def.material, g);
-    if (!dem__read_group(file, g, DEM_MATERIALS_MAX)) return 0;
-    /* older files do not say which pairs were set */
-    for (int k = 0; k < DEM_MATERIALS_MAX * DEM_MATERIALS_MAX; k++)
-        w->def.pair[k / DEM_MATERIALS_MAX][k % DEM_MATERIALS_MAX].given = 1;
-    dem__pair_fields(&w->def.pair[0][0], g);
-    if (!dem__read_group(file, g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX)) return 0;
+    if (!dem__read_group(file, g, 1) || !dem__read_materials(file, w, g)) return 0;
     const int64_t counts[] = {w->step,  e->run.start_step, w->particle_steps, w->contact_steps,
                               w->looks, w->rebuilds,       w->passed_total};
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
     }
     if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) ||
-        !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
+        !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts) ||
+        !dem__is_flag(e->contacts.has_history))
         return 0;
+    /* what a flag promises is there */
+    if ((e->ledger.started || e->ledger.counts) && !e->ledger.on) return 0;
+    if (e->links.on ? !dem__positive(e->links.interval) : dem__entries_of(file, "link.i") > 0) return 0;
+    if (!(fabs(w->owed) <= DEM__OWED_STEPS * w->def.dt)) return 0;
     if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 ||
         e->links.states > DEM_STATE_MAX)
         return 0;
@@ -16661,10 +17099,9 @@ static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocat
 /* Returns whether a loaded wall could come from the functions that make and move walls. */
 static inline int dem__is_sound_wall(const dem_world *w, const dem_wall *a) {
     const dem_wall_motion *asked = &a->asked;
-    if (a->material < 0 || a->material >= w->def.materials || a->kind < DEM_PLANE || a->kind > DEM_MESH) return 0;
-    if (!dem__is_flag(a->solid) || (a->solid && a->kind != DEM_MESH)) return 0;
-    if (a->kind == DEM_SCREEN && !dem__is_deck(a)) return 0;
-    if (a->kind == DEM_CONE && !(a->length > 0.0 && a->radius + a->high_radius > 0.0)) return 0;
+    if (a->material < 0 || a->material >= w->def.materials || !a->kind__) return 0;
+    if (!dem__is_flag(a->solid) || (a->solid && !dem__has(a, DEM__TRIANGULATED))) return 0;
+    if (a->kind__->is_sound && !a->kind__->is_sound(a)) return 0;
     if (asked->drive < DEM_KINEMATIC || asked->drive > DEM_TORQUE_CONTROLLED) return 0;
     if (asked->drive == DEM_PRESCRIBED && !(asked->interval > 0.0)) return 0;
     return asked->drive < DEM_FORCE_CONTROLLED || asked->inertia > 0.0;
@@ -16680,12 +17117,13 @@ static inline dem_status dem__read_walls(const dem__file *file, dem_world *w, de
     if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
     for (w->walls = 0; w->walls < n; w->walls++) {
         dem_wall *a = &w->wall[w->walls];
+        a->kind__ = dem__find_kind(a->kind);
         if (!dem__is_sound_wall(w, a)) return DEM_BAD_DATA;
-        const dem_status status =
-            a->kind == DEM_MESH ? dem__read_mesh(file, &w->def.allocator, w->walls, a, g) : DEM_OK;
+        const int is_mesh = dem__has(a, DEM__TRIANGULATED);
+        const dem_status status = is_mesh ? dem__read_mesh(file, &w->def.allocator, w->walls, a, g) : DEM_OK;
         if (status != DEM_OK) return status;
-        if (a->kind == DEM_MESH) dem__count_mesh(w);
-        walls->touch_keepers += a->kind == DEM_MESH || a->kind == DEM_CONE;
+        if (is_mesh) dem__count_mesh(w);
+        walls->touch_keepers += dem__has(a, DEM__TRIANGULATED | DEM__KEEPS_CURVATURE);
         walls->controls |= a->asked.drive >= DEM_FORCE_CONTROLLED;
         dem__set_phase_sine(a);
     }
@@ -16833,7 +17271,7 @@ static inline int dem__are_sound_contacts(const dem_world *w) {
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
         if (!dem__are_bodies(w, i, j) || (j >= 0 && j < i)) return 0;
-        if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && !dem__shape_of(w, i) &&
+        if (j < 0 && dem__has(&w->wall[-1 - j], DEM__TRIANGULATED) && !dem__shape_of(w, i) &&
             (contacts->element[c] < 0 || contacts->element[c] >= DEM__NUMBERS))
             return 0;
         if (w->particle[i].origin != w->step || (j >= 0 && w->particle[j].origin != w->step)) return 0;
@@ -16985,7 +17423,7 @@ static inline void dem__list_present(const dem_world *w, dem__present *of) {
         const double mass = dem__least_mass(w, i);
         q->lightest = mass < q->lightest ? mass : q->lightest;
     }
-    for (int k = 0; k < w->walls; k++) of[w->wall[k].material].is_wall |= w->wall[k].kind != DEM_EXIT;
+    for (int k = 0; k < w->walls; k++) of[w->wall[k].material].is_wall |= dem__has_surface(&w->wall[k]);
 }
 
 /* Returns the mass of the smallest sphere of a material, or the effective mass of a particle of a body if that is less

@@ -251,23 +251,27 @@ static inline double filtration_student(double confidence, double freedom);
 /* ---- size distributions: n classes of mean size d > 0 [m] (arrays of the caller, [n]) ---- */
 /* Computes shares[i] d[i]^power, normalized to a sum of 1: power -3 turns volume shares (q3) into number shares (q0), 3 turns them back.
    out may be shares. BAD_ARGUMENT: n 0, a share < 0, all 0, a size not > 0. */
-FILTRATION_API filtration_status filtration_convert_shares(size_t n, const double *d, const double *shares, double power, double *out);
+FILTRATION_API filtration_status filtration_convert_shares(size_t n, const double *d, const double *shares,
+                                                           double power, double *out);
 /* Converts cumulative Q3 (0 .. 1, rising) at n >= 2 sizes x > 0 (rising) to Q0 at the same sizes: exact if Q3 is linear between them. Q3[0]
    must be 0, because the number below the first size is unknown. BAD_ARGUMENT. out may be Q3. */
-FILTRATION_API filtration_status filtration_number_distribution(size_t n, const double *x, const double *Q3, double *out);
+FILTRATION_API filtration_status filtration_number_distribution(size_t n, const double *x, const double *Q3,
+                                                                double *out);
 /* Returns the Sauter diameter [m] of volume shares; NaN where filtration_convert_shares would refuse. */
 FILTRATION_API double filtration_sauter(size_t n, const double *d, const double *volume_shares);
 
 /* ---- an operation: constant rate until the pressure is reached, then constant pressure ---- */
 typedef struct filtration_operation {
-    double viscosity;       /* of the filtrate [Pa s] > 0; default 1e-3 */
-    double area;            /* [m2] > 0; default 1 */
-    double medium;          /* R_M [1/m] >= 0; default 0 */
-    double product;         /* r_K K_S [1/m2] >= 0, at `reference` if the cake is compressible; default 0 */
-    double compressibility; /* exponent n of r_K K_S as a function of the pressure difference in the cake [-], 0 .. below 1; default 0 */
-    double reference;       /* pressure difference in the cake at which product holds [Pa] > 0; default 1e5 */
-    double pressure;        /* largest pressure difference [Pa] > 0; HUGE_VAL: no limit (constant rate); default 1e5 */
-    double rate;            /* filtrate flow of the first stage [m3/s] > 0; HUGE_VAL: constant pressure from the start; default HUGE_VAL */
+    double viscosity; /* of the filtrate [Pa s] > 0; default 1e-3 */
+    double area;      /* [m2] > 0; default 1 */
+    double medium;    /* R_M [1/m] >= 0; default 0 */
+    double product;   /* r_K K_S [1/m2] >= 0, at `reference` if the cake is compressible; default 0 */
+    double
+        compressibility; /* exponent n of r_K K_S as a function of the pressure difference in the cake [-], 0 .. below 1; default 0 */
+    double reference; /* pressure difference in the cake at which product holds [Pa] > 0; default 1e5 */
+    double pressure;  /* largest pressure difference [Pa] > 0; HUGE_VAL: no limit (constant rate); default 1e5 */
+    double
+        rate; /* filtrate flow of the first stage [m3/s] > 0; HUGE_VAL: constant pressure from the start; default HUGE_VAL */
 } filtration_operation;
 
 typedef struct filtration_point {
@@ -285,33 +289,47 @@ FILTRATION_API filtration_status filtration_operation_check(const filtration_ope
 /* Finds the point at which the first stage ends. time infinite: it never ends; 0: there is no such stage. */
 FILTRATION_API filtration_status filtration_change_over(const filtration_operation *o, filtration_point *point);
 /* Computes the point at a filtrate volume >= 0 [m3], or at a time >= 0 [s]. NO_SOLUTION: out of the range of doubles. */
-FILTRATION_API filtration_status filtration_at_volume(const filtration_operation *o, double volume, filtration_point *point);
-FILTRATION_API filtration_status filtration_at_time(const filtration_operation *o, double time, filtration_point *point);
+FILTRATION_API filtration_status filtration_at_volume(const filtration_operation *o, double volume,
+                                                      filtration_point *point);
+FILTRATION_API filtration_status filtration_at_time(const filtration_operation *o, double time,
+                                                    filtration_point *point);
 
 /* ---- evaluation of a measured filter curve, in the manner of VDI 2762 ---- */
 typedef struct filtration_curve_def {
-    uint32_t cookie;       /* set by filtration_curve_default_def() */
-    double pressure;       /* difference, constant [Pa] > 0; default 1e5 */
-    double viscosity;      /* [Pa s] > 0; default 1e-3 */
-    double area;           /* [m2] > 0; default 2e-3 */
-    double cake_ratio;     /* K_S [-] > 0; NAN: unknown, then only the product r_K K_S is determined; default NAN */
+    uint32_t cookie;   /* set by filtration_curve_default_def() */
+    double pressure;   /* difference, constant [Pa] > 0; default 1e5 */
+    double viscosity;  /* [Pa s] > 0; default 1e-3 */
+    double area;       /* [m2] > 0; default 2e-3 */
+    double cake_ratio; /* K_S [-] > 0; NAN: unknown, then only the product r_K K_S is determined; default NAN */
+    double
+        solids; /* mass of dry solids in the cake over the volume of filtrate [kg/m3] > 0; NAN: unknown, then alpha is not
+                              determined; default NAN */
     double pressure_error; /* standard errors, relative [-] >= 0; default 0 */
     double viscosity_error;
     double area_error;
     double cake_ratio_error;
-    double time_error;     /* standard error of a reading [s] >= 0; if volume_error is 0, too: unknown, and each t / V has the same weight;
-                              default 0 */
-    double volume_error;   /* [m3] >= 0; default 0. Both only weight the readings; intervals follow from the scatter */
-    double start_time;     /* of the stage that is evaluated [s]; default 0. Then (t - t1) / (V - V1) is fitted over V + V1 */
+    double solids_error;
+    double
+        time_error; /* standard error of a reading [s] >= 0; if volume_error is 0, too: unknown, and the readings tell how their
+                              scatter grows; default 0 */
+    double volume_error; /* [m3] >= 0; default 0. Both only weight the readings; intervals follow from the scatter */
+    double
+        drift_error; /* standard error of the last volume used by a balance that drifts in proportion to time [m3] >= 0; default 0.
+                              Such a drift looks like another filter, so that no readings tell it */
+    int independent; /* 1: the errors of neighbours are known to be independent; 0: not known, intervals allow for errors that are
+                              alike or add up; default 0 */
+    double
+        start_time; /* of the stage that is evaluated [s]; default 0. Then (t - t1) / (V - V1) is fitted over V + V1 */
     double start_volume;   /* [m3] >= 0; default 0 */
     double first_volume;   /* readings from this filtrate volume on ... [m3] >= 0; default 0 */
     double last_volume;    /* ... to this one [m3]; default HUGE_VAL */
     int automatic;         /* 1: uses the longest straight stretch of these; 0: uses all; default 1 */
-    size_t least_readings; /* of a stretch, >= 5; default 6 */
-    double bend_level;     /* a stretch is bent if chance alone would bend it as much with less than this probability [-], above 0 .. 1;
-                              default 0.1 */
-    double tolerance;      /* ... and if the bend exceeds this share of the mean t / V [-] >= 0; default 0.005 */
-    double confidence;     /* of intervals [-], above 0 .. below 1; default 0.95 */
+    size_t least_readings; /* of a stretch, >= 5; default 6. With no more readings than that all are used */
+    double
+        bend_level; /* a stretch is bent if chance alone would bend it as much with less than this probability [-], above 0 .. 1;
+                              default 0.1. A fifth of it where there is no straighter stretch: then there is no interval */
+    double tolerance;  /* ... and if the bend exceeds this share of the mean t / V [-] >= 0; default 0.005 */
+    double confidence; /* of intervals [-], above 0 .. below 1; default 0.95 */
 } filtration_curve_def;
 
 typedef struct filtration_estimate {
@@ -321,31 +339,36 @@ typedef struct filtration_estimate {
 } filtration_estimate;
 
 /* Remarks about a result. */
-#define FILTRATION_REMARKS(X)                                                                                                              \
-    X(FILTRATION_REMARK_BENT, 1u, "the readings used are not on a straight line")                                                          \
-    X(FILTRATION_REMARK_MEDIUM, 2u, "the intercept is negative: clear liquid went first, or the clock began late")                         \
-    X(FILTRATION_REMARK_SLOPE, 4u, "the slope is not above 0 with the stated confidence: no cake is seen")                                 \
-    X(FILTRATION_REMARK_CORRELATED, 8u, "neighbouring residuals are alike: the interval was widened")
+#define FILTRATION_REMARKS(X)                                                                                          \
+    X(FILTRATION_REMARK_BENT, 1u, "the readings used are not on a straight line: there is no interval")                \
+    X(FILTRATION_REMARK_MEDIUM, 2u, "the intercept is negative: clear liquid went first, or the clock began late")     \
+    X(FILTRATION_REMARK_SLOPE, 4u, "the slope is not above 0 with the stated confidence: no cake is seen")             \
+    X(FILTRATION_REMARK_CORRELATED, 8u, "neighbouring errors are alike: the interval is wider for it")                 \
+    X(FILTRATION_REMARK_FEW, 16u,                                                                                      \
+      "fewer than 20 readings cannot tell whether neighbouring errors are alike: the interval allows for it")          \
+    X(FILTRATION_REMARK_DRIFT, 32u,                                                                                    \
+      "the readings bend within the tolerance: the interval allows for a balance that drifts as much")
 #define FILTRATION__REMARK(name, bit, text) name = bit,
 typedef enum filtration_remark { FILTRATION_REMARKS(FILTRATION__REMARK) FILTRATION_NO_REMARK = 0 } filtration_remark;
 FILTRATION_API const char *filtration_remark_text(unsigned remark); /* of one bit; never NULL; static storage */
 
 typedef struct filtration_curve {
-    filtration_estimate slope;                    /* [s/m6] */
-    filtration_estimate intercept;                /* [s/m3] */
-    filtration_estimate product;                  /* r_K K_S [1/m2] */
-    filtration_estimate cake;                     /* r_K [1/m2]; NaN without K_S */
-    filtration_estimate medium;                   /* R_M [1/m] */
-    double covariance;                            /* of slope and intercept [s2/m9] */
-    size_t first, last;                           /* indices of the first and last reading used */
-    size_t used;                                  /* readings used */
-    double freedom;                               /* degrees of freedom [-] */
-    double student;                               /* factor from standard error to interval, of slope and intercept [-] */
-    double scatter;                               /* standard deviation of t / V about the line, over its mean [-] */
-    double r2;                                    /* coefficient of determination [-] */
-    double bend;                                  /* departure of a fitted parabola and cubic from the line, over the mean t / V [-] */
-    double correlation;                           /* of neighbouring residuals [-] */
-    unsigned remarks;                             /* bits of filtration_remark */
+    filtration_estimate slope;     /* [s/m6] */
+    filtration_estimate intercept; /* [s/m3] */
+    filtration_estimate product;   /* r_K K_S [1/m2] */
+    filtration_estimate cake;      /* r_K [1/m2]; NaN without K_S */
+    filtration_estimate by_mass;   /* alpha = r_K K_S / solids [m/kg]; NaN without the mass of solids */
+    filtration_estimate medium;    /* R_M [1/m] */
+    double covariance;             /* of slope and intercept [s2/m9] */
+    size_t first, last;            /* indices of the first and last reading used */
+    size_t used;                   /* readings used */
+    double freedom;                /* degrees of freedom [-] */
+    double student;                /* factor from standard error to interval, of slope and intercept [-] */
+    double scatter;                /* standard deviation of t / V about the line, over its mean [-] */
+    double r2;                     /* coefficient of determination [-] */
+    double bend;                   /* departure of a fitted parabola and cubic from the line, over the mean t / V [-] */
+    double correlation;            /* of neighbouring errors: 0 independent .. 1 they add up [-] */
+    unsigned remarks;              /* bits of filtration_remark */
     double pressure, viscosity, area, confidence; /* of the definition */
     double smallest, largest;                     /* filtrate volume of the first and of the last reading used [m3] */
 } filtration_curve;
@@ -356,22 +379,49 @@ FILTRATION_API filtration_status filtration_curve_check_def(const filtration_cur
 /* Fits (3) to n readings of time [s] and filtrate volume [m3] (arrays of the caller, in the order of time). Readings at or before the start
    are left out. BAD_DEF; BAD_ARGUMENT: a reading is negative, infinite or not a number, time runs backwards, or the volume does: after the
    start it falls below an earlier one by more than 2 % of the largest and six volume_error (the vessel was emptied, or this is more than
-   one filtration). Less is scatter, and counts as it was read. FEW_DATA: fewer than least_readings; NO_SOLUTION: all at one volume, or out
-   of the range of doubles. After any of them the numbers are NaN, used and remarks 0. */
-FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def *def, size_t n, const double *time, const double *volume,
-                                                     filtration_curve *result);
+   one filtration). Less is scatter, and counts as it was read. FEW_DATA: fewer than 3; NO_SOLUTION: all at one volume, or out
+   of the range of doubles. After any of them the numbers are NaN, used and remarks 0. With FILTRATION_REMARK_BENT there are values, but
+   error, low and high are NaN: a line that is none has no interval. */
+FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def *def, size_t n, const double *time,
+                                                     const double *volume, filtration_curve *result);
 /* Determines the resistance of the clean medium [1/m]: the mean of dp t A / (mu V) over the readings from the start to last_volume [m3] >
-   0, before there is a cake. Errors, and NaN, as above. The caller leaves out readings where t / V still rises. */
-FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curve_def *def, size_t n, const double *time,
-                                                           const double *volume, double last_volume, filtration_estimate *medium);
+   0, before there is a cake, at least 2. Errors, and NaN, as above. The caller leaves out readings where t / V still rises. */
+FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curve_def *def, size_t n,
+                                                           const double *time, const double *volume, double last_volume,
+                                                           filtration_estimate *medium);
 /* Predicts the time [s] to a filtrate volume V >= 0 [m3] on another filter: pressure [Pa], area [m2] > 0, compressibility n of the cake as
    above (0 for the measured pressure), with the interval that follows from slope and intercept. NaN with BAD_ARGUMENT. */
-FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area, double compressibility,
-                                                    double V, filtration_estimate *time);
+FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area,
+                                                    double compressibility, double V, filtration_estimate *time);
+/* The power law of a compressible cake from runs at several pressures: value = at_reference (p / reference)^exponent, where a value is
+   alpha, r_K or r_K K_S. Runs scatter by more than each one's own error (no two cakes are alike), by how much is not known: the law is
+   the mean over several weightings, each weighted by its likelihood. Intervals follow from the departures from the law, with runs - 2
+   degrees of freedom. */
+typedef struct filtration_compressibility {
+    filtration_estimate exponent;     /* n [-] */
+    filtration_estimate at_reference; /* of the value, in its unit; interval in logarithms */
+    double reference;                 /* pressure difference [Pa] */
+    double covariance;                /* of exponent and logarithm of the value at reference [-] */
+    double between;                   /* standard deviation between runs beyond their errors, relative [-] */
+    double freedom, student, confidence;
+    double lowest, highest; /* pressure difference of the runs [Pa] */
+    size_t runs;
+} filtration_compressibility;
+/* Fits it to runs >= 2 at pressure [Pa] with value > 0 and its relative standard error (arrays of the caller, [runs]; error may be NULL:
+   not known; 0 and NaN likewise for a run). reference > 0 [Pa]; confidence above 0 .. below 1. With 2 runs there is a law without intervals
+   (NaN). BAD_ARGUMENT; FEW_DATA: fewer than 2; NO_SOLUTION: all at one pressure. Then the numbers are NaN. */
+FILTRATION_API filtration_status filtration_fit_compressibility(size_t runs, const double *pressure,
+                                                                const double *value, const double *error,
+                                                                double reference, double confidence,
+                                                                filtration_compressibility *fit);
+/* Computes the value at another pressure > 0 [Pa], with its interval. BAD_ARGUMENT: NaN. */
+FILTRATION_API filtration_status filtration_value_at_pressure(const filtration_compressibility *fit, double pressure,
+                                                              filtration_estimate *value);
+
 /* What of a prediction lies outside the readings. */
-#define FILTRATION_OUTSIDES(X)                                                                                                             \
-    X(FILTRATION_OUTSIDE_MORE, 1u, "more filtrate on an area than any reading: a thicker cake")                                            \
-    X(FILTRATION_OUTSIDE_LESS, 2u, "less filtrate on an area than any reading of the straight stretch")                                    \
+#define FILTRATION_OUTSIDES(X)                                                                                         \
+    X(FILTRATION_OUTSIDE_MORE, 1u, "more filtrate on an area than any reading: a thicker cake")                        \
+    X(FILTRATION_OUTSIDE_LESS, 2u, "less filtrate on an area than any reading of the straight stretch")                \
     X(FILTRATION_OUTSIDE_PRESSURE, 4u, "another pressure: the cake's compressibility is not measured")
 #define FILTRATION__OUTSIDE(name, bit, text) name = bit,
 enum filtration_outside_flag { FILTRATION_OUTSIDES(FILTRATION__OUTSIDE) FILTRATION_OUTSIDE_NOTHING = 0 };
@@ -555,6 +605,8 @@ typedef struct filtration_fluid_def {
     double body_force[3];           /* on the fluid [N/m3]; default 0. Without gravity, because pressure is dynamic */
     filtration_solid solid;         /* default: none */
     double speed_limit;             /* lattice speed [-] above which a run stops as diverged, 1e-15 .. 0.5; default 0.3 */
+    int keep_mass;                  /* 1: filtration_fluid_keep_mass is called every 256 steps of a closed box with spheres that move;
+                                       default 1 */
     int skip;                       /* 1: slabs that are all solid, or fluid at exact rest, are not updated; 0: all are; same bits; default
                                        1 */
     int threads;                    /* number of threads >= 1; default 1; same bits for any number */
@@ -588,6 +640,7 @@ typedef struct filtration_problem {
     int node[3];          /* the first bad node in the order of z, y, x; with FILTRATION_SPHERE: {index of the sphere, 0, 0} */
     int64_t step;         /* step at which it was found */
     double speed;         /* speed there, in lattice units [-] */
+    const char *rule;     /* with FILTRATION_SPHERE: what it must be; static storage; otherwise NULL */
     double cell_reynolds; /* u dx / nu there [-]; above 20 to 30 the flow between two nodes is not resolved */
 } filtration_problem;
 
@@ -662,15 +715,16 @@ FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid);
 typedef int (*filtration_write_fn)(void *user, const void *data, size_t bytes);
 typedef int (*filtration_read_fn)(void *user, void *data, size_t bytes);
 FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write, void *user);
-/* Loads into a fluid that filtration_fluid_init made with the same definition (box, lattice, precision, faces, solid). After BAD_DATA or
-   STREAM the fluid is at rest at time 0. */
+/* Loads into a fluid that filtration_fluid_init made with the same definition (box, lattice, precision, faces, solid, laws); BAD_DATA
+   for another one. After BAD_DATA or STREAM the fluid is at rest at time 0. */
 FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, filtration_read_fn read, void *user);
 
 /* ==== >>motion: spheres moved by a fluid, without another particle code ==== */
 
 typedef struct filtration_motion_def {
     uint32_t cookie;
-    double density;     /* of the spheres [kg/m3] > 0; default 2200 */
+    double density;     /* of the spheres [kg/m3], at least 0.4 of the fluid's: lighter ones are tossed by the liquid that they displace;
+                           default 2200 */
     double gravity[3];  /* [m/s2]; default (0, 0, -9.81); acts as buoyant weight (density - fluid density) V g */
     double modulus;     /* reduced modulus E* of two spheres in contact [Pa] > 0; default 1e8 (softened; docs/filtration.md) */
     double restitution; /* coefficient of restitution of a dry contact [-], above 0 .. 1; default 0.5 */
@@ -686,8 +740,8 @@ FILTRATION_API filtration_status filtration_motion_check_def(const filtration_mo
 
 /* Moves the spheres by one step of the fluid (leapfrog in sub_steps, at constant force and torque of the fluid): changes centre, velocity
    and spin. contact [n][3] (may be NULL): mean contact and lubrication force in the step [N]. Walls and the solid of the fluid are touched
-   where they are. share: factor of the force in a box with symmetry faces (1, 2 or 4). BAD_DEF,
-   BAD_ARGUMENT: nothing has moved; TOO_FAST: a contact gave a sphere an infinite speed (more sub_steps). */
+   where they are. share: factor of the force in a box with symmetry faces (1, 2 or 4). BAD_DEF, BAD_ARGUMENT (also for spheres lighter
+   than 0.4 of the fluid): nothing has moved; TOO_FAST: a contact gave a sphere an infinite speed (more sub_steps). */
 FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid,
                                                  filtration_spheres *spheres, double share, double *contact);
 /* Returns the number of sub-steps in the contact time of two equal spheres (Hertz) [-]; it should be 10 or more. dt: of the fluid [s];
@@ -1121,6 +1175,8 @@ static inline double filtration_wall_brenner(double gap_over_radius) {
    May be changed here alone: how a stretch is searched, how integrals and roots are found. */
 
 #define FILTRATION__LARGEST 1.7976931348623157e308
+#define FILTRATION__ROUNDING 1e-12 /* share of t / V below which bend and scatter are of the numbers, not of the filter */
+#define FILTRATION__FEW 20.0 /* readings that do not tell whether neighbours are alike */
 
 static inline int filtration__is_finite(double x) { return fabs(x) <= FILTRATION__LARGEST; }
 
@@ -1336,20 +1392,282 @@ FILTRATION_API filtration_status filtration_at_time(const filtration_operation *
     return filtration__is_finite(volume) && volume > 0.0 && filtration__is_finite(point->flow) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
 }
 
+/* ------------------------------------------------------------------------------------------------ >>process_line.h */
+/* process_line.h: a straight line through readings whose scatter is not known: how it grows with the volume, and how far neighbours are
+   alike. Relies on base.h, process_api.h, process_laws.h, process.h.
+   May be changed here alone: which kinds of scatter are thought of.
+
+   A kind of scatter is how large the errors of the readings are beside each other, and how an error depends on the one before. Each gives a
+   line by generalized least squares and a likelihood, restricted to what the line leaves (Patterson and Thompson 1971). The result is the
+   mean of the lines, weighted by the likelihoods: the posterior distribution for flat priors, a mixture of Student's distributions. */
+
+/* An error is white noise with the variance `white`, and a part that keeps a share of its value and gets something new at each reading. */
+typedef struct filtration__roughness {
+    double keeps, step, white, prior; /* step, white: variances */
+    int for_bend;                     /* 1: one of those that tell a bend from scatter (three are enough) */
+} filtration__roughness;
+
+enum { FILTRATION__WEIGHTS = 4, FILTRATION__ROUGHS = 7, FILTRATION__KINDS = FILTRATION__WEIGHTS * FILTRATION__ROUGHS };
+static const double filtration__weight_prior[FILTRATION__WEIGHTS] = {1.0, 1.0, 0.5, 0.5};
+static const filtration__roughness filtration__roughs[FILTRATION__ROUGHS] = {
+    {0.0, 0.0, 1.0, 2.0, 1},                                                      /* independent errors */
+    {0.3, 0.91, 0.0, 1.0, 0}, {0.6, 0.64, 0.0, 1.0, 1}, {0.8, 0.36, 0.0, 1.0, 0}, /* each like the one before, of variance 1 */
+    {1.0, 0.03, 1.0, 0.5, 0}, {1.0, 0.3, 1.0, 0.5, 1},  {1.0, 1.0, 0.0, 0.5, 0}}; /* errors that add up, as of a balance that wanders */
+
+/* The readings, and the scales that keep sums in the range of doubles. */
+typedef struct filtration__readings {
+    const filtration_curve_def *def;
+    const double *time, *volume;
+    double x_scale, y_scale;
+} filtration__readings;
+
+/* Computes the abscissa V + V1, the ordinate (t - t1) / (V - V1) and the volume u = V - V1 of reading i, scaled. Returns 0 if it is left
+   out. */
+static inline int filtration__reading(const filtration__readings *r, size_t i, double *x, double *y, double *u) {
+    const filtration_curve_def *d = r->def;
+    const double t = r->time[i] - d->start_time, V = r->volume[i] - d->start_volume;
+    if (!(t > 0.0 && V > 0.0 && r->volume[i] >= d->first_volume && r->volume[i] <= d->last_volume)) return 0;
+    *x = (r->volume[i] + d->start_volume) / r->x_scale;
+    *y = t / V / r->y_scale;
+    *u = V / r->x_scale;
+    return 1;
+}
+
+/* A line y = mean_y + slope (x - mean_x) by least squares of t, which small volumes cannot upset: what the kinds of scatter correct. */
+typedef struct filtration__line {
+    size_t n;
+    double mean_x, mean_y, sxx, slope, low, high, end; /* low, high: range of x; end: largest u */
+} filtration__line;
+
+static inline void filtration__plain_line(const filtration__readings *r, size_t first, size_t last, filtration__line *line) {
+    double x, y, u, weights = 0.0, sxy = 0.0;
+    memset(line, 0, sizeof *line);
+    line->low = HUGE_VAL, line->high = -HUGE_VAL;
+    for (size_t i = first; i <= last; i++) {
+        if (!filtration__reading(r, i, &x, &y, &u)) continue;
+        line->n++;
+        weights += u * u, line->mean_x += u * u * x, line->mean_y += u * u * y;
+        if (x < line->low) line->low = x;
+        if (x > line->high) line->high = x;
+        if (u > line->end) line->end = u;
+    }
+    line->mean_x /= weights, line->mean_y /= weights;
+    for (size_t i = first; i <= last; i++) {
+        if (!filtration__reading(r, i, &x, &y, &u)) continue;
+        line->sxx += u * u * (x - line->mean_x) * (x - line->mean_x), sxy += u * u * (x - line->mean_x) * (y - line->mean_y);
+    }
+    line->slope = line->sxx > 0.0 ? sxy / line->sxx : 0.0;
+}
+
+/* Returns the ordinate of the line, and in rate dt / dV there; a line that reaches 0 is cut off. */
+static inline double filtration__on_line(const filtration__line *line, double x, double u, double *rate) {
+    const double rise = line->slope > 0.0 ? line->slope : 0.0, least = 0.05 * line->mean_y;
+    double y = line->mean_y + rise * (x - line->mean_x);
+    if (!(y > least)) y = least;
+    *rate = y + rise * u;
+    return y;
+}
+
+/* Returns the factor by which a reading's ordinate has the scatter of the others: V over the error of t, which is constant (weight 0), that
+   of a constant error of V (1), in proportion to V (2), or to t (3). */
+static inline double filtration__factor(const filtration__readings *r, const filtration__line *line, int weight, double x, double u) {
+    const filtration_curve_def *d = r->def;
+    double rate;
+    const double y = filtration__on_line(line, x, u, &rate);
+    if (d->time_error > 0.0 || d->volume_error > 0.0) {
+        const double in_time = d->time_error / r->y_scale / r->x_scale, in_volume = d->volume_error / r->x_scale * rate;
+        return u / sqrt(in_time * in_time + in_volume * in_volume);
+    }
+    return weight == 0 ? u : weight == 1 ? u / rate : weight == 2 ? 1.0 : 1.0 / y;
+}
+
+/* What a kind of scatter makes of the readings. */
+typedef struct filtration__kind {
+    double level, slope;                  /* corrections of the plain line at mean_x */
+    double of_level, of_both, of_slope;   /* inverse of the normal matrix */
+    double squares, likelihood;           /* what the line leaves; logarithm of the likelihood, but for a constant */
+    double drifted[2];                    /* change of level and slope by a drift of the balance by `end` at the last reading */
+    double drift;                         /* that drift, if there is one: shares of end */
+    double bent_squares, bent_likelihood; /* with a parabola and a cubic in addition */
+    double coefficient[2];                /* of them, over half the range */
+} filtration__kind;
+
+/* Turns the first `pivots` columns of the normal matrix g [n][n] (lower half) into Cholesky's factor, the rest into what remains of it.
+   Returns the logarithm of the factor's determinant. */
+static inline double filtration__decompose(double *g, int n, int pivots) {
+    double determinant = 0.0;
+    for (int k = 0; k < pivots; k++) {
+        double *const pivot = &g[n * k];
+        const double root = pivot[k] > 0.0 ? sqrt(pivot[k]) : 0.0;
+        if (root > 0.0) determinant += riddle_log(root);
+        for (int i = k; i < n; i++) g[n * i + k] = root > 0.0 ? g[n * i + k] / root : 0.0;
+        for (int i = k + 1; i < n; i++)
+            for (int j = k + 1; j <= i; j++) g[n * i + j] -= g[n * i + k] * g[n * j + k];
+    }
+    return determinant;
+}
+
+/* Sums the normal matrix of level, slope, parabola, cubic, drift and the plain line's residual, each made independent by the prediction
+   from the readings before (Kalman 1960). Returns the logarithm of the factor between densities. */
+enum { FILTRATION__COLUMNS = 6 };
+static inline double filtration__normal_matrix(const filtration__readings *r, size_t first, size_t last, const filtration__line *line,
+                                               int weight, const filtration__roughness *rough,
+                                               double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS]) {
+    const double half = 0.5 * (line->high - line->low), middle = 0.5 * (line->high + line->low), keeps = rough->keeps;
+    double before[FILTRATION__COLUMNS], row[FILTRATION__COLUMNS], x, y, u, rate, logs = 0.0, product = 1.0;
+    double variance = keeps < 1.0 ? rough->step / (1.0 - keeps * keeps) : rough->step;
+    const double y_end = filtration__on_line(line, line->high, line->end, &rate);
+    const double end = filtration__factor(r, line, weight, line->high, line->end);
+    memset(g, 0, sizeof(double) * FILTRATION__COLUMNS * FILTRATION__COLUMNS);
+    memset(before, 0, sizeof before);
+    for (size_t i = first; i <= last; i++) {
+        if (!filtration__reading(r, i, &x, &y, &u)) continue;
+        const double factor = filtration__factor(r, line, weight, x, u) / end, z = half > 0.0 ? (x - middle) / half : 0.0;
+        const double on_line = filtration__on_line(line, x, u, &rate), sum = variance + rough->white, share = 1.0 / sqrt(sum);
+        const double now[FILTRATION__COLUMNS] = {factor,
+                                                 factor * (x - line->mean_x),
+                                                 factor * (z * z - 1.0 / 3.0),
+                                                 factor * (z * z - 0.6) * z,
+                                                 factor * rate * on_line / y_end,
+                                                 factor * (y - line->mean_y - line->slope * (x - line->mean_x))};
+        product *= factor * share;
+        if (!(product > 1e-200 && product < 1e200)) logs += riddle_log(product), product = 1.0;
+        for (int k = 0; k < FILTRATION__COLUMNS; k++) {
+            row[k] = now[k] - before[k];
+            before[k] = keeps * (before[k] + variance / sum * row[k]);
+            row[k] *= share;
+        }
+        variance = keeps * keeps * variance * (1.0 - variance / sum) + rough->step;
+        for (int k = 0; k < FILTRATION__COLUMNS; k++)
+            for (int m = 0; m <= k; m++) g[k][m] += row[k] * row[m];
+    }
+    return logs + riddle_log(product);
+}
+
+/* Fits a level, or a level and a slope (unknowns 1, 2). */
+static inline void filtration__fit_kind(const filtration__readings *r, size_t first, size_t last, const filtration__line *line,
+                                        int unknowns, int weight, const filtration__roughness *rough, filtration__kind *kind) {
+    double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS];
+    const double logs = filtration__normal_matrix(r, first, last, line, weight, rough, g), n = (double)line->n;
+    const double rounding = FILTRATION__ROUNDING * 1e-2 * line->mean_y, least = g[0][0] * rounding * rounding;
+    double drift[4][4], bent[5][5];
+    const int of_drift[4] = {0, 1, 4, 5}, of_bend[5] = {0, 1, 2, 3, 5};
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j <= i; j++) drift[i][j] = g[of_drift[i]][of_drift[j]];
+    for (int i = 0; i < 5; i++)
+        for (int j = 0; j <= i; j++) bent[i][j] = g[of_bend[i]][of_bend[j]];
+    memset(kind, 0, sizeof *kind);
+    if (unknowns == 1)
+        for (int i = 1; i < 4; i++) drift[i][1] = 0.0;
+    const double determinant = filtration__decompose(drift[0], 4, 2), a = drift[0][0], b = drift[1][0], c = drift[1][1];
+    kind->squares = drift[3][3] > least ? drift[3][3] : least;
+    if (unknowns == 2) {
+        kind->slope = drift[3][1] / c, kind->drifted[1] = drift[2][1] / c;
+        kind->of_slope = 1.0 / (c * c), kind->of_both = -b / (a * c * c);
+    }
+    kind->level = (drift[3][0] - b * kind->slope) / a, kind->drifted[0] = (drift[2][0] - b * kind->drifted[1]) / a;
+    kind->of_level = 1.0 / (a * a) - b / a * kind->of_both;
+    kind->drift = drift[2][2] > 0.0 ? drift[3][2] / drift[2][2] : 0.0;
+    kind->likelihood = logs - determinant - 0.5 * (n - unknowns) * riddle_log(kind->squares);
+    const double of_bent = filtration__decompose(bent[0], 5, 4);
+    kind->bent_squares = bent[4][4] > least ? bent[4][4] : least;
+    kind->bent_likelihood = logs - of_bent - 0.5 * (n - 4.0) * riddle_log(kind->bent_squares);
+    kind->coefficient[1] = bent[3][3] > 0.0 ? bent[4][3] / bent[3][3] : 0.0;
+    kind->coefficient[0] = bent[2][2] > 0.0 ? (bent[4][2] - bent[3][2] * kind->coefficient[1]) / bent[2][2] : 0.0;
+}
+
+/* The kinds that are thought of: all, or those that the definition leaves. */
+static inline int filtration__is_thought_of(const filtration_curve_def *d, int kind) {
+    const int weights = d->time_error > 0.0 || d->volume_error > 0.0 ? 1 : FILTRATION__WEIGHTS;
+    return kind / FILTRATION__ROUGHS < weights && (!d->independent || kind % FILTRATION__ROUGHS == 0);
+}
+
+/* The mean over the kinds. */
+typedef struct filtration__mixture {
+    int n;
+    double share[FILTRATION__KINDS];
+    filtration__kind kind[FILTRATION__KINDS];
+    double level, slope, drifted[2], rough; /* means */
+    double freedom, confidence, student;
+    double drift; /* of the balance by the last reading, a standard error, in shares of the line's end */
+} filtration__mixture;
+
+static inline void filtration__mix(const filtration__readings *r, size_t first, size_t last, const filtration__line *line, int unknowns,
+                                   filtration__mixture *m) {
+    double best = -HUGE_VAL, sum = 0.0;
+    memset(m, 0, sizeof *m);
+    m->freedom = (double)line->n - unknowns, m->confidence = r->def->confidence;
+    m->student = filtration_student(m->confidence, m->freedom);
+    m->drift = r->def->drift_error / r->x_scale / line->end;
+    for (int k = 0; k < FILTRATION__KINDS; k++) {
+        if (!filtration__is_thought_of(r->def, k)) continue;
+        const filtration__roughness *rough = &filtration__roughs[k % FILTRATION__ROUGHS];
+        filtration__fit_kind(r, first, last, line, unknowns, k / FILTRATION__ROUGHS, rough, &m->kind[m->n]);
+        m->share[m->n] = riddle_log(rough->prior * filtration__weight_prior[k / FILTRATION__ROUGHS]) + m->kind[m->n].likelihood;
+        m->kind[m->n].likelihood = rough->white > 0.0 && rough->step == 0.0 ? 0.0 : rough->keeps; /* from here on: of neighbours */
+        if (m->share[m->n] > best) best = m->share[m->n];
+        m->n++;
+    }
+    for (int k = 0; k < m->n; k++) {
+        m->share[k] = riddle_exp(m->share[k] - best);
+        if (!(m->share[k] > 3e-4)) m->share[k] = 0.0;
+        sum += m->share[k];
+    }
+    for (int k = 0; k < m->n; k++) {
+        const filtration__kind *kind = &m->kind[k];
+        const double share = m->share[k] /= sum;
+        m->level += share * kind->level, m->slope += share * kind->slope, m->rough += share * kind->likelihood;
+        m->drifted[0] += share * kind->drifted[0], m->drifted[1] += share * kind->drifted[1];
+    }
+}
+
+/* Returns the standard error of level times the level and slope times the slope: with Student's factor it gives the half width of the
+   interval about the mean that holds the confidence, with the drift's part. */
+static inline double filtration__error_of(const filtration__mixture *m, double level, double slope) {
+    const double centre = level * m->level + slope * m->slope;
+    double mean[FILTRATION__KINDS], scale[FILTRATION__KINDS], low = 0.0, high = 0.0, half = 0.0;
+    for (int k = 0; k < m->n; k++) {
+        const filtration__kind *kind = &m->kind[k];
+        const double variance = level * level * kind->of_level + 2.0 * level * slope * kind->of_both + slope * slope * kind->of_slope;
+        mean[k] = level * kind->level + slope * kind->slope - centre;
+        scale[k] = sqrt(kind->squares / m->freedom * (variance > 0.0 ? variance : 0.0));
+        const double most = m->share[k] > 0.0 ? fabs(mean[k]) + m->student * scale[k] : 0.0;
+        half += m->share[k] * most;
+        if (most > high) high = most;
+    }
+    for (int i = 0; i < 60 && high > 0.0 && filtration__is_finite(high); i++) { /* Newton's method within a bracket */
+        double outside = m->confidence - 1.0, density = 0.0;
+        for (int k = 0; k < m->n; k++) {
+            for (int side = -1; side <= 1 && m->share[k] > 0.0; side += 2) {
+                const double t = (half + side * mean[k]) / scale[k];
+                double at;
+                const double tail = 0.5 * filtration__student_tail(m->freedom, fabs(t), &at);
+                outside += m->share[k] * (t >= 0.0 ? tail : 1.0 - tail), density += 0.5 * m->share[k] * at / scale[k];
+            }
+        }
+        if (outside > 0.0) low = half;
+        else high = half;
+        const double next = half + outside / density, step = fabs(next - half);
+        half = next > low && next < high ? next : 0.5 * (low + high);
+        if (step <= 1e-6 * half || !(high - low > 1e-12 * high)) break; /* each step doubles the digits */
+    }
+    const double of_drift = m->drift * (level * m->drifted[0] + slope * m->drifted[1]) * filtration_student(m->confidence, 1e9);
+    return sqrt(half * half + of_drift * of_drift) / m->student;
+}
+
 /* ---------------------------------------------------------------------------------------------------- >>evaluate.h */
 /* evaluate.h: a measured filter curve: the straight line of t / V over V, its longest straight stretch, intervals, prediction.
-   Relies on base.h, process_api.h, process_laws.h, process.h.
+   Relies on base.h, process_api.h, process_laws.h, process.h, process_line.h.
    May be changed here alone: how a stretch is searched. */
 
 FILTRATION_API const char *filtration_remark_text(unsigned remark) {
-#define FILTRATION__REMARK_TEXT(name, bit, text)                                                                                           \
+#define FILTRATION__REMARK_TEXT(name, bit, text)                                                                       \
     if (remark == bit) return text;
     FILTRATION_REMARKS(FILTRATION__REMARK_TEXT)
     return remark == 0 ? "nothing to remark" : "unknown remark";
 }
 
-enum { FILTRATION__CURVE_COOKIE = 0x46435631 };
-#define FILTRATION__ROUNDING 1e-12 /* share of t / V below which bend and scatter are of the numbers, not of the filter */
+enum { FILTRATION__CURVE_COOKIE = 0x46435632 };
 
 FILTRATION_API filtration_curve_def filtration_curve_default_def(void) {
     filtration_curve_def d;
@@ -1358,7 +1676,7 @@ FILTRATION_API filtration_curve_def filtration_curve_default_def(void) {
     d.pressure = 1e5;
     d.viscosity = 1e-3;
     d.area = 2e-3;
-    d.cake_ratio = (double)NAN;
+    d.cake_ratio = d.solids = (double)NAN;
     d.last_volume = HUGE_VAL;
     d.automatic = 1;
     d.least_readings = 6;
@@ -1379,12 +1697,16 @@ FILTRATION_API filtration_status filtration_curve_check_def(const filtration_cur
     else if (!filtration__is_positive(d->viscosity)) bad = "viscosity";
     else if (!filtration__is_positive(d->area)) bad = "area";
     else if (d->cake_ratio == d->cake_ratio && !filtration__is_positive(d->cake_ratio)) bad = "cake_ratio";
+    else if (d->solids == d->solids && !filtration__is_positive(d->solids)) bad = "solids";
+    else if (!filtration__is_error(d->solids_error)) bad = "solids_error";
     else if (!filtration__is_error(d->pressure_error)) bad = "pressure_error";
     else if (!filtration__is_error(d->viscosity_error)) bad = "viscosity_error";
     else if (!filtration__is_error(d->area_error)) bad = "area_error";
     else if (!filtration__is_error(d->cake_ratio_error)) bad = "cake_ratio_error";
     else if (!filtration__is_error(d->time_error)) bad = "time_error";
     else if (!filtration__is_error(d->volume_error)) bad = "volume_error";
+    else if (!filtration__is_error(d->drift_error)) bad = "drift_error";
+    else if (d->independent != 0 && d->independent != 1) bad = "independent";
     else if (!filtration__is_finite(d->start_time)) bad = "start_time";
     else if (!filtration__is_error(d->start_volume)) bad = "start_volume";
     else if (!(d->first_volume >= 0.0)) bad = "first_volume";
@@ -1398,104 +1720,49 @@ FILTRATION_API filtration_status filtration_curve_check_def(const filtration_cur
     return bad ? FILTRATION_BAD_DEF : FILTRATION_OK;
 }
 
-/* The readings, and the scales that keep sums in the range of doubles. */
-typedef struct filtration__readings {
-    const filtration_curve_def *def;
-    const double *time, *volume;
-    double x_scale, y_scale;
-} filtration__readings;
+/* How far the readings of a stretch bend: the departure of a parabola and a cubic from the line, over the mean ordinate; the probability
+   that chance alone would bend it as much (F test with 2 and n - 4 degrees of freedom), for the likeliest kind of scatter; the drift of
+   the balance that would bend it so, in shares of the end. A parabola alone would miss an S-shaped curve (flat, steep, less steep). */
+typedef struct filtration__bend {
+    double size, chance, drift;
+} filtration__bend;
 
-/* Computes the abscissa V + V1, the ordinate (t - t1) / (V - V1), both scaled, and the weight 1 / variance of reading i. Returns 0 if it is
-   left out. */
-static inline int filtration__reading(const filtration__readings *r, size_t i, double *x, double *y, double *weight) {
-    const filtration_curve_def *d = r->def;
-    const double t = r->time[i] - d->start_time, V = r->volume[i] - d->start_volume;
-    if (!(t > 0.0 && V > 0.0 && r->volume[i] >= d->first_volume && r->volume[i] <= d->last_volume)) return 0;
-    *x = (r->volume[i] + d->start_volume) / r->x_scale;
-    *y = t / V / r->y_scale;
-    *weight = 1.0;
-    if (d->time_error > 0.0 || d->volume_error > 0.0) {
-        const double u = V / r->x_scale, in_time = d->time_error / r->y_scale / r->x_scale, in_volume = d->volume_error / r->x_scale * *y;
-        *weight = u * u / (in_time * in_time + in_volume * in_volume);
+#define FILTRATION__CERTAIN                                                                                            \
+    0.2 /* factor of the level: a bend that is no longer put down to chance where all readings are to count */
+
+static inline filtration__bend filtration__find_bend(const filtration__readings *r, size_t first, size_t last,
+                                                     const filtration__line *line) {
+    filtration__bend bend = {0.0, 1.0, 0.0};
+    filtration__kind kind, best = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, {0.0, 0.0}, 0.0, 0.0, 0.0, {0.0, 0.0}};
+    if (line->n < 6) return bend; /* a bend would be a guess */
+    for (int k = 0; k < FILTRATION__KINDS; k++) {
+        if (!filtration__is_thought_of(r->def, k) || !filtration__roughs[k % FILTRATION__ROUGHS].for_bend) continue;
+        filtration__fit_kind(r, first, last, line, 2, k / FILTRATION__ROUGHS,
+                             &filtration__roughs[k % FILTRATION__ROUGHS], &kind);
+        if (k == 0 || kind.bent_likelihood > best.bent_likelihood) best = kind;
     }
-    return 1;
+    bend.size = (fabs(best.coefficient[0]) * 2.0 / 3.0 + fabs(best.coefficient[1]) * 0.4) / line->mean_y;
+    const double explained = (best.squares - best.bent_squares) / best.bent_squares;
+    bend.chance = riddle_exp(-0.5 * ((double)line->n - 4.0) * riddle_log1p(explained > 0.0 ? explained : 0.0));
+    bend.drift = fabs(best.drift);
+    return bend;
 }
 
-/* Weighted straight line, and the parabola and the cubic that are orthogonal to it. x' = x - mean_x. */
-typedef struct filtration__line {
-    size_t n;
-    double weights, mean_x, mean_y, sxx, sxy, syy, low, high; /* low, high: range of x */
-    double curvature[2];                                      /* factors of the parabola x'^2 ..., of the cubic x'^3 ... */
-    double explained;                                         /* sum of weighted squares that the two explain */
-    double squares, neighbours;                               /* sum of weighted squared residuals; of products of neighbouring ones */
-} filtration__line;
-
-/* Computes means and moments for the straight line. Returns the sum of weight x'^3. */
-static inline double filtration__fit_line(const filtration__readings *r, size_t first, size_t last, filtration__line *line) {
-    double x, y, weight, cubes = 0.0;
-    memset(line, 0, sizeof *line);
-    line->low = HUGE_VAL, line->high = -HUGE_VAL;
-    for (size_t i = first; i <= last; i++) {
-        if (!filtration__reading(r, i, &x, &y, &weight)) continue;
-        line->n++;
-        line->weights += weight, line->mean_x += weight * x, line->mean_y += weight * y;
-        if (x < line->low) line->low = x;
-        if (x > line->high) line->high = x;
-    }
-    line->mean_x /= line->weights, line->mean_y /= line->weights;
-    for (size_t i = first; i <= last; i++) {
-        if (!filtration__reading(r, i, &x, &y, &weight)) continue;
-        x -= line->mean_x, y -= line->mean_y;
-        line->sxx += weight * x * x, line->sxy += weight * x * y, line->syy += weight * y * y;
-        cubes += weight * x * x * x;
-    }
-    return cubes;
-}
-
-/* Fits the line, its residuals and, by the three-term recurrence of orthogonal polynomials (Forsythe 1957), the parabola and the cubic. */
-static inline void filtration__fit(const filtration__readings *r, size_t first, size_t last, filtration__line *line) {
-    const double skew = filtration__fit_line(r, first, last, line) / line->sxx, spread = line->sxx / line->weights;
-    double x, y, weight, before = 0.0, s22 = 0.0, s33 = 0.0, in_2 = 0.0, in_3 = 0.0, shift = 0.0;
-    for (size_t i = first; i <= last; i++) {
-        if (!filtration__reading(r, i, &x, &y, &weight)) continue;
-        x -= line->mean_x, y -= line->mean_y;
-        const double parabola = (x - skew) * x - spread, residual = sqrt(weight) * (y - line->sxy / line->sxx * x);
-        s22 += weight * parabola * parabola, in_2 += weight * parabola * y, shift += weight * x * parabola * parabola;
-        line->squares += residual * residual, line->neighbours += residual * before;
-        before = residual;
-    }
-    for (size_t i = first; i <= last; i++) {
-        if (!filtration__reading(r, i, &x, &y, &weight)) continue;
-        x -= line->mean_x, y -= line->mean_y;
-        const double cubic = (x - shift / s22) * ((x - skew) * x - spread) - s22 / line->sxx * x;
-        s33 += weight * cubic * cubic, in_3 += weight * cubic * y;
-    }
-    line->curvature[0] = s22 > 0.0 ? in_2 / s22 : 0.0, line->curvature[1] = s33 > 0.0 ? in_3 / s33 : 0.0;
-    line->explained = line->curvature[0] * in_2 + line->curvature[1] * in_3;
-}
-
-/* Returns about the largest departure of parabola and cubic from the line, over the mean ordinate. */
-static inline double filtration__bend(const filtration__line *line) {
-    const double half = 0.5 * (line->high - line->low);
-    return (fabs(line->curvature[0]) + fabs(line->curvature[1]) * half) * half * half / line->mean_y;
-}
-
-/* Returns whether a stretch is straight: parabola and cubic explain no more than chance would (F test with 2 and n - 4 degrees of freedom),
-   or no more than the tolerance. A parabola alone would miss an S-shaped curve (flat, steep, less steep). */
-static inline int filtration__is_straight(const filtration__readings *r, const filtration__line *line) {
-    if (!(line->sxx > 0.0)) return 0;
-    if (filtration__bend(line) <= r->def->tolerance + FILTRATION__ROUNDING) return 1;
-    const double freedom = (double)line->n - 4.0, rest = line->squares - line->explained;
-    if (!(rest > 0.0 && freedom > 0.0)) return 0;
-    return riddle_exp(-0.5 * freedom * riddle_log1p(line->explained / rest)) >= r->def->bend_level;
+/* Returns whether a stretch is straight: it bends no more than chance would bend it, or than the tolerance. level: the smallest
+   probability. */
+static inline int filtration__is_straight(const filtration__readings *r, const filtration__line *line,
+                                          const filtration__bend *bend, double level) {
+    return line->sxx > 0.0 && (bend->chance >= level || bend->size <= r->def->tolerance + FILTRATION__ROUNDING);
 }
 
 /* Finds the straight stretch over the widest range of volumes, among up to `grid` starts and ends; first and last stay if there is none.
    Then cuts off a fifth at an end beyond which the curve bends: the test passes readings whose bend is hidden by scatter, and they would
    bias the line (without the cut, 95 % intervals hold in 83 % of trials; tests/test_filtration_process.c). */
-static inline void filtration__longest_straight(const filtration__readings *r, size_t *first_reading, size_t *last_reading) {
-    const size_t first = *first_reading, last = *last_reading, readings = last - first + 1, least = r->def->least_readings;
-    size_t grid = readings <= 20000 ? 48 : 12;
+static inline void filtration__longest_straight(const filtration__readings *r, size_t *first_reading,
+                                                size_t *last_reading) {
+    const size_t first = *first_reading, last = *last_reading, readings = last - first + 1,
+                 least = r->def->least_readings;
+    size_t grid = readings <= 400 ? 48 : readings <= 20000 ? 24 : 12;
     double widest = 0.0;
     if (grid > readings) grid = readings;
     for (size_t a = 0; a < grid; a++) {
@@ -1504,8 +1771,10 @@ static inline void filtration__longest_straight(const filtration__readings *r, s
             const size_t to = last - b * readings / grid;
             if (to < from + least - 1 || to > last || !(fabs(r->volume[to] - r->volume[from]) > widest)) break;
             filtration__line line;
-            filtration__fit(r, from, to, &line);
-            if (line.n < least || !filtration__is_straight(r, &line)) continue;
+            filtration__plain_line(r, from, to, &line);
+            if (line.n < least) continue;
+            const filtration__bend bend = filtration__find_bend(r, from, to, &line);
+            if (!filtration__is_straight(r, &line, &bend, r->def->bend_level)) continue;
             widest = fabs(r->volume[to] - r->volume[from]);
             *first_reading = from, *last_reading = to;
         }
@@ -1524,8 +1793,8 @@ static inline filtration_estimate filtration__estimate(double value, double erro
 
 /* Returns an estimate that is `factor` times another one. The factor has a relative standard error of its own, known well (Welch 1947 and
    Satterthwaite 1946 for the degrees of freedom). */
-static inline filtration_estimate filtration__times(filtration_estimate e, double factor, double relative, double confidence,
-                                                    double freedom) {
+static inline filtration_estimate filtration__times(filtration_estimate e, double factor, double relative,
+                                                    double confidence, double freedom) {
     const double value = factor * e.value, of_fit = fabs(factor) * e.error, of_factor = fabs(value) * relative;
     const double larger = of_fit > of_factor ? of_fit : of_factor, smaller = of_fit > of_factor ? of_factor : of_fit;
     const double error = larger > 0.0 ? larger * sqrt(1.0 + (smaller / larger) * (smaller / larger)) : larger;
@@ -1535,7 +1804,8 @@ static inline filtration_estimate filtration__times(filtration_estimate e, doubl
 
 static inline void filtration__clear_curve(filtration_curve *c) {
     memset(c, 0, sizeof *c);
-    c->slope = c->intercept = c->product = c->cake = c->medium = filtration__estimate((double)NAN, (double)NAN, (double)NAN);
+    c->slope = c->intercept = c->product = c->cake = c->by_mass = c->medium =
+        filtration__estimate((double)NAN, (double)NAN, (double)NAN);
     c->covariance = c->freedom = c->student = c->scatter = c->r2 = c->bend = c->correlation = (double)NAN;
     c->pressure = c->viscosity = c->area = c->confidence = c->smallest = c->largest = (double)NAN;
 }
@@ -1554,16 +1824,18 @@ static inline int filtration__falls(const filtration__readings *r, size_t n) {
     return 0;
 }
 
-/* Checks the readings; first and last: the outermost ones that count. */
-static inline filtration_status filtration__take(filtration__readings *r, size_t n, size_t *first, size_t *last, size_t *count) {
-    double x, y, weight;
+/* Checks the readings; least: number of them that is needed; first and last: the outermost ones that count. */
+static inline filtration_status filtration__take(filtration__readings *r, size_t n, size_t least, size_t *first,
+                                                 size_t *last, size_t *count) {
+    double x, y, u;
     r->x_scale = r->y_scale = 1.0;
     *count = 0;
     double largest_x = 0.0, largest_y = 0.0;
     for (size_t i = 0; i < n; i++) {
         const double t = r->time[i], V = r->volume[i];
-        if (!(filtration__is_finite(t) && filtration__is_error(V)) || (i > 0 && !(t >= r->time[i - 1]))) return FILTRATION_BAD_ARGUMENT;
-        if (!filtration__reading(r, i, &x, &y, &weight)) continue;
+        if (!(filtration__is_finite(t) && filtration__is_error(V)) || (i > 0 && !(t >= r->time[i - 1])))
+            return FILTRATION_BAD_ARGUMENT;
+        if (!filtration__reading(r, i, &x, &y, &u)) continue;
         if (*count == 0) *first = i;
         *last = i;
         ++*count;
@@ -1571,35 +1843,54 @@ static inline filtration_status filtration__take(filtration__readings *r, size_t
         if (y > largest_y) largest_y = y;
     }
     if (filtration__falls(r, n)) return FILTRATION_BAD_ARGUMENT;
-    if (*count < r->def->least_readings) return FILTRATION_FEW_DATA;
+    if (*count < least) return FILTRATION_FEW_DATA;
     r->x_scale = largest_x, r->y_scale = largest_y;
-    return filtration__is_positive(largest_x) && filtration__is_positive(largest_y) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
+    return filtration__is_positive(largest_x) && filtration__is_positive(largest_y) ? FILTRATION_OK
+                                                                                    : FILTRATION_NO_SOLUTION;
 }
 
-/* Computes the intervals of the line. They are widened if neighbouring residuals correlate: m readings then count as m (1 - r) / (1 +
-   r). */
-static inline void filtration__intervals(const filtration__readings *r, const filtration__line *line, filtration_curve *c) {
-    const filtration_curve_def *d = r->def;
-    const double m = (double)line->n, slope = line->sxy / line->sxx, y_over_x = r->y_scale / r->x_scale;
-    double variance = line->squares / (m - 2.0);
-    c->used = line->n;
-    c->freedom = m - 2.0;
-    c->correlation = line->squares > 0.0 ? line->neighbours / line->squares : 0.0;
-    c->scatter = sqrt(variance / (line->weights / m)) / line->mean_y;
-    c->r2 = line->syy > 0.0 ? 1.0 - line->squares / line->syy : 0.0;
-    c->bend = filtration__bend(line);
-    if (c->correlation > 1.645 / sqrt(m) && c->scatter > FILTRATION__ROUNDING) {
-        const double inflation = (1.0 + c->correlation) / (1.0 - c->correlation);
-        variance *= inflation;
-        c->freedom = m / inflation - 2.0 > 1.0 ? m / inflation - 2.0 : 1.0;
-        c->remarks |= FILTRATION_REMARK_CORRELATED;
+/* Computes the line and its intervals. Their covariance makes the interval at the mean volume right, too. */
+static inline void filtration__intervals(const filtration__readings *r, size_t first, size_t last,
+                                         const filtration__line *line, const filtration__bend *bend,
+                                         filtration_curve *c) {
+    const double y_over_x = r->y_scale / r->x_scale, mean = line->mean_x;
+    double x, y, u, squares = 0.0, all = 0.0, mean_y = 0.0;
+    filtration__mixture m;
+    filtration__mix(r, first, last, line, 2, &m);
+    const double slope = line->slope + m.slope, level = line->mean_y + m.level, n = (double)line->n;
+    for (size_t i = first; i <= last; i++)
+        if (filtration__reading(r, i, &x, &y, &u)) mean_y += y / n;
+    for (size_t i = first; i <= last; i++) {
+        if (!filtration__reading(r, i, &x, &y, &u)) continue;
+        const double rest = y - level - slope * (x - mean);
+        squares += rest * rest, all += (y - mean_y) * (y - mean_y);
     }
-    c->student = filtration_student(d->confidence, c->freedom);
-    const double of_slope = sqrt(variance / line->sxx);
-    const double of_intercept = sqrt(variance * (1.0 / line->weights + line->mean_x * line->mean_x / line->sxx));
+    c->used = line->n;
+    c->freedom = m.freedom, c->student = m.student;
+    c->scatter = sqrt(squares / m.freedom) / mean_y;
+    c->r2 = all > 0.0 ? 1.0 - squares / all : 0.0;
+    c->bend = bend->size;
+    c->correlation = c->scatter > FILTRATION__ROUNDING ? m.rough : 0.0;
+    if (c->correlation > 0.5) c->remarks |= FILTRATION_REMARK_CORRELATED;
+    if (n < FILTRATION__FEW && !r->def->independent && c->scatter > FILTRATION__ROUNDING)
+        c->remarks |= FILTRATION_REMARK_FEW;
+    const double certain = FILTRATION__CERTAIN * r->def->bend_level;
+    if (bend->chance < certain && bend->size > FILTRATION__ROUNDING) { /* seen, though within the tolerance */
+        c->remarks |= FILTRATION_REMARK_DRIFT;
+        if (bend->drift > m.drift) m.drift = bend->drift;
+    }
+    if (!filtration__is_straight(r, line, bend, certain)) {
+        c->remarks |= FILTRATION_REMARK_BENT;
+        m.student = (double)NAN; /* no range */
+    }
+    const double of_slope = filtration__error_of(&m, 0.0, 1.0), of_intercept = filtration__error_of(&m, 1.0, -mean);
+    const double of_level = filtration__error_of(&m, 1.0, 0.0), most = of_slope * of_intercept;
+    double covariance =
+        (of_level * of_level - mean * mean * of_slope * of_slope - of_intercept * of_intercept) / (2.0 * mean);
+    covariance = covariance > most ? most : covariance < -most ? -most : covariance;
     c->slope = filtration__estimate(slope * y_over_x, of_slope * y_over_x, c->student);
-    c->intercept = filtration__estimate((line->mean_y - slope * line->mean_x) * r->y_scale, of_intercept * r->y_scale, c->student);
-    c->covariance = -variance * line->mean_x / line->sxx * r->y_scale * y_over_x;
+    c->intercept = filtration__estimate((level - slope * mean) * r->y_scale, of_intercept * r->y_scale, c->student);
+    c->covariance = covariance * r->y_scale * y_over_x;
 }
 
 static inline void filtration__resistances(const filtration_curve_def *d, filtration_curve *c) {
@@ -1607,15 +1898,19 @@ static inline void filtration__resistances(const filtration_curve_def *d, filtra
     const double of_duty = p * p + v * v;
     c->product = filtration__times(c->slope, filtration_product_of_slope(1.0, d->pressure, d->viscosity, d->area),
                                    sqrt(of_duty + 4.0 * a * a), d->confidence, c->freedom);
-    c->cake = filtration__times(c->slope, filtration_product_of_slope(1.0, d->pressure, d->viscosity, d->area) / d->cake_ratio,
+    c->cake = filtration__times(c->slope,
+                                filtration_product_of_slope(1.0, d->pressure, d->viscosity, d->area) / d->cake_ratio,
                                 sqrt(of_duty + 4.0 * a * a + k * k), d->confidence, c->freedom);
+    c->by_mass =
+        filtration__times(c->slope, filtration_product_of_slope(1.0, d->pressure, d->viscosity, d->area) / d->solids,
+                          sqrt(of_duty + 4.0 * a * a + d->solids_error * d->solids_error), d->confidence, c->freedom);
     c->medium = filtration__times(c->intercept, filtration_medium_of_intercept(1.0, d->pressure, d->viscosity, d->area),
                                   sqrt(of_duty + a * a), d->confidence, c->freedom);
     c->pressure = d->pressure, c->viscosity = d->viscosity, c->area = d->area, c->confidence = d->confidence;
 }
 
-FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def *def, size_t n, const double *time, const double *volume,
-                                                     filtration_curve *result) {
+FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def *def, size_t n, const double *time,
+                                                     const double *volume, filtration_curve *result) {
     size_t first = 0, last = 0, count = 0;
     filtration__line line;
     if (!result) return FILTRATION_BAD_ARGUMENT;
@@ -1624,26 +1919,30 @@ FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def 
     if (n > 0 && (!time || !volume)) return FILTRATION_BAD_ARGUMENT;
     filtration__readings r;
     r.def = def, r.time = time, r.volume = volume;
-    filtration_status status = filtration__take(&r, n, &first, &last, &count);
+    filtration_status status = filtration__take(&r, n, 3, &first, &last, &count);
     if (status != FILTRATION_OK) return status;
-    if (def->automatic) filtration__longest_straight(&r, &first, &last);
-    filtration__fit(&r, first, last, &line);
-    if (!(line.sxx > 0.0 && filtration__is_finite(line.sxy) && filtration__is_finite(line.squares))) return FILTRATION_NO_SOLUTION;
-    if (!filtration__is_straight(&r, &line)) result->remarks |= FILTRATION_REMARK_BENT;
+    if (def->automatic && count > def->least_readings) filtration__longest_straight(&r, &first, &last);
+    filtration__plain_line(&r, first, last, &line);
+    if (!(line.sxx > 0.0 && filtration__is_finite(line.slope))) return FILTRATION_NO_SOLUTION;
+    const filtration__bend bend = filtration__find_bend(&r, first, last, &line);
     result->first = first, result->last = last;
     result->smallest = volume[first], result->largest = volume[last];
-    filtration__intervals(&r, &line, result);
+    filtration__intervals(&r, first, last, &line, &bend, result);
     filtration__resistances(def, result);
-    if (!(result->slope.low > 0.0)) result->remarks |= FILTRATION_REMARK_SLOPE;
+    if (!(result->slope.low > 0.0) && !(result->remarks & FILTRATION_REMARK_BENT && result->slope.value > 0.0))
+        result->remarks |= FILTRATION_REMARK_SLOPE;
     if (result->intercept.value < 0.0) result->remarks |= FILTRATION_REMARK_MEDIUM;
-    const double all = result->product.error + result->medium.error;
-    if (filtration__is_finite(all) && filtration__is_finite(result->product.value)) return FILTRATION_OK;
+    const double all = result->remarks & FILTRATION_REMARK_BENT ? 0.0 : result->product.error + result->medium.error;
+    if (filtration__is_finite(all) && filtration__is_finite(result->product.value) &&
+        filtration__is_finite(result->medium.value))
+        return FILTRATION_OK;
     filtration__clear_curve(result);
     return FILTRATION_NO_SOLUTION;
 }
 
-FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curve_def *def, size_t n, const double *time,
-                                                           const double *volume, double last_volume, filtration_estimate *medium) {
+FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curve_def *def, size_t n,
+                                                           const double *time, const double *volume, double last_volume,
+                                                           filtration_estimate *medium) {
     size_t first = 0, last = 0, count = 0;
     filtration__line line;
     if (!medium) return FILTRATION_BAD_ARGUMENT;
@@ -1655,34 +1954,44 @@ FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curv
     clean.first_volume = 0.0, clean.last_volume = last_volume;
     filtration__readings r;
     r.def = &clean, r.time = time, r.volume = volume;
-    filtration_status status = filtration__take(&r, n, &first, &last, &count);
+    filtration_status status = filtration__take(&r, n, 2, &first, &last, &count);
     if (status != FILTRATION_OK) return status;
-    filtration__fit(&r, first, last, &line);
-    const double freedom = (double)line.n - 1.0, a = def->area_error, p = def->pressure_error, v = def->viscosity_error;
-    const double error = sqrt(line.syy / freedom / line.weights);
-    if (!(filtration__is_finite(error) && line.mean_y > 0.0)) return FILTRATION_NO_SOLUTION;
-    const filtration_estimate mean = filtration__estimate(line.mean_y * r.y_scale, error * r.y_scale, 1.0);
-    const filtration_estimate found = filtration__times(mean, filtration_medium_of_intercept(1.0, def->pressure, def->viscosity, def->area),
-                                                        sqrt(p * p + v * v + a * a), def->confidence, freedom);
+    filtration__plain_line(&r, first, last, &line);
+    line.slope = 0.0;
+    filtration__mixture m;
+    filtration__mix(&r, first, last, &line, 1, &m);
+    const double level = line.mean_y + m.level, error = filtration__error_of(&m, 1.0, 0.0);
+    const double freedom = m.freedom, a = def->area_error, p = def->pressure_error, v = def->viscosity_error;
+    if (!(filtration__is_finite(error) && level > 0.0)) return FILTRATION_NO_SOLUTION;
+    const filtration_estimate mean = filtration__estimate(level * r.y_scale, error * r.y_scale, 1.0);
+    const filtration_estimate found =
+        filtration__times(mean, filtration_medium_of_intercept(1.0, def->pressure, def->viscosity, def->area),
+                          sqrt(p * p + v * v + a * a), def->confidence, freedom);
     if (!(filtration__is_finite(found.value) && filtration__is_finite(found.error))) return FILTRATION_NO_SOLUTION;
     *medium = found;
     return FILTRATION_OK;
 }
 
-FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area, double compressibility,
-                                                    double V, filtration_estimate *time) {
+FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area,
+                                                    double compressibility, double V, filtration_estimate *time) {
     if (!time) return FILTRATION_BAD_ARGUMENT;
     *time = filtration__estimate((double)NAN, (double)NAN, (double)NAN);
     if (!curve || !filtration__is_positive(pressure) || !filtration__is_positive(area) || !filtration__is_error(V) ||
         !(compressibility >= 0.0 && compressibility < 1.0) || !filtration__is_positive(curve->pressure))
         return FILTRATION_BAD_ARGUMENT;
     const double p = curve->pressure / pressure, a = curve->area / area;
-    const double square = V * V * a * a * p * riddle_pow(pressure / curve->pressure, compressibility), linear = V * a * p;
+    const double square = V * V * a * a * p * riddle_pow(pressure / curve->pressure, compressibility),
+                 linear = V * a * p;
     const double variance = square * square * curve->slope.error * curve->slope.error +
-                            linear * linear * curve->intercept.error * curve->intercept.error + 2.0 * square * linear * curve->covariance;
-    *time = filtration__estimate(square * curve->slope.value + linear * curve->intercept.value, sqrt(variance > 0.0 ? variance : 0.0),
+                            linear * linear * curve->intercept.error * curve->intercept.error +
+                            2.0 * square * linear * curve->covariance;
+    *time = filtration__estimate(square * curve->slope.value + linear * curve->intercept.value,
+                                 sqrt(variance > 0.0 ? variance : 0.0),
                                  filtration_student(curve->confidence, curve->freedom));
-    return filtration__is_finite(time->value) && filtration__is_finite(time->error) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
+    if (curve->remarks & FILTRATION_REMARK_BENT)
+        time->error = time->low = time->high = (double)NAN; /* no range, as of the line */
+    else if (!filtration__is_finite(time->error)) time->value = (double)NAN;
+    return filtration__is_finite(time->value) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
 }
 
 FILTRATION_API unsigned filtration_outside(const filtration_curve *curve, double pressure, double area, double V) {
@@ -1696,10 +2005,139 @@ FILTRATION_API unsigned filtration_outside(const filtration_curve *curve, double
 }
 
 FILTRATION_API const char *filtration_outside_text(unsigned flag) {
-#define FILTRATION__OUTSIDE_TEXT(name, bit, text)                                                                                          \
+#define FILTRATION__OUTSIDE_TEXT(name, bit, text)                                                                      \
     if (flag == bit) return text;
     FILTRATION_OUTSIDES(FILTRATION__OUTSIDE_TEXT)
     return "unknown flag";
+}
+
+/* --------------------------------------------------------------------------------------------- >>compressibility.h */
+/* compressibility.h: the power law of a compressible cake from runs at several pressures. Relies on base.h, process_api.h,
+   process_laws.h, process.h, process_line.h (the mixture), evaluate.h (estimates).
+   May be changed here alone: how runs are weighed. */
+
+/* Fits the line of logarithms with weights 1 / (error^2 + between^2), error the runs' own; between HUGE_VAL: equal weights. */
+static inline filtration__kind filtration__fit_law(size_t n, const double *pressure, const double *value,
+                                                   const double *error, double reference, double between) {
+    double weights = 0.0, mean_x = 0.0, mean_y = 0.0, sxx = 0.0, sxy = 0.0, logs = 0.0;
+    filtration__kind kind;
+    memset(&kind, 0, sizeof kind);
+    for (int pass = 0; pass < 3; pass++) {
+        for (size_t i = 0; i < n; i++) {
+            const double own = between < HUGE_VAL ? error[i] : 0.0, more = between < HUGE_VAL ? between : 1.0;
+            const double weight = 1.0 / (own * own + more * more);
+            const double x = riddle_log(pressure[i] / reference), y = riddle_log(value[i]);
+            if (pass == 0)
+                weights += weight, mean_x += weight * x, mean_y += weight * y, logs += 0.5 * riddle_log(weight);
+            else if (pass == 1)
+                sxx += weight * (x - mean_x) * (x - mean_x), sxy += weight * (x - mean_x) * (y - mean_y);
+            else {
+                const double rest = y - mean_y - kind.slope * (x - mean_x);
+                kind.squares += weight * rest * rest;
+            }
+        }
+        if (pass == 0) mean_x /= weights, mean_y /= weights;
+        else if (pass == 1) kind.slope = sxy / sxx;
+    }
+    const double least = weights * FILTRATION__ROUNDING * FILTRATION__ROUNDING;
+    if (!(kind.squares > least)) kind.squares = least;
+    kind.level = mean_y - kind.slope * mean_x;
+    kind.of_level = 1.0 / weights + mean_x * mean_x / sxx, kind.of_both = -mean_x / sxx, kind.of_slope = 1.0 / sxx;
+    kind.likelihood = logs - 0.5 * riddle_log(weights * sxx) - 0.5 * ((double)n - 2.0) * riddle_log(kind.squares);
+    return kind;
+}
+
+/* The mean over what the runs may scatter beyond their errors: nothing, as much again, three times, or so much more that these do not
+   matter. The size of the scatter follows from the departures from the law. */
+static inline void filtration__mix_laws(size_t n, const double *pressure, const double *value, const double *error,
+                                        double reference, double confidence, filtration__mixture *m) {
+    static const double beyond[] = {0.0, 1.0, 3.0};
+    double mean = 0.0, best, sum = 0.0;
+    int known = error != NULL;
+    for (size_t i = 0; i < n && known; i++) known = error[i] > 0.0, mean += error[i] * error[i] / (double)n;
+    memset(m, 0, sizeof *m);
+    m->freedom = (double)n - 2.0, m->confidence = confidence;
+    m->student = n > 2 ? filtration_student(confidence, m->freedom) : (double)NAN;
+    for (int k = 0; k < 3 && known; k++)
+        m->kind[m->n++] = filtration__fit_law(n, pressure, value, error, reference, beyond[k] * sqrt(mean));
+    m->kind[m->n++] = filtration__fit_law(n, pressure, value, error, reference, HUGE_VAL);
+    best = m->kind[0].likelihood;
+    for (int k = 1; k < m->n; k++)
+        if (m->kind[k].likelihood > best) best = m->kind[k].likelihood;
+    for (int k = 0; k < m->n; k++) sum += m->share[k] = riddle_exp(m->kind[k].likelihood - best);
+    for (int k = 0; k < m->n; k++) {
+        m->share[k] /= sum;
+        m->level += m->share[k] * m->kind[k].level, m->slope += m->share[k] * m->kind[k].slope;
+    }
+}
+
+FILTRATION_API filtration_status filtration_value_at_pressure(const filtration_compressibility *fit, double pressure,
+                                                              filtration_estimate *value) {
+    if (!value) return FILTRATION_BAD_ARGUMENT;
+    *value = filtration__estimate((double)NAN, (double)NAN, (double)NAN);
+    if (!fit || !filtration__is_positive(pressure) || !filtration__is_positive(fit->reference))
+        return FILTRATION_BAD_ARGUMENT;
+    const double x = riddle_log(pressure / fit->reference), at = fit->at_reference.value;
+    const double of_level = fit->at_reference.error / at, of_exponent = fit->exponent.error;
+    const double variance = of_level * of_level + 2.0 * x * fit->covariance + x * x * of_exponent * of_exponent;
+    const double error = variance > 0.0 ? sqrt(variance) : variance == variance ? 0.0 : (double)NAN;
+    value->value = filtration_power_law(at, fit->exponent.value, pressure, fit->reference);
+    value->error = error * value->value;
+    value->low = value->value * riddle_exp(-fit->student * error);
+    value->high = value->value * riddle_exp(fit->student * error);
+    return filtration__is_finite(value->value) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
+}
+
+/* Checks the runs and finds the range of their pressures. */
+static inline filtration_status filtration__check_runs(size_t runs, const double *pressure, const double *value,
+                                                       const double *error, double *lowest, double *highest) {
+    if (runs < 2) return FILTRATION_FEW_DATA;
+    if (!pressure || !value) return FILTRATION_BAD_ARGUMENT;
+    *lowest = HUGE_VAL, *highest = 0.0;
+    for (size_t i = 0; i < runs; i++) {
+        if (!filtration__is_positive(pressure[i]) || !filtration__is_positive(value[i])) return FILTRATION_BAD_ARGUMENT;
+        if (error && (error[i] < 0.0 || error[i] > FILTRATION__LARGEST)) return FILTRATION_BAD_ARGUMENT;
+        if (pressure[i] < *lowest) *lowest = pressure[i];
+        if (pressure[i] > *highest) *highest = pressure[i];
+    }
+    return *highest > *lowest * (1.0 + 1e-9) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
+}
+
+FILTRATION_API filtration_status filtration_fit_compressibility(size_t runs, const double *pressure,
+                                                                const double *value, const double *error,
+                                                                double reference, double confidence,
+                                                                filtration_compressibility *fit) {
+    double lowest, highest, own = 0.0;
+    filtration__mixture m;
+    if (!fit) return FILTRATION_BAD_ARGUMENT;
+    memset(fit, 0, sizeof *fit);
+    fit->exponent = fit->at_reference = filtration__estimate((double)NAN, (double)NAN, (double)NAN);
+    fit->covariance = fit->between = fit->freedom = fit->student = fit->lowest = fit->highest = (double)NAN;
+    fit->reference = fit->confidence = (double)NAN;
+    if (!filtration__is_positive(reference) || !(confidence > 0.0 && confidence < 1.0)) return FILTRATION_BAD_ARGUMENT;
+    const filtration_status status = filtration__check_runs(runs, pressure, value, error, &lowest, &highest);
+    if (status != FILTRATION_OK) return status;
+    filtration__mix_laws(runs, pressure, value, error, reference, confidence, &m);
+    const double at = riddle_exp(m.level), middle = 0.5 * riddle_log(lowest / reference * (highest / reference));
+    if (!filtration__is_finite(m.slope) || !filtration__is_positive(at)) return FILTRATION_NO_SOLUTION;
+    const double of_slope = filtration__error_of(&m, 0.0, 1.0), of_level = filtration__error_of(&m, 1.0, 0.0);
+    const double of_middle = filtration__error_of(&m, 1.0, middle), most = of_slope * of_level;
+    double both = 0.0; /* such that the interval in the middle of the pressures is right, too */
+    if (fabs(middle) > 1e-9)
+        both = (of_middle * of_middle - of_level * of_level - middle * middle * of_slope * of_slope) / (2.0 * middle);
+    both = both > most ? most : both < -most ? -most : both;
+    fit->reference = reference, fit->confidence = confidence, fit->runs = runs;
+    fit->lowest = lowest, fit->highest = highest, fit->freedom = m.freedom, fit->student = m.student;
+    fit->exponent = filtration__estimate(m.slope, of_slope, m.student);
+    fit->at_reference = filtration__estimate(at, at * of_level, m.student);
+    fit->covariance = both;
+    for (size_t i = 0; i < runs; i++) own += error && error[i] > 0.0 ? error[i] * error[i] / (double)runs : 0.0;
+    const double more = m.kind[m.n - 1].squares / m.freedom - own;
+    fit->between = runs < 3 ? (double)NAN : more > 0.0 ? sqrt(more) : 0.0;
+    filtration_estimate there;
+    filtration_value_at_pressure(fit, reference, &there);
+    fit->at_reference = there;
+    return FILTRATION_OK;
 }
 
 /* ------------------------------------------------------------------------------------------------------ >>solids.h */
@@ -2236,6 +2674,7 @@ typedef struct filtration__lattice {
     int whole_weight[FILTRATION__Q]; /* 72 w */
     filtration__rates rates;
     int periodic_x, half_way, refill;
+    int left;                   /* 1: spheres have left nodes since the mass was corrected */
     int odd;                    /* which step of the pair comes next */
     int32_t *owner;             /* [nz][ny][nx]: FILTRATION__FLUID, FILTRATION__SOLID or a sphere */
     unsigned char *row_state;   /* [nz][ny]: FILTRATION__ROW_SOLID, FILTRATION__ROW_BAD */
@@ -3113,7 +3552,7 @@ static inline void filtration__chord(const filtration__ball *b, int y, int z, in
     *first = 1, *end = 0;
     if (!(rest > 0.0)) return;
     double half = sqrt(rest);
-    *first = (int)ceil(b->centre[0] - half), *end = (int)floor(b->centre[0] + half);
+    *first = (int)floor(b->centre[0] - half) + 1, *end = (int)ceil(b->centre[0] + half) - 1;
 }
 
 /* Finds the rows that a sphere may cover along an axis. */
@@ -3157,7 +3596,7 @@ static inline void filtration__swap_nodes(filtration__lattice *l, ptrdiff_t inde
                 int p[3] = {x, y, z};
                 if (!filtration__inside(l, p, &mirrored) || mirrored) continue;
                 int32_t *owner = &l->owner[filtration__node(l, p[0], p[1], p[2])];
-                if (leave && *owner == (int32_t)index) *owner = filtration__cover(l, p, index);
+                if (leave && *owner == (int32_t)index) *owner = filtration__cover(l, p, index), l->left = 1;
                 if (!leave && (*owner == FILTRATION__FLUID || *owner == FILTRATION__FRESH)) *owner = (int32_t)index;
             }
         }
@@ -3545,6 +3984,7 @@ FILTRATION_API filtration_fluid_def filtration_fluid_default_def(void) {
     def.bulk_ratio = 2.0 / 3.0;
     def.magic = 3.0 / 16.0;
     def.speed_limit = 0.3;
+    def.keep_mass = 1;
     def.skip = 1;
     def.threads = 1;
     return def;
@@ -3622,6 +4062,7 @@ static inline const char *filtration__bad_field(const filtration_fluid_def *d) {
     if (d->force != FILTRATION_MOMENTUM_EXCHANGE && d->force != FILTRATION_SHEAR_LAYER) return "force";
     if (filtration__bad_face(d)) return filtration__bad_face(d);
     if (!(d->speed_limit >= 1e-15 && d->speed_limit <= 0.5)) return "speed_limit";
+    if (d->keep_mass != 0 && d->keep_mass != 1) return "keep_mass";
     if (d->skip != 0 && d->skip != 1) return "skip";
     if (d->threads < 1) return "threads";
     return filtration__bad_source(d);
@@ -3738,27 +4179,31 @@ FILTRATION_API filtration_status filtration_fluid_init(filtration_fluid *fluid, 
     return FILTRATION_NO_MEMORY;
 }
 
-/* Reads sphere n of the caller in lattice units. Returns 0 if a number is out of range. */
-static inline int filtration__read_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n, filtration__ball *b) {
+/* Reads sphere n of the caller in lattice units. Returns NULL, or what it would have to be. */
+static inline const char *filtration__read_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
+                                                filtration__ball *b) {
     const filtration__lattice *l = fluid->lattice;
     const int nodes[3] = {l->nx, l->ny, l->nz};
-    int good = s->radius[n] >= 0.0;
     b->radius = s->radius[n] / fluid->def.voxel;
-    if (b->radius == 0.0) return good;
+    if (!(s->radius[n] >= 0.0)) return "radius: at least 0";
+    if (b->radius == 0.0) return NULL;
+    if (!(b->radius < (fluid->def.force == FILTRATION_SHEAR_LAYER ? 1e4 : 1e5))) /* points on a sphere are counted in int */
+        return "radius: below 1e5 voxels (1e4 with the shear layer)";
     for (int a = 0; a < 3; a++) {
         double x = s->centre[3 * n + a] / fluid->def.voxel - 0.5;
         b->velocity[a] = s->velocity[3 * n + a] / l->to_velocity;
         b->spin[a] = s->spin[3 * n + a] * fluid->dt;
-        good = good && fabs(x) < 1e6 && fabs(b->velocity[a]) < 0.5 && fabs(b->spin[a]) * b->radius < 0.5;
-        if (!good) return 0;
+        if (!(fabs(x) < 1e6)) return "centre: within 1e6 voxels";
+        if (!(fabs(b->velocity[a]) < 0.5)) return "velocity: below half a voxel a step";
+        if (!(fabs(b->spin[a]) * b->radius < 0.5)) return "spin: a surface below half a voxel a step";
         if (filtration__repeats(l, a)) { /* the image nearest to its last place, or in the box */
             double home = b->steps ? b->centre[a] : 0.5 * (nodes[a] - 1);
             x -= nodes[a] * floor((x - home) / nodes[a] + 0.5);
-            good = 2.0 * b->radius < nodes[a] - 2.0;
+            if (!(2.0 * b->radius <= nodes[a] * (1.0 + 1e-12))) return "radius: at most half a periodic box";
         }
         b->centre[a] = x;
     }
-    return good && b->radius < (fluid->def.force == FILTRATION_SHEAR_LAYER ? 1e4 : 1e5); /* points on a sphere are counted in int */
+    return NULL;
 }
 
 static inline filtration_status filtration__room_for_balls(filtration_fluid *fluid, ptrdiff_t n) {
@@ -3797,35 +4242,37 @@ static inline void filtration__move_ball(filtration__lattice *l, ptrdiff_t n, co
     }
 }
 
-/* Reads sphere n of the caller; none beyond his last. Returns OK, BAD_ARGUMENT or TOO_FAST. */
+/* Reads sphere n of the caller; none beyond his last. Returns OK, BAD_ARGUMENT or TOO_FAST, and the rule that it breaks. */
 static inline filtration_status filtration__next_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
-                                                      filtration__ball *now) {
+                                                      filtration__ball *now, const char **rule) {
     const filtration__ball *before = &fluid->lattice->balls[n];
     *now = *before;
     now->radius = 0.0;
-    if (s && n < s->n && !filtration__read_ball(fluid, s, n, now)) return FILTRATION_BAD_ARGUMENT;
+    *rule = s && n < s->n ? filtration__read_ball(fluid, s, n, now) : NULL;
+    if (*rule) return FILTRATION_BAD_ARGUMENT;
     if (now->radius == 0.0) now->steps = 0;
-    else if (before->radius > 0.0 && !(filtration__moved(now, before) <= 0.5)) return FILTRATION_TOO_FAST;
-    return FILTRATION_OK;
+    else if (before->radius > 0.0 && !(filtration__moved(now, before) <= 0.5)) *rule = "centre: moved by at most half a voxel a step";
+    return *rule ? FILTRATION_TOO_FAST : FILTRATION_OK;
 }
 
 /* Moves the spheres to their present places: all or, if one is refused, none. */
 static inline filtration_status filtration__bring_balls(filtration_fluid *fluid, const filtration_spheres *s) {
     filtration__lattice *l = fluid->lattice;
     filtration__ball now;
+    const char *rule;
     ptrdiff_t n = s ? s->n : 0;
     if (n < 0 || (n > 0 && !(s->centre && s->velocity && s->spin && s->radius && s->force && s->torque))) return FILTRATION_BAD_ARGUMENT;
     if (filtration__room_for_balls(fluid, n) != FILTRATION_OK) return FILTRATION_NO_MEMORY;
     for (ptrdiff_t k = 0; k < l->ball_count; k++) {
-        const filtration_status status = filtration__next_ball(fluid, s, k, &now);
+        const filtration_status status = filtration__next_ball(fluid, s, k, &now, &rule);
         if (status == FILTRATION_OK) continue;
-        fluid->problem.cause = FILTRATION_SPHERE;
+        fluid->problem.cause = FILTRATION_SPHERE, fluid->problem.rule = rule;
         fluid->problem.node[0] = (int)k, fluid->problem.node[1] = fluid->problem.node[2] = 0;
         fluid->problem.step = fluid->steps;
         return status;
     }
     for (ptrdiff_t k = 0; k < l->ball_count; k++) {
-        (void)filtration__next_ball(fluid, s, k, &now);
+        (void)filtration__next_ball(fluid, s, k, &now, &rule);
         filtration__move_ball(l, k, &now);
     }
     return FILTRATION_OK;
@@ -3842,6 +4289,45 @@ static inline void filtration__give_forces(const filtration_fluid *fluid, const 
             s->torque[3 * n + a] = none ? 0.0 : torque * (share * b->torque[0][a] + other * b->torque[1][a]);
         }
     }
+}
+
+static inline int filtration__is_closed(const filtration__lattice *l) {
+    for (int f = 0; f < 6; f++)
+        if (l->face[f]->beyond == FILTRATION__NOTHING && !l->face[f]->is_touched) return 0;
+    return 1;
+}
+
+/* Adds the same density to every fluid node, so that the mean is def.density. */
+static inline filtration_status filtration__level(filtration_fluid *fluid) {
+    filtration__lattice *l = fluid->lattice;
+    double sum = 0.0, u[3];
+    ptrdiff_t count = 0;
+    for (int z = 0; z < l->nz; z++)
+        for (int y = 0; y < l->ny; y++) {
+            double row = 0.0;
+            for (int x = 0; x < l->nx; x++) {
+                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
+                row += filtration__moments(l, x, y, z, u);
+                count++;
+            }
+            sum += row;
+        }
+    if (count == 0 || sum == 0.0) return FILTRATION_OK;
+    const double r = -sum / (double)count;
+    if (!(fabs(r) < HUGE_VAL)) return FILTRATION_DIVERGED;
+    for (int z = 0; z < l->nz; z++)
+        for (int y = 0; y < l->ny; y++)
+            for (int x = 0; x < l->nx; x++) {
+                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
+                for (int i = 0; i < l->q; i++) {
+                    ptrdiff_t place = filtration__incoming(l, x, y, z, i);
+                    filtration__put(l, place, filtration__get(l, place) + l->w[i] * r);
+                }
+            }
+    memset(l->slab_active, 1, (size_t)l->nz);
+    for (ptrdiff_t n = 0; n < l->ball_count; n++) l->balls[n].density += r;
+    fluid->mass_correction += r;
+    return FILTRATION_OK;
 }
 
 FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, const filtration_spheres *spheres) {
@@ -3872,6 +4358,10 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
     }
     if (fluid->def.force == FILTRATION_SHEAR_LAYER) filtration__shear_forces(fluid);
     filtration__give_forces(fluid, spheres);
+    if (fluid->def.keep_mass && l->left && fluid->steps % 256 == 0 && filtration__is_closed(l)) {
+        l->left = 0;
+        return filtration__level(fluid);
+    }
     return FILTRATION_OK;
 }
 
@@ -4119,25 +4609,7 @@ FILTRATION_API filtration_status filtration_fluid_set_flow(
 }
 
 FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fluid) {
-    filtration__lattice *l = fluid ? fluid->lattice : NULL;
-    if (!l) return FILTRATION_BAD_ARGUMENT;
-    double sum[6];
-    filtration__sum_all(l, sum);
-    if (!(sum[4] > 0.0) || sum[0] == 0.0) return FILTRATION_OK;
-    double r = -sum[0] / sum[4];
-    if (!(fabs(r) < HUGE_VAL)) return FILTRATION_DIVERGED;
-    for (int z = 0; z < l->nz; z++)
-        for (int y = 0; y < l->ny; y++)
-            for (int x = 0; x < l->nx; x++) {
-                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
-                for (int i = 0; i < l->q; i++) {
-                    ptrdiff_t place = filtration__incoming(l, x, y, z, i);
-                    filtration__put(l, place, filtration__get(l, place) + l->w[i] * r);
-                }
-            }
-    memset(l->slab_active, 1, (size_t)l->nz);
-    fluid->mass_correction += r;
-    return FILTRATION_OK;
+    return fluid && fluid->lattice ? filtration__level(fluid) : FILTRATION_BAD_ARGUMENT;
 }
 
 /* -------------------------------------------------------------------------------------------------------- >>save.h */
@@ -4149,11 +4621,12 @@ FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fl
 /* Everything but arrays. All fields have eight bytes, so that there is no padding. */
 typedef struct filtration__header {
     uint64_t magic;
-    int64_t nodes[3], directions, single, faces[6], links, solid_nodes, balls, odd, steps, updates;
-    double tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel, density, viscosity;
+    int64_t nodes[3], directions, single, faces[6], boundary, refill, force_mode, keep_mass, links, solid_nodes, balls, odd, left, steps,
+        updates;
+    double bulk_ratio, lambda, tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel, density, viscosity;
 } filtration__header;
 
-#define FILTRATION__MAGIC UINT64_C(0x326c6966656c6472) /* changes with the format */
+#define FILTRATION__MAGIC UINT64_C(0x336c6966656c6472) /* changes with the format */
 
 static inline uint64_t filtration__checksum(uint64_t sum, const void *data, size_t bytes) {
     const unsigned char *p = (const unsigned char *)data;
@@ -4176,6 +4649,8 @@ static inline filtration__header filtration__make_header(const filtration_fluid 
     h.magic = FILTRATION__MAGIC;
     for (int a = 0; a < 3; a++) h.nodes[a] = d->nodes[a];
     for (int f = 0; f < 6; f++) h.faces[f] = (int64_t)d->face[f];
+    h.boundary = (int64_t)d->boundary, h.refill = (int64_t)d->refill, h.force_mode = (int64_t)d->force, h.keep_mass = d->keep_mass;
+    h.bulk_ratio = d->bulk_ratio, h.lambda = d->magic, h.left = l->left;
     h.directions = l->q, h.single = l->single, h.links = l->link_count, h.solid_nodes = l->solid_nodes;
     h.balls = l->ball_count, h.odd = l->odd, h.steps = fluid->steps, h.updates = fluid->updates;
     h.tau = d->tau, h.time = fluid->time, h.mass_correction = fluid->mass_correction;
@@ -4219,7 +4694,7 @@ static inline void filtration__rest(filtration_fluid *fluid) {
     for (size_t k = 0; k < filtration__nodes(l); k++)
         if (l->owner[k] != FILTRATION__SOLID) l->owner[k] = FILTRATION__FLUID;
     l->ball_count = 0;
-    l->odd = 0;
+    l->odd = l->left = 0;
     fluid->time = fluid->mass_correction = 0.0;
     fluid->steps = fluid->updates = 0;
     memset(&fluid->problem, 0, sizeof fluid->problem);
@@ -4230,6 +4705,8 @@ static inline int filtration__fits(const filtration_fluid *fluid, const filtrati
     filtration__header own = filtration__make_header(fluid);
     int same = h->magic == own.magic && h->directions == own.directions && h->single == own.single && h->links == own.links &&
                h->solid_nodes == own.solid_nodes && h->voxel == own.voxel && h->density == own.density && h->viscosity == own.viscosity &&
+               h->boundary == own.boundary && h->refill == own.refill && h->force_mode == own.force_mode && h->keep_mass == own.keep_mass &&
+               h->bulk_ratio == own.bulk_ratio && h->lambda == own.lambda && (h->left == 0 || h->left == 1) &&
                h->balls >= 0 && h->balls < INT32_MAX && (h->odd == 0 || h->odd == 1) && h->time >= 0.0 && h->time < HUGE_VAL &&
                fabs(h->mass_correction) < HUGE_VAL && h->steps >= 0 && h->updates >= 0;
     for (int a = 0; a < 3; a++) same = same && h->nodes[a] == own.nodes[a];
@@ -4281,7 +4758,7 @@ FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, 
         return status;
     }
     (void)filtration__change(fluid, &def);
-    fluid->lattice->odd = (int)h.odd;
+    fluid->lattice->odd = (int)h.odd, fluid->lattice->left = (int)h.left;
     fluid->time = h.time, fluid->mass_correction = h.mass_correction;
     fluid->steps = h.steps, fluid->updates = h.updates;
     return FILTRATION_OK;
@@ -4569,6 +5046,7 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
     if (spheres->n > 0 && !(spheres->centre && spheres->velocity && spheres->spin && spheres->radius &&
                             spheres->force && spheres->torque))
         return FILTRATION_BAD_ARGUMENT;
+    if (!(def->density >= 0.4 * fluid->def.density)) return FILTRATION_BAD_ARGUMENT;
     for (ptrdiff_t n = 0; n < spheres->n; n++)
         if (!filtration__can_move(def, fluid, spheres, n, share)) return FILTRATION_BAD_ARGUMENT;
     double h = fluid->dt / def->sub_steps, damping = filtration__damping(def->restitution);

@@ -3,7 +3,9 @@
    1. curve.svg: t / V over V, the straight stretch, its line with the interval, and the residuals.
    2. prediction.svg: filtrate over time on another filter: --new-area-cm2, --new-pressure-pa, --new-rate-ml-s.
 
-   Your own curve:  filter_curve --data run.csv --pressure-pa 1e5 --area-cm2 20     columns time_s and volume_ml, volume_m3 or mass_g
+   Your own curve:  filter_curve --data run.csv --pressure-pa 1e5 --area-cm2 20     a laboratory's table (common/sheet.h) with columns time
+   and volume or mass of the filtrate, in English or German, with their units; pressure and test may be columns, too
+   3. compressibility.svg: resistance over pressure, where the table has runs at several pressures.
    Without --data the readings are generated: 14 mL through 20 cm2 at 1000 Pa with R_M0 3.4e6 1/m, as in Puderbach, Schmidt & Antonyuk,
    Processes 9 (2021) 826, R_MI 2e6 1/m, r_K K_S 4.14e9 1/m2 and 0.5 % scatter. The paper's raw readings are not printed. */
 #include <math.h>
@@ -13,6 +15,7 @@
 
 #include "common.h"
 #include "filtration.h"
+#include "sheet.h"
 
 enum { DRAWN = 56, CURVE = 200 };
 
@@ -31,46 +34,94 @@ typedef struct settings {
 typedef struct readings {
     double *time, *volume; /* [n] [s] [m3] */
     size_t n;
+    double pressure; /* difference [Pa] */
+    char name[40];   /* of the run */
 } readings;
 
+typedef struct runs {
+    readings *run; /* [n] */
+    size_t n;
+} runs;
+
+static void *take(size_t bytes) {
+    void *memory = calloc(1, bytes);
+    if (!memory) exit((common_fail("out of memory"), common_exit_status()));
+    return memory;
+}
+
 static readings make_readings(size_t n) {
-    readings r = {malloc(2 * (n + 1) * sizeof(double)), NULL, n};
-    if (!r.time) exit((common_fail("out of memory"), common_exit_status()));
-    r.volume = r.time + n + 1;
+    readings r;
+    memset(&r, 0, sizeof r);
+    r.time = take(2 * (n + 1) * sizeof(double)), r.volume = r.time + n + 1;
     return r;
 }
 
 /* ---- readings ---- */
 
-static const char *const columns = "a file with the columns time_s and one of volume_ml, volume_m3, mass_g";
+enum { TIME, VOLUME, MASS, PRESSURE, TEST, COLUMNS };
+static const char *const columns =
+    "a table with the columns time and volume or mass (of the filtrate); pressure and test may be columns, too";
 
 static void refuse_file(const program *self, const char *path, const char *reason) {
-    char text[600];
-    snprintf(text, sizeof text, "%s; this one: %s", columns, reason);
+    char text[1000];
+    snprintf(text, sizeof text, "%s; %s", columns, reason);
     program_refuse(self, "data", path, text);
 }
 
-static readings read_readings(const program *self, const settings *s) {
-    csv_data data;
-    char message[400];
-    if (csv_read(s->data, &data, message, sizeof message) != 0) refuse_file(self, s->data, message);
-    static const char *const names[] = {"volume_ml", "volume_m3", "mass_g"};
-    const double factors[] = {1e-6, 1.0, 1e-3 / s->density};
-    int kind = 0;
-    while (kind < 3 && csv_column(&data, names[kind]) < 0) kind++;
-    if (kind == 3 || csv_column(&data, "time_s") < 0) program_refuse(self, "data", s->data, columns);
-    readings r = make_readings((size_t)data.rows);
-    for (int i = 0; i < data.rows; i++) {
-        r.time[i] = csv_value(&data, i, "time_s");
-        r.volume[i] = factors[kind] * csv_value(&data, i, names[kind]);
-        if (!(isfinite(r.time[i]) && r.volume[i] >= 0.0) || (i > 0 && r.time[i] < r.time[i - 1])) {
-            snprintf(message, sizeof message, "row %d, time %g s, %s %g: not a number, negative, or before the row above", i + 1, r.time[i],
-                     names[kind], r.volume[i] / factors[kind]);
+/* Does another run begin in this row? By another test, a time that falls together with the volume, or another pressure. */
+static bool begins_a_run(const sheet *table, const sheet_column *c, int i, const readings *r, double volume) {
+    if (i == 0) return true;
+    if (c[TEST].value) {
+        const char *now = table->cell[i * table->columns + c[TEST].index],
+                   *before = table->cell[(i - 1) * table->columns + c[TEST].index];
+        return strcmp(now, before) != 0;
+    }
+    if (c[TIME].value[i] < r->time[r->n - 1] && volume < 0.5 * r->volume[r->n - 1]) return true;
+    return false;
+}
+
+static runs read_runs(const program *self, const settings *s) {
+    sheet table;
+    char message[1000];
+    sheet_column c[COLUMNS] = {sheet_want("time", 'T', true), sheet_want("volume", 'V', false),
+                               sheet_want("mass", 'M', false), sheet_want("pressure", 'P', false),
+                               sheet_want("test", 't', false)};
+    if (sheet_read(s->data, c, COLUMNS, &table, message, sizeof message) != 0) refuse_file(self, s->data, message);
+    if (!c[VOLUME].value && !c[MASS].value) { /* say so, with the columns that are there */
+        c[VOLUME].needed = true;
+        sheet_free(&table);
+        if (sheet_read(s->data, c, COLUMNS, &table, message, sizeof message) != 0) refuse_file(self, s->data, message);
+    }
+    common_print("%s\n", table.how);
+    const size_t rows = (size_t)table.rows;
+    runs all = {take((rows + 1) * sizeof(readings)), 0};
+    readings *r = NULL;
+    for (int i = 0; i < table.rows; i++) {
+        const double time = c[TIME].value[i];
+        const double volume = c[VOLUME].value ? c[VOLUME].value[i] : c[MASS].value[i] / s->density;
+        const double pressure = c[PRESSURE].value ? c[PRESSURE].value[i] : s->def.pressure;
+        if (begins_a_run(&table, c, i, r, volume)) {
+            r = &all.run[all.n++];
+            *r = make_readings(rows);
+            r->pressure = pressure;
+            snprintf(r->name, sizeof r->name, "%s", c[TEST].value ? table.cell[i * table.columns + c[TEST].index] : "");
+        }
+        const char *wrong = !isfinite(time) || !(volume >= 0.0)       ? "not a number, or negative"
+                            : r->n > 0 && time < r->time[r->n - 1]    ? "before the row above"
+                            : !(pressure > 0.0 && isfinite(pressure)) ? "its pressure is not above 0"
+                            : fabs(pressure / r->pressure - 1.0) > 0.05
+                                ? "its pressure is not that of the run within 5 % (a run has one pressure)"
+                                : NULL;
+        if (wrong) {
+            snprintf(message, sizeof message, "%s:%d: time %g s, filtrate %g m3, %g Pa: %s", s->data, table.line[i],
+                     time, volume, pressure, wrong);
             refuse_file(self, s->data, message);
         }
+        r->time[r->n] = time, r->volume[r->n++] = volume;
     }
-    csv_free(&data);
-    return r;
+    sheet_free(&table);
+    if (all.n == 0) refuse_file(self, s->data, "no row");
+    return all;
 }
 
 static double next_random(uint64_t *s) { /* 0 < u < 1, splitmix64 */
@@ -81,11 +132,13 @@ static double next_random(uint64_t *s) { /* 0 < u < 1, splitmix64 */
 }
 
 /* The paper's shape: the clean medium up to 1 mm of suspension (2 mL), from 3 mm (6 mL) on the line of the cake. */
-static readings draw_readings(const settings *s, uint64_t seed) {
+static runs draw_readings(const settings *s, uint64_t seed) {
     const double slope = filtration_slope(4.14e9, s->def.pressure, s->def.viscosity, s->def.area);
     const double clean = filtration_intercept(3.4e6, s->def.pressure, s->def.viscosity, s->def.area);
     const double blocked = filtration_intercept(5.4e6, s->def.pressure, s->def.viscosity, s->def.area);
+    const runs all = {take(sizeof(readings)), 1};
     readings r = make_readings(DRAWN);
+    r.n = DRAWN, r.pressure = s->def.pressure;
     for (int i = 0; i < DRAWN; i++) {
         const double V = r.volume[i] = 7e-3 * s->def.area * (i + 1) / DRAWN;
         const double x = fmin(fmax((V / s->def.area - 1e-3) / 2e-3, 0.0), 1.0), share = x * x * (3.0 - 2.0 * x);
@@ -93,7 +146,8 @@ static readings draw_readings(const settings *s, uint64_t seed) {
         r.time[i] = V * (clean + share * (slope * V + blocked - clean)) * (1.0 + 0.005 * normal);
         if (i > 0) r.time[i] = fmax(r.time[i], r.time[i - 1]);
     }
-    return r;
+    *all.run = r;
+    return all;
 }
 
 /* ---- results ---- */
@@ -110,20 +164,24 @@ static void report_estimate(json *report, const char *key, const filtration_esti
 static void row(riddle_io_table *t, const char *name, const char *unit, const filtration_estimate *e) {
     riddle_io_table_cell(t, "%s", name);
     riddle_io_table_cell(t, "%.4g", e->value);
-    riddle_io_table_cell(t, "%.2g", e->error);
-    riddle_io_table_cell(t, "%.4g .. %.4g", e->low, e->high);
+    riddle_io_table_cell(t, isfinite(e->error) ? "%.2g" : "none", e->error);
+    riddle_io_table_cell(t, isfinite(e->low) ? "%.4g .. %.4g" : "none", e->low, e->high);
     riddle_io_table_cell(t, "%s", unit);
 }
 
-static void print_curve(const settings *s, const readings *r, const filtration_curve *c, const filtration_estimate *clean) {
-    common_print("Straight stretch: readings %zu to %zu, %.3g to %.3g mL; %zu readings, scatter %.2g %%, R2 %.5f\n", c->first + 1,
-                 c->last + 1, 1e6 * r->volume[c->first], 1e6 * r->volume[c->last], c->used, 100.0 * c->scatter, c->r2);
-    common_print("Intervals of %.3g %%: Student's t %.3f with %.3g degrees of freedom\n\n", 100.0 * c->confidence, c->student, c->freedom);
+static void print_curve(const settings *s, const readings *r, const filtration_curve *c,
+                        const filtration_estimate *clean) {
+    common_print("Straight stretch: readings %zu to %zu, %.3g to %.3g mL; %zu readings, scatter %.2g %%, R2 %.5f\n",
+                 c->first + 1, c->last + 1, 1e6 * r->volume[c->first], 1e6 * r->volume[c->last], c->used,
+                 100.0 * c->scatter, c->r2);
+    common_print("Intervals of %.3g %%: Student's t %.3f with %.3g degrees of freedom\n\n", 100.0 * c->confidence,
+                 c->student, c->freedom);
     riddle_io_table t = riddle_io_table_begin("|value|standard error|interval|unit");
     row(&t, "slope", "s/m6", &c->slope);
     row(&t, "intercept", "s/m3", &c->intercept);
     row(&t, "r_K K_S", "1/m2", &c->product);
     if (c->cake.value == c->cake.value) row(&t, "specific cake resistance r_K", "1/m2", &c->cake);
+    if (c->by_mass.value == c->by_mass.value) row(&t, "alpha", "m/kg", &c->by_mass);
     row(&t, "medium R_M", "1/m", &c->medium);
     if (s->clean_volume > 0.0) row(&t, "clean medium R_M0", "1/m", clean);
     table_end(&t);
@@ -132,11 +190,12 @@ static void print_curve(const settings *s, const readings *r, const filtration_c
     if (s->sauter > 0.0 && c->cake.value > 0.0)
         common_print("Porosity that Kozeny and Carman would give r_K at %.3g um: %.3f\n", 1e6 * s->sauter,
                      filtration_kozeny_porosity(c->cake.value, s->sauter, FILTRATION_KOZENY_CARMAN));
-    for (unsigned bit = 1; bit <= FILTRATION_REMARK_CORRELATED; bit *= 2)
+    for (unsigned bit = 1; bit <= FILTRATION_REMARK_DRIFT; bit *= 2)
         if (c->remarks & bit) common_print("Remark: %s\n", filtration_remark_text(bit));
 }
 
-static void report_curve(json *report, const settings *s, const readings *r, const filtration_curve *c, const filtration_estimate *clean) {
+static void report_curve(json *report, const settings *s, const readings *r, const filtration_curve *c,
+                         const filtration_estimate *clean) {
     json_string(report, "source", s->data ? s->data : "drawn from the paper's numbers");
     json_integer(report, "readings", (long long)r->n);
     json_number(report, "pressure_pa", s->def.pressure);
@@ -161,10 +220,11 @@ static void report_curve(json *report, const settings *s, const readings *r, con
     report_estimate(report, "intercept_s_per_m3", &c->intercept);
     report_estimate(report, "r_k_k_s_per_m2", &c->product);
     report_estimate(report, "r_k_per_m2", &c->cake);
+    report_estimate(report, "alpha_m_per_kg", &c->by_mass);
     report_estimate(report, "r_m_per_m", &c->medium);
     if (s->clean_volume > 0.0) report_estimate(report, "r_m0_per_m", clean);
     json_array_begin(report, "remarks");
-    for (unsigned bit = 1; bit <= FILTRATION_REMARK_CORRELATED; bit *= 2)
+    for (unsigned bit = 1; bit <= FILTRATION_REMARK_DRIFT; bit *= 2)
         if (c->remarks & bit) json_string(report, NULL, filtration_remark_text(bit));
     json_array_end(report);
 }
@@ -172,31 +232,37 @@ static void report_curve(json *report, const settings *s, const readings *r, con
 /* Ordinate (t - t1) / (V - V1) over V, as measured and on the line with its interval; the residuals below. */
 static void draw_curve(const program *self, const settings *s, const readings *r, const filtration_curve *c) {
     const double t1 = s->def.start_time, V1 = s->def.start_volume, largest = r->volume[r->n - 1];
-    double *x = malloc(6 * (r->n + 1) * sizeof *x), *y = x + r->n + 1, *used_x = y + r->n + 1, *used_y = used_x + r->n + 1;
+    double *x = malloc(6 * (r->n + 1) * sizeof *x), *y = x + r->n + 1, *used_x = y + r->n + 1,
+           *used_y = used_x + r->n + 1;
     double *rest = used_y + r->n + 1;
     if (!x) exit((common_fail("out of memory"), common_exit_status()));
     int n = 0, used = 0;
-    riddle_io_file *file = csv_open(self->out, "filter_curve.csv", "time_s,volume_m3,time_over_volume_s_per_m3,line_s_per_m3,used");
+    riddle_io_file *file =
+        csv_open(self->out, "filter_curve.csv", "time_s,volume_m3,time_over_volume_s_per_m3,line_s_per_m3,used");
     for (size_t i = 0; i < r->n; i++) {
-        const double ordinate = (r->time[i] - t1) / (r->volume[i] - V1), line = c->intercept.value + c->slope.value * (r->volume[i] + V1);
+        const double ordinate = (r->time[i] - t1) / (r->volume[i] - V1),
+                     line = c->intercept.value + c->slope.value * (r->volume[i] + V1);
         const int counts = i >= c->first && i <= c->last && r->volume[i] > V1 && r->time[i] > t1;
         if (!(r->volume[i] > V1 && r->time[i] > t1)) continue;
         const double cells[5] = {r->time[i], r->volume[i], ordinate, line, counts};
         riddle_io_row(file, cells, 5);
-        if (counts) used_x[used] = 1e6 * r->volume[i], used_y[used] = 1e-6 * ordinate, rest[used++] = 100.0 * (ordinate / line - 1.0);
+        if (counts)
+            used_x[used] = 1e6 * r->volume[i], used_y[used] = 1e-6 * ordinate,
+            rest[used++] = 100.0 * (ordinate / line - 1.0);
         else x[n] = 1e6 * r->volume[i], y[n++] = 1e-6 * ordinate;
     }
     riddle_io_close(file);
     double V[CURVE], line[CURVE], low[CURVE], high[CURVE];
     for (int i = 0; i < CURVE; i++) {
         const double at = largest * i / (CURVE - 1) + V1, from = c->slope.error * at, of = c->intercept.error;
-        const double error = sqrt(fmax(from * from + of * of + 2.0 * at * c->covariance, 0.0));
+        const double error = isfinite(of) ? sqrt(fmax(from * from + of * of + 2.0 * at * c->covariance, 0.0)) : 0.0;
         V[i] = 1e6 * (at - V1), line[i] = 1e-6 * (c->intercept.value + c->slope.value * at);
         low[i] = line[i] - 1e-6 * c->student * error, high[i] = line[i] + 1e-6 * c->student * error;
     }
     riddle_plot *figure = riddle_plot_new("Filter curve", 1, 2);
-    riddle_plot_panel(figure, 0, 0, "filtrate V [mL]", V1 > 0.0 || t1 != 0.0 ? "(t − t₁) / (V − V₁) [s/mL]" : "t / V [s/mL]");
-    riddle_plot_band(figure, "interval of the line", V, low, high, CURVE);
+    riddle_plot_panel(figure, 0, 0, "filtrate V [mL]",
+                      V1 > 0.0 || t1 != 0.0 ? "(t − t₁) / (V − V₁) [s/mL]" : "t / V [s/mL]");
+    if (isfinite(c->intercept.error)) riddle_plot_band(figure, "interval of the line", V, low, high, CURVE);
     riddle_plot_line(figure, "line", V, line, CURVE);
     riddle_plot_points(figure, "readings used", used_x, used_y, used);
     if (n > 0) {
@@ -216,7 +282,9 @@ static filtration_operation new_operation(const settings *s, const filtration_cu
     filtration_operation o = filtration_operation_default();
     o.viscosity = c->viscosity, o.area = s->new_area, o.pressure = s->new_pressure, o.rate = s->new_rate;
     o.product = fmax(c->product.value, 0.0), o.medium = fmax(c->medium.value, 0.0);
-    o.compressibility = s->compressibility, o.reference = c->pressure;
+    /* the resistance was measured where the cake had this part of the pressure, in the middle of the run */
+    const double cake = o.product * 0.5 * c->largest / c->area;
+    o.compressibility = s->compressibility, o.reference = c->pressure * (cake > 0.0 ? cake / (cake + o.medium) : 1.0);
     return o;
 }
 
@@ -231,10 +299,12 @@ static void predict(const program *self, json *report, const settings *s, const 
         common_fail("no prediction: %s", filtration_status_text(status));
         return;
     }
-    common_print("\nOn %.4g cm2 at %.4g Pa%s, %.4g mL of filtrate take %.4g s", 1e4 * o.area, o.pressure, at_pressure ? "" : " at most",
-                 1e6 * s->new_volume, end.time);
-    if (at_pressure && c->medium.value >= 0.0) common_print(" (%.4g .. %.4g s by the fit)", time.low, time.high);
-    common_print("; at the end %.3g mL/s, %.4g Pa in all, %.4g Pa in the cake\n", 1e6 * end.flow, end.pressure, end.cake);
+    common_print("\nOn %.4g cm2 at %.4g Pa%s, %.4g mL of filtrate take %.4g s", 1e4 * o.area, o.pressure,
+                 at_pressure ? "" : " at most", 1e6 * s->new_volume, end.time);
+    if (at_pressure && c->medium.value >= 0.0 && isfinite(time.low))
+        common_print(" (%.4g .. %.4g s by the fit)", time.low, time.high);
+    common_print("; at the end %.3g mL/s, %.4g Pa in all, %.4g Pa in the cake\n", 1e6 * end.flow, end.pressure,
+                 end.cake);
     if (c->medium.value < 0.0) common_print("R_M was taken as 0 for it.\n");
     const unsigned outside = filtration_outside(c, o.pressure, o.area, s->new_volume);
     for (unsigned flag = 1; flag <= FILTRATION_OUTSIDE_PRESSURE; flag *= 2)
@@ -259,16 +329,18 @@ static void predict(const program *self, json *report, const settings *s, const 
         filtration_point p;
         if (filtration_at_volume(&o, s->new_volume * (i + 1) / CURVE, &p) != FILTRATION_OK) p = end;
         filtration_predict(c, o.pressure, o.area, o.compressibility, p.volume, &time);
-        V[i] = 1e6 * p.volume, t[i] = p.time, low[i] = time.low, high[i] = time.high, flow[i] = 1e6 * p.flow, pressure[i] = p.pressure;
+        V[i] = 1e6 * p.volume, t[i] = p.time, low[i] = time.low, high[i] = time.high, flow[i] = 1e6 * p.flow,
+        pressure[i] = p.pressure;
         const double cells[5] = {p.time, p.volume, p.flow, p.pressure, p.cake};
         riddle_io_row(file, cells, 5);
     }
     riddle_io_close(file);
     riddle_plot *figure = riddle_plot_new(outside ? "Prediction, outside the readings" : "Prediction", 1, 3);
     riddle_plot_panel(figure, 0, 0, "filtrate V [mL]", "time [s]");
-    if (at_pressure) riddle_plot_band(figure, "interval of the fit", V, low, high, CURVE);
+    if (at_pressure && isfinite(time.low)) riddle_plot_band(figure, "interval of the fit", V, low, high, CURVE);
     riddle_plot_line(figure, "time", V, t, CURVE);
-    if (outside & FILTRATION_OUTSIDE_MORE) riddle_plot_vertical(figure, "as thick a cake as measured", 1e6 * c->largest * o.area / c->area);
+    if (outside & FILTRATION_OUTSIDE_MORE)
+        riddle_plot_vertical(figure, "as thick a cake as measured", 1e6 * c->largest * o.area / c->area);
     riddle_plot_panel(figure, 0, 1, "time [s]", "filtrate flow [mL/s]");
     riddle_plot_line(figure, "", t, flow, CURVE);
     riddle_plot_panel(figure, 0, 2, "time [s]", "pressure difference [Pa]");
@@ -280,62 +352,178 @@ static void predict(const program *self, json *report, const settings *s, const 
 
 /* The command line as typed, in its units. */
 typedef struct typed {
-    double pressure, viscosity, area, ratio, height, from, to, start_time, start_volume, clean, setup, density, sauter, time_error,
-        volume_error, pressure_error, area_error, viscosity_error, ratio_error, confidence, new_area, new_pressure, new_rate, new_volume,
-        compressibility;
-    bool whole;
+    double pressure, viscosity, area, ratio, height, from, to, start_time, start_volume, clean, setup, density, sauter,
+        time_error, volume_error, drift_error, pressure_error, area_error, viscosity_error, ratio_error, solids,
+        solids_error, reference, confidence, new_area, new_pressure, new_rate, new_volume, compressibility;
+    bool whole, independent;
 } typed;
 
-static settings in_si(const typed *t, const char *data, const option *options, int n) {
+static settings in_si(const program *self, const typed *t, const char *data) {
     settings s;
     memset(&s, 0, sizeof s);
     s.data = data, s.def = filtration_curve_default_def();
     filtration_curve_def *d = &s.def;
     d->pressure = t->pressure, d->viscosity = t->viscosity, d->area = 1e-4 * t->area,
     d->cake_ratio = t->ratio > 0.0 ? t->ratio : (double)NAN;
-    d->pressure_error = 0.01 * t->pressure_error, d->area_error = 0.01 * t->area_error, d->cake_ratio_error = 0.01 * t->ratio_error;
-    d->viscosity_error = 0.01 * t->viscosity_error, d->time_error = t->time_error, d->volume_error = 1e-6 * t->volume_error;
+    d->pressure_error = 0.01 * t->pressure_error, d->area_error = 0.01 * t->area_error,
+    d->cake_ratio_error = 0.01 * t->ratio_error;
+    d->viscosity_error = 0.01 * t->viscosity_error, d->time_error = t->time_error,
+    d->volume_error = 1e-6 * t->volume_error;
+    d->drift_error = 1e-6 * t->drift_error, d->independent = t->independent;
+    d->solids = t->solids > 0.0 ? t->solids : (double)NAN, d->solids_error = 0.01 * t->solids_error;
     d->start_time = t->start_time, d->start_volume = 1e-6 * t->start_volume;
-    d->first_volume = 1e-6 * t->from, d->last_volume = 1e-6 * t->to, d->automatic = !t->whole, d->confidence = 0.01 * t->confidence;
+    d->first_volume = 1e-6 * t->from, d->last_volume = 1e-6 * t->to, d->automatic = !t->whole,
+    d->confidence = 0.01 * t->confidence;
     s.clean_volume = 1e-6 * t->clean, s.setup = t->setup, s.density = t->density, s.cake_height = 1e-3 * t->height,
     s.sauter = 1e-6 * t->sauter;
     s.new_area = d->area, s.new_pressure = d->pressure, s.new_rate = HUGE_VAL, s.compressibility = t->compressibility;
-    for (int i = 0; i < n; i++) {
-        if (!options[i].given) continue;
-        if (strcmp(options[i].name, "new-area-cm2") == 0) s.new_area = 1e-4 * t->new_area;
-        if (strcmp(options[i].name, "new-pressure-pa") == 0) s.new_pressure = t->new_pressure;
-        if (strcmp(options[i].name, "new-rate-ml-s") == 0) s.new_rate = 1e-6 * t->new_rate;
-        if (strcmp(options[i].name, "new-volume-ml") == 0) s.new_volume = 1e-6 * t->new_volume;
-    }
+    if (is_given(self, "new-area-cm2")) s.new_area = 1e-4 * t->new_area;
+    if (is_given(self, "new-pressure-pa")) s.new_pressure = t->new_pressure;
+    if (is_given(self, "new-rate-ml-s")) s.new_rate = 1e-6 * t->new_rate;
+    if (is_given(self, "new-volume-ml")) s.new_volume = 1e-6 * t->new_volume;
     return s;
 }
 
-/* Evaluates, or leaves with what the data lack. */
-static filtration_curve evaluate(const program *self, const settings *s, const readings *r, filtration_estimate *clean) {
+/* Evaluates a run, or leaves with what the data lack. */
+static filtration_curve evaluate(const program *self, const settings *s, const readings *r,
+                                 filtration_estimate *clean) {
     filtration_curve c;
-    filtration_status status = filtration_evaluate(&s->def, r->n, r->time, r->volume, &c);
-    if (status == FILTRATION_OK && s->clean_volume > 0.0)
-        status = filtration_evaluate_clean(&s->def, r->n, r->time, r->volume, s->clean_volume, clean);
+    char text[300];
+    filtration_curve_def def = s->def;
+    def.pressure = r->pressure;
+    filtration_status status = filtration_evaluate(&def, r->n, r->time, r->volume, &c);
+    if (status == FILTRATION_FEW_DATA) {
+        size_t count = 0;
+        for (size_t i = 0; i < r->n; i++)
+            count += r->volume[i] > def.start_volume && r->time[i] > def.start_time &&
+                     r->volume[i] >= def.first_volume && r->volume[i] <= def.last_volume;
+        snprintf(text, sizeof text, "%s%s: %zu readings count, and a line with its interval needs 3",
+                 r->name[0] ? "test " : "this one", r->name, count);
+        if (s->data) refuse_file(self, s->data, text);
+        program_refuse(self, "from-ml", NULL, "a stretch with at least 3 readings");
+    }
+    if (status == FILTRATION_OK && s->clean_volume > 0.0) {
+        status = filtration_evaluate_clean(&def, r->n, r->time, r->volume, s->clean_volume, clean);
+        if (status == FILTRATION_FEW_DATA)
+            program_refuse(self, "clean-ml", NULL, "a volume below which there are at least 2 readings");
+    }
     if (status == FILTRATION_BAD_ARGUMENT && s->data) /* all else was checked row by row */
-        refuse_file(self, s->data, "the filtrate falls by more than scatter: one filtration, without emptying the vessel, is one file");
+        refuse_file(self, s->data,
+                    "the filtrate falls by more than scatter: several filtrations in a file need a column test, or "
+                    "times that begin anew");
     if (status != FILTRATION_OK && s->data) refuse_file(self, s->data, filtration_status_text(status));
-    if (status != FILTRATION_OK) program_refuse(self, "from-ml", NULL, "a stretch with at least 6 readings, and 6 up to --clean-ml");
+    if (status != FILTRATION_OK) program_refuse(self, "from-ml", NULL, "a stretch with at least 3 readings");
     filtration_estimate *of_medium[] = {&c.medium, clean}; /* what the empty set-up resists is not the medium's */
-    for (int i = 0; i < 2; i++) of_medium[i]->value -= s->setup, of_medium[i]->low -= s->setup, of_medium[i]->high -= s->setup;
+    for (int i = 0; i < 2; i++)
+        of_medium[i]->value -= s->setup, of_medium[i]->low -= s->setup, of_medium[i]->high -= s->setup;
     return c;
+}
+
+/* ---- several runs: the law of the cake's resistance over pressure ---- */
+
+/* The resistance that the runs have in common: alpha or r_K if the data give it, else r_K K_S. */
+static const filtration_estimate *resistance(const filtration_curve *c) {
+    return isfinite(c->by_mass.value) ? &c->by_mass : isfinite(c->cake.value) ? &c->cake : &c->product;
+}
+
+static void draw_law(const program *self, size_t n, const double *pressure, const double *value,
+                     const filtration_compressibility *law, const char *axis) {
+    double p[CURVE], on[CURVE], low[CURVE], high[CURVE], *x = take(2 * n * sizeof *x), *y = x + n;
+    filtration_estimate e;
+    for (size_t i = 0; i < n; i++) x[i] = 1e-5 * pressure[i], y[i] = value[i];
+    for (int i = 0; i < CURVE; i++) {
+        const double at = law->lowest * pow(law->highest / law->lowest, i / (CURVE - 1.0));
+        filtration_value_at_pressure(law, at, &e);
+        p[i] = 1e-5 * at, on[i] = e.value, low[i] = e.low, high[i] = e.high;
+    }
+    riddle_plot *figure = riddle_plot_new("Compressibility of the cake", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "pressure difference [bar]", axis);
+    if (isfinite(low[0])) riddle_plot_band(figure, "interval of the law", p, low, high, CURVE);
+    riddle_plot_line(figure, "power law", p, on, CURVE);
+    riddle_plot_points(figure, "runs", x, y, (int)n);
+    riddle_plot_write(figure, self->out, "compressibility.svg");
+    free(x);
+}
+
+/* Fits the law and tells it. Returns the exponent, or 0 where the runs have no law. */
+static double fit_law(const program *self, json *report, const settings *s, double reference, const runs *all,
+                      const filtration_curve *c) {
+    double *pressure = take(3 * all->n * sizeof *pressure), *value = pressure + all->n, *error = value + all->n;
+    const char *name = isfinite(c->by_mass.value) ? "alpha" : isfinite(c->cake.value) ? "r_K" : "r_K K_S";
+    const char *unit = isfinite(c->by_mass.value) ? "m/kg" : "1/m2";
+    char axis[40];
+    snprintf(axis, sizeof axis, "%s [%s]", name, unit);
+    riddle_io_table t = riddle_io_table_begin("run|pressure [Pa]|readings used|value|interval|R_M [1/m]");
+    json_array_begin(report, "runs");
+    for (size_t i = 0; i < all->n; i++) {
+        const filtration_estimate *e = resistance(&c[i]);
+        pressure[i] = all->run[i].pressure, value[i] = e->value, error[i] = c[i].slope.error / c[i].slope.value;
+        riddle_io_table_cell(&t, all->run[i].name[0] ? "%s" : "%s%zu", all->run[i].name, i + 1);
+        riddle_io_table_cell(&t, "%.4g", pressure[i]);
+        riddle_io_table_cell(&t, "%zu of %zu", c[i].used, all->run[i].n);
+        riddle_io_table_cell(&t, "%.4g", e->value);
+        riddle_io_table_cell(&t, isfinite(e->low) ? "%.4g .. %.4g" : "none", e->low, e->high);
+        riddle_io_table_cell(&t, "%.3g", c[i].medium.value);
+        json_object_begin(report, NULL);
+        json_string(report, "run", all->run[i].name);
+        json_number(report, "pressure_pa", pressure[i]);
+        json_integer(report, "used", (long long)c[i].used);
+        report_estimate(report, "value", e);
+        report_estimate(report, "r_m_per_m", &c[i].medium);
+        json_integer(report, "remark_flags", c[i].remarks);
+        json_object_end(report);
+    }
+    json_array_end(report);
+    common_print("\n%zu runs: %s [%s]\n\n", all->n, name, unit);
+    table_end(&t);
+    for (size_t i = 0; i < all->n; i++)
+        for (unsigned bit = 1; bit <= FILTRATION_REMARK_DRIFT; bit *= 2)
+            if (c[i].remarks & bit) common_print("Run %zu: %s\n", i + 1, filtration_remark_text(bit));
+    filtration_compressibility law;
+    const filtration_status status =
+        filtration_fit_compressibility(all->n, pressure, value, error, reference, s->def.confidence, &law);
+    json_object_begin(report, "compressibility");
+    json_string(report, "of", axis);
+    report_estimate(report, "exponent", &law.exponent);
+    report_estimate(report, "at_reference", &law.at_reference);
+    json_number(report, "reference_pa", law.reference);
+    json_number(report, "between_runs", law.between);
+    json_object_end(report);
+    if (status == FILTRATION_NO_SOLUTION)
+        common_print("\nAll runs have one pressure: no compressibility follows from them.\n");
+    else if (status != FILTRATION_OK) common_print("\nNo compressibility: a run has no resistance above 0.\n");
+    if (status == FILTRATION_OK) {
+        common_print("\n%s = %.4g %s (dp / %.4g Pa)^%.3f", name, law.at_reference.value, unit, law.reference,
+                     law.exponent.value);
+        if (isfinite(law.exponent.low))
+            common_print("\n%.3g %%: factor %.4g .. %.4g, exponent %.3f .. %.3f; runs scatter by %.2g %% beyond their "
+                         "own errors\n",
+                         100.0 * law.confidence, law.at_reference.low, law.at_reference.high, law.exponent.low,
+                         law.exponent.high, 100.0 * law.between);
+        else common_print("; its intervals need 3 runs\n");
+        draw_law(self, all->n, pressure, value, &law, axis);
+    }
+    free(pressure);
+    return status == FILTRATION_OK ? fmin(fmax(law.exponent.value, 0.0), 0.99) : 0.0;
 }
 
 int main(int argc, char **argv) {
     const char *data = NULL;
     typed t;
     memset(&t, 0, sizeof t);
-    t.pressure = 1000.0, t.viscosity = 1e-3, t.area = 20.0, t.to = HUGE_VAL, t.density = 998.2, t.confidence = 95.0;
+    t.pressure = 1000.0, t.viscosity = 1e-3, t.area = 20.0, t.to = HUGE_VAL, t.density = 998.2, t.confidence = 95.0,
+    t.reference = 1e5;
     option options[] = {
-        option_string("data", "FILE", &data, "filter curve: CSV with time_s and one of volume_ml, volume_m3, mass_g"),
-        option_positive("pressure-pa", "DP", &t.pressure, 1e12, "pressure difference, constant [Pa]"),
+        option_string("data", "FILE", &data,
+                      "filter curve: table with time and volume or mass; pressure and test if there are several runs"),
+        option_positive("pressure-pa", "DP", &t.pressure, 1e12,
+                        "pressure difference, constant [Pa]; a column pressure goes before it"),
         option_positive("viscosity-pa-s", "MU", &t.viscosity, 1e6, "viscosity of the filtrate [Pa s]"),
         option_positive("area-cm2", "A", &t.area, 1e12, "filter area [cm2]"),
-        option_positive("cake-ratio", "KS", &t.ratio, 1e3, "cake volume over filtrate volume K_S [-]; without it only r_K K_S is found"),
+        option_positive("cake-ratio", "KS", &t.ratio, 1e3,
+                        "cake volume over filtrate volume K_S [-]; without it only r_K K_S is found"),
+        option_positive("solids-kg-m3", "C", &t.solids, 1e5,
+                        "mass of dry solids in the cake over the volume of filtrate [kg/m3]: gives alpha"),
         option_positive("cake-height-mm", "H", &t.height, 1e6, "instead: height of the cake at the last reading [mm]"),
         option_positive("density", "RHO", &t.density, 1e5, "of the filtrate, for mass_g [kg/m3]"),
         option_double("from-ml", "V", &t.from, 0.0, 1e15, "use readings from here on [mL]"),
@@ -344,44 +532,82 @@ int main(int argc, char **argv) {
         option_double("start-s", "T", &t.start_time, -1e12, 1e12, "time at which the stage began [s]"),
         option_double("start-ml", "V", &t.start_volume, 0.0, 1e15, "filtrate by then [mL]"),
         option_double("clean-ml", "V", &t.clean, 0.0, 1e15, "the medium was clean up to here [mL]: gives R_M0"),
-        option_double("setup-per-m", "R", &t.setup, 0.0, 1e30, "resistance of the set-up without the medium, subtracted [1/m]"),
-        option_positive("sauter-um", "D", &t.sauter, 1e6, "Sauter diameter of the particles [um]: porosity by Kozeny and Carman"),
-        option_double("time-error-s", "S", &t.time_error, 0.0, 1e12, "standard error of a time [s]: weighs the readings"),
-        option_double("volume-error-ml", "S", &t.volume_error, 0.0, 1e15, "standard error of a volume [mL]: weighs the readings"),
+        option_double("setup-per-m", "R", &t.setup, 0.0, 1e30,
+                      "resistance of the set-up without the medium, subtracted [1/m]"),
+        option_positive("sauter-um", "D", &t.sauter, 1e6,
+                        "Sauter diameter of the particles [um]: porosity by Kozeny and Carman"),
+        option_double("time-error-s", "S", &t.time_error, 0.0, 1e12,
+                      "standard error of a time [s]: weighs the readings"),
+        option_double("volume-error-ml", "S", &t.volume_error, 0.0, 1e15,
+                      "standard error of a volume [mL]: weighs the readings"),
+        option_double("drift-error-ml", "S", &t.drift_error, 0.0, 1e15,
+                      "standard error of the last volume by a balance that drifts [mL]"),
+        option_flag("independent", &t.independent,
+                    "errors of neighbouring readings are independent: narrower intervals"),
         option_double("pressure-error-pct", "S", &t.pressure_error, 0.0, 100.0, "standard error of the pressure [%]"),
         option_double("area-error-pct", "S", &t.area_error, 0.0, 100.0, "standard error of the area [%]"),
-        option_double("viscosity-error-pct", "S", &t.viscosity_error, 0.0, 100.0, "standard error of the viscosity [%]"),
+        option_double("viscosity-error-pct", "S", &t.viscosity_error, 0.0, 100.0,
+                      "standard error of the viscosity [%]"),
         option_double("cake-ratio-error-pct", "S", &t.ratio_error, 0.0, 100.0, "standard error of K_S [%]"),
+        option_double("solids-error-pct", "S", &t.solids_error, 0.0, 100.0, "standard error of the mass of solids [%]"),
+        option_positive("reference-pa", "DP", &t.reference, 1e12,
+                        "pressure at which the law of several runs has its factor [Pa]"),
         option_double("confidence-pct", "C", &t.confidence, 50.0, 99.99, "of the intervals [%]"),
         option_positive("new-area-cm2", "A", &t.new_area, 1e12, "predict for this area [cm2]; default: as measured"),
-        option_positive("new-pressure-pa", "DP", &t.new_pressure, 1e12, "predict for this pressure difference [Pa]; default: as measured"),
-        option_positive("new-rate-ml-s", "Q", &t.new_rate, 1e12, "at this constant filtrate flow until that pressure is reached [mL/s]"),
+        option_positive("new-pressure-pa", "DP", &t.new_pressure, 1e12,
+                        "predict for this pressure difference [Pa]; default: as measured"),
+        option_positive("new-rate-ml-s", "Q", &t.new_rate, 1e12,
+                        "at this constant filtrate flow until that pressure is reached [mL/s]"),
         option_positive("new-volume-ml", "V", &t.new_volume, 1e15,
                         "predict up to this filtrate volume [mL]; default: twice the last reading"),
-        option_double("compressibility", "N", &t.compressibility, 0.0, 0.99, "exponent of r_K K_S over pressure, for the prediction [-]"),
+        option_double("compressibility", "N", &t.compressibility, 0.0, 0.99,
+                      "exponent of r_K K_S over pressure, for the prediction [-]; default: of the runs, else 0"),
     };
     const int n = (int)(sizeof options / sizeof *options);
-    program self = program_start("filter_curve", "Resistances of filter cake and medium from a filter curve, and a prediction.", options, n,
-                                 argc, argv);
-    settings s = in_si(&t, data, options, n);
-    if (t.ratio > 0.0 && t.height > 0.0) program_refuse(&self, "cake-height-mm", NULL, "either --cake-ratio or --cake-height-mm");
+    program self =
+        program_start("filter_curve", "Resistances of filter cake and medium from a filter curve, and a prediction.",
+                      options, n, argc, argv);
+    settings s = in_si(&self, &t, data);
+    if (t.ratio > 0.0 && t.height > 0.0)
+        program_refuse(&self, "cake-height-mm", NULL, "either --cake-ratio or --cake-height-mm");
     if (!(t.to > t.from)) program_refuse(&self, "to-ml", NULL, "above --from-ml");
-    readings r = data ? read_readings(&self, &s) : draw_readings(&s, self.seed);
-    if (r.n == 0) refuse_file(&self, data, "no row");
-    const double last = r.volume[r.n - 1];
-    if (s.cake_height > 0.0) s.def.cake_ratio = filtration_cake_ratio_of_height(s.cake_height, s.def.area, last);
-    if (!(s.new_volume > 0.0)) s.new_volume = 2.0 * last * s.new_area / s.def.area;
+    runs all = data ? read_runs(&self, &s) : draw_readings(&s, self.seed);
+    if (s.cake_height > 0.0 && all.n > 1)
+        program_refuse(&self, "cake-height-mm", NULL, "one run; several need --cake-ratio or --solids-kg-m3");
 
+    filtration_curve *c = take(all.n * sizeof *c);
     filtration_estimate clean = {NAN, NAN, NAN, NAN};
-    const filtration_curve c = evaluate(&self, &s, &r, &clean);
+    size_t shown = 0; /* the run whose pressure is nearest to the prediction's */
+    const bool elsewhere = s.new_pressure != s.def.pressure;
+    for (size_t i = 0; i < all.n; i++) {
+        const readings *r = &all.run[i];
+        if (s.cake_height > 0.0)
+            s.def.cake_ratio = filtration_cake_ratio_of_height(s.cake_height, s.def.area, r->volume[r->n - 1]);
+        c[i] = evaluate(&self, &s, r, &clean);
+        if (elsewhere && fabs(log(r->pressure / s.new_pressure)) < fabs(log(all.run[shown].pressure / s.new_pressure)))
+            shown = i;
+    }
+    const readings *r = &all.run[shown];
+    s.def.pressure = r->pressure;
+    if (!elsewhere) s.new_pressure = r->pressure;
+    if (!(s.new_volume > 0.0)) s.new_volume = 2.0 * r->volume[r->n - 1] * s.new_area / s.def.area;
+    if (s.clean_volume > 0.0 && shown + 1 < all.n) c[shown] = evaluate(&self, &s, r, &clean);
     json *report = json_open(self.json);
-    common_print("Filter curve: %s, %zu readings; %.4g Pa, %.4g cm2, %.4g Pa s\n", data ? data : "drawn from the paper's numbers", r.n,
-                 s.def.pressure, 1e4 * s.def.area, s.def.viscosity);
-    print_curve(&s, &r, &c, &clean);
-    report_curve(report, &s, &r, &c, &clean);
-    draw_curve(&self, &s, &r, &c);
-    if (c.slope.value > 0.0 || c.intercept.value > 0.0) predict(&self, report, &s, &c);
-    free(r.time);
+    if (all.n > 1) {
+        const double exponent = fit_law(&self, report, &s, t.reference, &all, c);
+        if (!is_given(&self, "compressibility")) s.compressibility = exponent;
+        common_print("\nRun %zu:\n", shown + 1);
+    }
+    common_print("Filter curve: %s, %zu readings; %.4g Pa, %.4g cm2, %.4g Pa s\n",
+                 data ? data : "drawn from the paper's numbers", r->n, s.def.pressure, 1e4 * s.def.area,
+                 s.def.viscosity);
+    print_curve(&s, r, &c[shown], &clean);
+    report_curve(report, &s, r, &c[shown], &clean);
+    draw_curve(&self, &s, r, &c[shown]);
+    if (c[shown].slope.value > 0.0 || c[shown].intercept.value > 0.0) predict(&self, report, &s, &c[shown]);
+    for (size_t i = 0; i < all.n; i++) free(all.run[i].time);
+    free(all.run);
+    free(c);
     json_program(report, &self);
     json_close(report);
     return common_exit_status();

@@ -45,7 +45,9 @@
 #include "settling_laws.h"
 #ifdef FILTRATION__BODIES
 #include "process.h"
+#include "process_line.h"
 #include "evaluate.h"
+#include "compressibility.h"
 #include "solids.h"
 #include "lattice.h"
 #define FILTRATION__REAL double

@@ -3,6 +3,8 @@
    May be changed here alone: how a stretch is searched, how integrals and roots are found. */
 
 #define FILTRATION__LARGEST 1.7976931348623157e308
+#define FILTRATION__ROUNDING 1e-12 /* share of t / V below which bend and scatter are of the numbers, not of the filter */
+#define FILTRATION__FEW 20.0 /* readings that do not tell whether neighbours are alike */
 
 static inline int filtration__is_finite(double x) { return fabs(x) <= FILTRATION__LARGEST; }
 

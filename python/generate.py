@@ -188,15 +188,17 @@ class Header:
                                             "doc": self.about.get(declaration.name, ""), "signature": f"{returns} {declaration.name}({arguments})"}
 
 
-def read_shapes():
+def read_shapes(path=os.path.join(here, "shapes.txt")):
     """function.parameter -> shape; and roles. See the head of shapes.txt."""
     shapes = {}
-    with open(os.path.join(here, "shapes.txt"), encoding="utf-8") as file:
+    with open(path, encoding="utf-8") as file:
         for line in file:
             line = line.split("#")[0].strip()
             if line:
-                key, _, value = line.partition(":")
-                shapes[key.strip()] = value.strip()
+                key, _, value = (part.strip() for part in line.partition(":"))
+                if key in shapes:
+                    sys.exit(f"{path}: {key} stands there twice")
+                shapes[key] = value
     return shapes
 
 

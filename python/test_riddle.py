@@ -1190,6 +1190,19 @@ class Programs(unittest.TestCase):
             self.assertEqual(os.listdir(folder), ["mine.py"])
 
 
+class Made(unittest.TestCase):
+    def test_shapes_twice(self):
+        """A row of shapes.txt that stands there twice is refused."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "shapes.txt")
+            call = [sys.executable, "-B", "-c", "import sys, generate; print(len(generate.read_shapes(sys.argv[1])))", path]
+            for rows, status in (("a.b: [n]\n# a\na.c: [n]\n", 0), ("a.b: [n]\na.c: [n]\na.b : [n] # again\n", 1)):
+                pathlib.Path(path).write_text(rows, encoding="utf-8")
+                done = subprocess.run(call, capture_output=True, text=True, check=False, cwd=here)
+                self.assertEqual(done.returncode, status, done.stderr)
+            self.assertIn("a.b stands there twice", done.stderr)
+
+
 if __name__ == "__main__":
     only = [word for word in sys.argv[1:] if word[0].isupper()]  # Shown.test_mypy
     result = unittest.main(argv=[sys.argv[0], *only], exit=False, verbosity=1).result

@@ -18,12 +18,11 @@ refuse() {
     exit 2
 }
 
-# check_options PROGRAM [OPTION...]: leaves with 2 and the program's own line where it would refuse an option; nothing needs to be built.
+# check_options PROGRAM [OPTION...]: leaves with 2 and the program's own line where it would refuse an option, if it is built.
 check_options() {
-    source=examples/$1/$1.c headers=examples/$1/*.h
+    program=${RIDDLE_BUILD:-$root/build}/examples/$1
     shift
-    # shellcheck disable=SC2086 # a list of files
-    awk -f scripts/options.awk "$source" $headers -- "$@" || exit 2
+    [ ! -x "$program" ] || "$program" "$@" --version >/dev/null || exit 2
 }
 
 # need WHAT...: compiler, c++, meson, ninja, pkg-config, cmocka, clang-format. Leaves with 2 where it cannot be had.
@@ -92,6 +91,7 @@ package_of() {
     wasm-ld) echo lld ;;
     mpirun) echo "openmpi-bin libopenmpi-dev" ;;
     liblammps) echo liblammps-dev ;;
+    x86_64-w64-mingw32-gcc) echo gcc-mingw-w64-x86-64 ;;
     *) echo "$1" ;;
     esac
 }

@@ -825,6 +825,39 @@ static void test_saving(void **state) {
     dem_free(&w);
 }
 
+/* A saved wall of a kind that nobody knows, or with lengths that its kind cannot have, is refused. */
+static void test_unsound_walls(void **state) {
+    (void)state;
+    const int kinds[] = {-1, -(1 << 30), 1 << 20, INT32_MAX, 77};
+    for (int bad = 0; bad < 14; bad++) {
+        const dem_def def = one_material(0.5, 0.3);
+        dem_cone cone = dem_default_cone();
+        dem_screen screen = dem_default_screen();
+        dem_world w, again;
+        start(&w, &def);
+        dem_wall *wall = &w.wall[0];
+        wall_index(bad < 8 ? dem_add_cylinder(&w, 0, zero, up, 0.1, 1)
+                           : bad < 11 ? dem_add_cone(&w, 0, &cone) : dem_add_screen(&w, 0, &screen));
+        if (bad < 5) wall->kind = kinds[bad];
+        if (bad == 5) wall->radius = 0.0;
+        if (bad == 6) wall->radius = nan_;
+        if (bad == 7) wall->solid = 1;
+        if (bad == 8) wall->length = 0.0;
+        if (bad == 9) wall->length = inf;
+        if (bad == 10) wall->radius = -1.0;
+        if (bad == 11) wall->profile = 2;
+        if (bad == 12) wall->wire = nan_;
+        const size_t size = dem_save(&w, NULL, 0);
+        unsigned char *bytes = (unsigned char *)malloc(size);
+        assert_non_null(bytes);
+        assert_int_equal(dem_save(&w, bytes, size), size);
+        assert_int_equal(dem_load(&again, bytes, size, NULL), bad < 13 ? DEM_BAD_DATA : DEM_OK);
+        if (bad == 13) dem_free(&again);
+        free(bytes);
+        dem_free(&w);
+    }
+}
+
 /* A ball that rolls over the rim of a funnel, from within to without: a save in the midst of that contact, or a sphere that is added far
    away, changes nothing of it. */
 static void test_rim(void **state) {
@@ -1533,6 +1566,7 @@ int main(void) {
         cmocka_unit_test(test_belt),
         cmocka_unit_test(test_skipping_changes_nothing),
         cmocka_unit_test(test_saving),
+        cmocka_unit_test(test_unsound_walls),
         cmocka_unit_test(test_rim),
         cmocka_unit_test(test_out_of_memory),
         cmocka_unit_test(test_bad_arguments),

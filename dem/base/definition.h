@@ -1,6 +1,7 @@
 /* Defaults and checks of a definition; making and freeing a world. */
 #pragma once
-#include "../walls/mesh_touch.h"
+#include "triangles.h"
+#include "vectors.h"
 #include "arrays.h"
 
 DEM_API const char *dem_status_text(dem_status status) {

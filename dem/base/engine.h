@@ -68,7 +68,7 @@ enum {
     DEM__PLACE_ARM = 4,       /* polyhedron: from the centre of i to that of the sphere that touches for it [m] (3) */
     DEM__PLACE_WEIGHT = 7,    /* polyhedron: factor of the force [-] */
     DEM__PLACE_CURVATURE = 8, /* polyhedron: curvature of the wall as the contact began [1/m] */
-    DEM__CONE_CURVATURE = 0,  /* cone: the same */
+    DEM__KEPT_CURVATURE = 0,  /* sphere at a thin sheet: the same */
     DEM__PLACES = 12
 };
 
@@ -204,8 +204,8 @@ typedef struct dem__bodies {
                               axes, at the origin */
 } dem__bodies;
 
-/* Walls, beside the public array. walls/add.h and walls/mesh.h add them, walls/motion.h moves them, search/tests.h and
-   search/bounds.h set their timers. */
+/* Walls, beside the public array. The file of its kind adds one, walls/kinematics.h moves it, search/tests.h and
+   search/bounds.h set its timers. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
     int meshes, touch_keepers, controls; /* number of meshes; of walls whose contacts keep a touch (meshes, cones);

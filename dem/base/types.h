@@ -223,6 +223,7 @@ typedef enum dem_drive {
 } dem_drive;
 
 struct dem__tree;
+struct dem__wall_kind;
 
 /* The motion of a wall as the functions that move walls set it. */
 typedef struct dem_wall_motion {
@@ -266,13 +267,14 @@ typedef struct dem_wall {
     dem_vec force, torque; /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
     dem_vec impulse;       /* time integral of the force [N s] */
 
-    int slides;                     /* private: 1 if its surface moves otherwise than its origin */
-    double speed_bound, spin_bound; /* private: limits of its origin's speed, apart from rotation, and of its spin,
+    const struct dem__wall_kind *kind__; /* private: the functions of its kind */
+    int slides;                          /* private: 1 if its surface moves otherwise than its origin */
+    double speed_bound, spin_bound;      /* private: limits of its origin's speed, apart from rotation, and of its spin,
                                        until timers are reset */
-    double acceleration_bound;      /* private: kinematic: limit of the acceleration of its origin, apart from rotation
+    double acceleration_bound; /* private: kinematic: limit of the acceleration of its origin, apart from rotation
                                        [m/s2] */
-    double side_bound;              /* private: the same perpendicular to axis[2] */
-    dem_vec phase_sine;             /* private: sine of the vibration's phase, by component */
+    double side_bound;         /* private: the same perpendicular to axis[2] */
+    dem_vec phase_sine;        /* private: sine of the vibration's phase, by component */
 } dem_wall;
 
 /* A particle that passed an exit. Owned by the world, in the order of passing. */

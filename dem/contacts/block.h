@@ -191,11 +191,11 @@ DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old,
 /* Finds the place where a wall is touched by the contact in a slot, or by a link (slot -1). */
 DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius,
                                  int32_t element, dem__touch *touch) {
-    if (slot >= 0 && wall->kind == DEM_MESH) {
+    if (dem__has(wall, DEM__HALF_SPACE)) dem__touch_flat(wall, dem__sub(x, wall->position), radius, touch);
+    else if (slot >= 0 && dem__has(wall, DEM__TRIANGULATED)) {
         touch->normal = dem__place_normal(w, slot);
         touch->gap = w->engine->contacts.touch[DEM__PLACE_GAP][slot];
-    } else if (wall->kind == DEM_PLANE) dem__touch_plane(wall, x, radius, touch);
-    else dem__touch_element(wall, x, radius, element, touch);
+    } else dem__touch_element(wall, x, radius, element, touch);
 }
 
 /* A row of a block that is at a wall. */
@@ -294,7 +294,8 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
     const dem_particle *s = at->particle;
     const dem_vec n = dem_vec3(b->nx[k], b->ny[k], b->nz[k]);
     dem_vec t;
-    if (wall->kind == DEM_MESH && at->slot >= 0) { /* between edges and faces: only the contact knows both normals */
+    if (dem__has(wall, DEM__TRIANGULATED) &&
+        at->slot >= 0) { /* between edges and faces: only the contact knows both normals */
         t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, dem__place_before(w, at->slot)));
     } else {
         dem_vec u = dem_vec3(b->vx[k], b->vy[k], b->vz[k]);
@@ -338,7 +339,7 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
         const int k = wall[q].row;
         dem__complete_wall(b, half, &wall[q]);
         if (!has_friction) continue;
-        if (dem__is_flat(wall[q].wall) && wall[q].wall->spin == 0.0) b->tx[k] = b->ty[k] = b->tz[k] = 0.0;
+        if (dem__has(wall[q].wall, DEM__HALF_SPACE) && wall[q].wall->spin == 0.0) b->tx[k] = b->ty[k] = b->tz[k] = 0.0;
         else dem__turn_at_wall(w, b, half, turn, &wall[q]);
     }
 }

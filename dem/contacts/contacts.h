@@ -115,13 +115,14 @@ DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     dem__wake(w, i);
 }
 
-/* Returns the curvature of a wall where a sphere touches it, in slot c: that of a cone as the contact began. */
+/* Returns the curvature of a wall where a sphere touches it, in slot c, or touched it as the contact
+   began. */
 static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_wall *wall = &w->wall[-1 - contacts->j[c]];
     const dem_particle *p = &w->particle[contacts->i[c]];
     dem__touch touch;
-    if (wall->kind == DEM_CONE) return contacts->touch[DEM__CONE_CURVATURE][c];
+    if (dem__has(wall, DEM__KEEPS_CURVATURE)) return contacts->touch[DEM__KEPT_CURVATURE][c];
     dem__touch_element(wall, p->x, p->radius, contacts->element[c], &touch);
     return touch.curvature;
 }

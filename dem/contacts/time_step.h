@@ -2,6 +2,7 @@
 #pragma once
 #include "laws.h"
 #include "../particles/free_flight.h"
+#include "../walls/kind.h"
 
 /* Returns half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007), in one form for any damping.
  */
@@ -82,7 +83,7 @@ static inline void dem__list_present(const dem_world *w, dem__present *of) {
         const double mass = dem__least_mass(w, i);
         q->lightest = mass < q->lightest ? mass : q->lightest;
     }
-    for (int k = 0; k < w->walls; k++) of[w->wall[k].material].is_wall |= w->wall[k].kind != DEM_EXIT;
+    for (int k = 0; k < w->walls; k++) of[w->wall[k].material].is_wall |= dem__has_surface(&w->wall[k]);
 }
 
 /* Returns the mass of the smallest sphere of a material, or the effective mass of a particle of a body if that is less

@@ -1,13 +1,8 @@
 /* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its
    sums, but step/step.h sets where they start. */
 #pragma once
-#include "../walls/kinds.h"
 #include "../base/arrays.h"
-
-/* Returns whether a wall is enabled and acts on particle i. */
-DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
-    return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
-}
+#include "../walls/kind.h"
 
 /* Returns the first of two vectors: the force of a wrench. */
 DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }

@@ -3,7 +3,7 @@
    computed at its origin and the same whatever is skipped. */
 #pragma once
 #include "../search/timers.h"
-#include "../walls/exits.h"
+#include "../particles/exits.h"
 
 /* Tasks of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none
    of it. */

@@ -6,15 +6,6 @@
 #define DEM__FLAT_EDGE                                                                                                 \
     1e-3 /* edges: sine of the angle of two triangles, up to which they are flat; corners: the same for two edges */
 
-/* Flags of entry `at`: of an edge, and of the corner at which it begins. */
-enum {
-    DEM__EDGE = 1,     /* a sharp edge, which protrudes on one side, or a rim */
-    DEM__RIM = 2,      /* edge of one triangle, or of more than two: can be touched from all around */
-    DEM__CORNER = 4,   /* the corner is sharp, and this is its entry */
-    DEM__FROM_END = 8, /* the edge begins at a sharp corner */
-    DEM__TO_END = 16   /* the edge ends at one */
-};
-
 /* Finds the first vertex at the same place for each vertex. */
 static inline void dem__weld_places(const dem__tree *t, int32_t *same, dem__keyed *items) {
     for (int32_t v = 0; v < t->vertices; v++) {

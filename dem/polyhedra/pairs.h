@@ -208,7 +208,7 @@ static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__co
     const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
     dem__touch touch;
     touch.curvature = 0.0;
-    if (j < 0 && w->wall[-1 - j].kind != DEM_MESH) {
+    if (j < 0 && !dem__has(&w->wall[-1 - j], DEM__TRIANGULATED)) {
         const dem_wall *wall = &w->wall[-1 - j];
         dem__touch_element(wall, dem__add(w->engine->convex.place[i].x, p->at), dem__touching_radius(w, i),
                            dem__element_of_key(wall, p->key), &touch);
@@ -291,7 +291,7 @@ static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pa
     *of_particles = n;
     for (int32_t i = 0; i < (int32_t)w->count; i++) {
         for (int k = 0; k < w->walls && w->alive[i] && dem__shape_of(w, i) && !dem__is_fixed(w, i); k++) {
-            if (w->wall[k].kind == DEM_EXIT) continue;
+            if (!dem__has_surface(&w->wall[k])) continue;
             p.i = i, p.j = -1 - k, p.near = -1;
             if (pair) pair[n] = p;
             n++;
@@ -308,7 +308,7 @@ static inline int dem__list_convex_pairs(dem_world *w) {
     const dem_allocator *a = &w->def.allocator;
     const ptrdiff_t n = dem__put_convex_pairs(w, NULL, &convex->of_particles);
     for (int k = 0; k < w->walls; k++) {
-        if (w->wall[k].kind == DEM_MESH && !dem__make_mesh_edges(a, w->wall[k].tree)) return 0;
+        if (w->wall[k].tree && !dem__make_mesh_edges(a, w->wall[k].tree)) return 0;
     }
     if (n > INT32_MAX / 2) return 0;
     if (n > convex->pair_capacity) {

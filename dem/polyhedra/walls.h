@@ -7,6 +7,7 @@
 
 /* A polyhedron at a wall, seen from its centre, and the points found so far. */
 typedef struct dem__at_wall {
+    dem__edge_visitor visitor; /* first, so that a visitor's address is that of this struct */
     const dem_wall *wall;
     const dem_convex *shape;
     dem_vec centre;   /* of the polyhedron */
@@ -17,22 +18,11 @@ typedef struct dem__at_wall {
     dem__convex_point *out;
 } dem__at_wall;
 
-/* Keys of points: below 32, corners; then edges, five keys each; for a screen, the same again for each bar. */
-enum {
-    DEM__BAR_KEYS = DEM_CORNERS_MAX + 2 + 3 * 5 * DEM_EDGES_MAX,
-    DEM__BARS_FROM = 1 << 18,               /* added to the number of a bar, which may be negative */
-    DEM__MESH_PLACES = 54,                  /* directions of normals, for corners at a mesh */
-    DEM__MESH_KEYS = 1 + 5 * DEM_EDGES_MAX, /* of an edge of a mesh and its corner */
-    DEM__MESH_EDGES_MAX = (1 << 30) / DEM__MESH_KEYS,
-    DEM__RING_POINTS = 16, /* points of a cone's rim at which faces can touch it */
-    DEM__CROSSINGS_MAX = 4 /* of an edge with a cone, at most */
-};
-
-/* Returns the key of a corner at an element of a wall: a bar of a screen by its number, a place of a mesh by the
-   direction of its normal in the wall's frame. */
+/* Returns the key of a corner at an element of a wall, by its number, or at a place of a mesh, by the direction of its
+   normal in the wall's frame. */
 static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
-    if (wall->kind == DEM_SCREEN) return corner + DEM__BAR_KEYS * (touch->element + DEM__BARS_FROM);
-    if (wall->kind != DEM_MESH) return corner;
+    if (dem__has_elements(wall)) return corner + DEM__ELEMENT_KEYS * (touch->element + DEM__ELEMENTS_FROM);
+    if (!dem__has(wall, DEM__TRIANGULATED)) return corner;
     const double n[3] = {dem__dot(touch->normal, wall->axis[0]), dem__dot(touch->normal, wall->axis[1]),
                          dem__dot(touch->normal, wall->axis[2])};
     int most = fabs(n[1]) > fabs(n[0]) ? 1 : 0;
@@ -47,7 +37,7 @@ static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touc
 
 /* Returns the element of a wall to which a key belongs. */
 DEM_INLINE int32_t dem__element_of_key(const dem_wall *wall, int32_t key) {
-    return wall->kind == DEM_SCREEN ? key / DEM__BAR_KEYS - DEM__BARS_FROM : 0;
+    return dem__has_elements(wall) ? key / DEM__ELEMENT_KEYS - DEM__ELEMENTS_FROM : 0;
 }
 
 /* Lists the edges of the polyhedron unless that is done. */
@@ -59,17 +49,17 @@ static inline void dem__list_edges(dem__at_wall *q) {
     for (int e = 0; e < q->shape->edges; e++) dem__place_edge(&side, e, 0, &q->edge[q->edges++]);
 }
 
-/* Sets an edge of a wall between two places, given from the polyhedron's centre. Returns 0 if it is too far away to
-   touch. */
-DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec to, double radius, int ends,
-                                  dem__placed_edge *e) {
-    const dem_vec u = dem__sub(to, from);
+/* Places an edge of a wall. Returns 0 if it is too far away to touch. */
+DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, const dem__wall_edge *of, dem__placed_edge *e) {
+    const dem_vec u = dem__sub(of->to, of->from);
     dem_vec n;
     memset(e, 0, sizeof *e);
     e->length = dem__length(u);
     if (!(e->length > 0.0)) return 0;
-    e->from = from, e->along = dem__scale(1.0 / e->length, u), e->ends = ends;
-    return dem__from_edge(e, dem_vec3(0.0, 0.0, 0.0), &n) < q->shape->reach + radius;
+    e->from = of->from, e->along = dem__scale(1.0 / e->length, u), e->ends = of->ends;
+    if (!(dem__from_edge(e, dem_vec3(0.0, 0.0, 0.0), &n) < q->shape->reach + of->radius)) return 0;
+    e->sided = of->is_sided, e->outward = of->outward;
+    return 1;
 }
 
 /* Returns whether an edge of a wall lies wholly beyond a face of the core, by more than a distance. */
@@ -84,24 +74,26 @@ static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_e
     return 0;
 }
 
-/* Adds the points of all edges of the polyhedron at an edge of a wall with a radius. sign: 1 or -1 takes only those
-   whose normals are on that side, 0 all. */
-static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge *e, double radius, int32_t key,
-                                        dem_vec side, double sign) {
-    if (dem__is_beyond_face(q, e, DEM__WINDOW * (q->shape->radius + radius))) return;
+/* Adds the points of all edges of the polyhedron at an edge of a wall. */
+static inline void dem__cross_wall_edge(dem__edge_visitor *v, const dem__wall_edge *of) {
+    dem__at_wall *q = (dem__at_wall *)(void *)v;
+    dem__placed_edge e;
+    if (q->n == DEM__POINTS_MAX || !dem__set_wall_edge(q, of, &e)) return;
+    const double radii = q->shape->radius + of->radius;
+    if (dem__is_beyond_face(q, &e, DEM__WINDOW * radii)) return;
     dem__list_edges(q);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
-        const int n = dem__cross_edges(&q->edge[k], e, q->shape->radius + radius, !e->sided,
-                                       key + 5 * q->edge[k].number, q->out + q->n);
+        const int n =
+            dem__cross_edges(&q->edge[k], &e, radii, !e.sided, of->key + 5 * q->edge[k].number, q->out + q->n);
         if (n == 0) continue;
-        const double up = dem__dot(q->out[q->n].normal, side);
-        if (sign == 0.0 || (sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
+        const double up = dem__dot(q->out[q->n].normal, of->side);
+        if (of->sign == 0.0 || (of->sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
     }
 }
 
-/* Adds the point of a wall's corner, a sphere with a radius at x, at the polyhedron's core. tip: its outward direction;
-   0: it can be touched from all sides. */
-static inline void dem__touch_wall_corner(dem__at_wall *q, dem_vec x, double radius, dem_vec tip, int32_t key) {
+/* Adds the point of a wall's corner at the polyhedron's core. */
+static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, double radius, dem_vec tip, int32_t key) {
+    dem__at_wall *q = (dem__at_wall *)(void *)v;
     dem__convex_point *point = &q->out[q->n];
     dem_vec n;
     if (q->n == DEM__POINTS_MAX || !(dem__length(x) < q->shape->reach + radius)) return;
@@ -131,140 +123,40 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
     }
 }
 
-/* Finds the ends of a bar's axis, from the screen's origin. Returns 0 if there is no such bar. */
-static inline int dem__bar_ends(const dem_wall *w, int family, double index, dem_vec end[2]) {
-    const double bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
-    dem_vec from;
-    if (dem__reach_bar(w, family, index, 0.0, bar, 0.0, &from) < 0.0) return 0;
-    const double reach = w->circular ? sqrt((w->half_x - bar) * (w->half_x + bar)) : length;
-    for (int k = 0; k < 2; k++) end[k] = dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0));
-    return 1;
-}
-/* Finds the first and the last bar of a family near a polyhedron at d from the screen's origin; reach: its own [m]. */
-DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double reach, double *first, double *last) {
-    const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]),
-                 half = family ? w->half_x : w->half_y;
-    const double low = dem__clamp(across - reach - 0.5 * w->wire, -half, half);
-    const double high = dem__clamp(across + reach + 0.5 * w->wire, -half, half);
-    *first = floor(low / pitch + 0.5), *last = floor(high / pitch + 0.5);
-}
+/* ---- curved sheets ---- */
 
-/* Adds the points of edges at a bar. A half-round bar is a capsule when touched from above, and two sharp edges when
-   touched from below. */
-static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double index, dem_vec d) {
-    const dem_wall *w = q->wall;
-    const double half = 0.5 * w->wire;
-    const int32_t key = DEM__BAR_KEYS * (2 * (int32_t)index + family + DEM__BARS_FROM) + DEM_CORNERS_MAX;
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
-    dem__placed_edge e;
-    dem_vec end[2];
-    if (!dem__bar_ends(w, family, index, end)) return;
-    for (int k = 0; k < 2; k++) end[k] = dem__sub(end[k], d);
-    for (int k = 0; k < 2; k++) dem__touch_wall_corner(q, end[k], half, none, key + k);
-    if (!dem__set_wall_edge(q, end[0], end[1], half, 3, &e)) return;
-    dem__cross_wall_edge(q, &e, half, key + 2, w->axis[2], w->profile == DEM_ROUND ? 0.0 : 1.0);
-    for (int side = -1; side < 2 && w->profile != DEM_ROUND; side += 2) {
-        const dem_vec off = dem__scale(side * half, w->axis[1 - family]);
-        if (dem__set_wall_edge(q, dem__add(end[0], off), dem__add(end[1], off), 0.0, 0, &e))
-            dem__cross_wall_edge(q, &e, 0.0, key + 2 + 5 * DEM_EDGES_MAX * (side > 0 ? 2 : 1), w->axis[2], -1.0);
-    }
-}
-/* Adds the points of edges at all bars near the polyhedron. */
-static inline void dem__touch_screen_with_edges(dem__at_wall *q) {
-    const dem_wall *w = q->wall;
-    const dem_vec d = dem__sub(q->centre, w->position);
-    double first, last;
-    for (int family = 0; family < 2; family++) {
-        dem__bars_near(w, family, d, q->shape->reach, &first, &last);
-        for (double index = first; index <= last && q->n < DEM__POINTS_MAX; index += 1.0)
-            dem__touch_bar_with_edges(q, family, index, d);
-    }
-}
-
-/* Adds the points of edges across the outside of a cylinder, whose axis has no ends. */
-static inline void dem__touch_cylinder_with_edges(dem__at_wall *q) {
-    const dem_wall *w = q->wall;
-    const dem_vec d = dem__sub(w->position, q->centre), foot = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
-    const double far_off = 4.0 * (q->shape->reach + w->radius);
-    dem__placed_edge e;
-    if (dem__set_wall_edge(q, dem__plus(foot, -far_off, w->axis[2]), dem__plus(foot, far_off, w->axis[2]), w->radius, 0,
-                           &e))
-        dem__cross_wall_edge(q, &e, w->radius, DEM_CORNERS_MAX, w->axis[2], 0.0);
-}
-
-/* Returns the key of an edge of a mesh. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the
-   order of the tree. */
-DEM_INLINE int32_t dem__mesh_key(int32_t at) {
-    return DEM_CORNERS_MAX * DEM__MESH_PLACES + (int32_t)((int64_t)(at % DEM__MESH_EDGES_MAX) * DEM__MESH_KEYS);
-}
-
-/* Adds the points at the sharp edges and corners of a triangle. */
-static inline void dem__touch_triangle_with_edges(dem__at_wall *q, int32_t k, dem_vec d) {
-    const dem_wall *w = q->wall;
-    const dem__tree *t = w->tree;
-    dem__placed_edge e;
-    for (int32_t at = 3 * k; at < 3 * k + 3; at++) {
-        const int kind = t->edges->kind[at];
-        const int32_t key = dem__mesh_key(at);
-        if (!(kind & (DEM__EDGE | DEM__CORNER))) continue;
-        const dem_vec from = dem__sub(dem__from_frame(w, t->vertex[t->corner[at]]), d);
-        if (kind & DEM__CORNER) dem__touch_wall_corner(q, from, 0.0, dem__from_frame(w, t->edges->tip[at]), key);
-        if (!(kind & DEM__EDGE)) continue;
-        const dem_vec to = dem__sub(dem__from_frame(w, t->vertex[t->corner[at % 3 < 2 ? at + 1 : at - 2]]), d);
-        const int ends = (kind & DEM__FROM_END ? 1 : 0) | (kind & DEM__TO_END ? 2 : 0);
-        if (!dem__set_wall_edge(q, from, to, 0.0, ends, &e)) continue;
-        e.sided = !(kind & DEM__RIM), e.outward = dem__from_frame(w, t->edges->outward[at]);
-        dem__cross_wall_edge(q, &e, 0.0, key + 1, w->axis[2], 0.0);
-    }
-}
-/* Adds the points at all triangles near the polyhedron. */
-static inline void dem__touch_mesh_with_edges(dem__at_wall *q) {
-    const dem__tree *t = q->wall->tree;
-    const dem_vec d = dem__sub(q->centre, q->wall->position), p = dem__to_frame(q->wall, d);
-    if (!t->edges) return;
-    for (int32_t b = 0; b < t->nodes;) {
-        const dem__node *node = &t->node[b];
-        if (dem__is_far(node, p, q->shape->reach)) {
-            b = node->skip;
-            continue;
-        }
-        b++;
-        for (int32_t k = node->first; k < node->first + node->count; k++) dem__touch_triangle_with_edges(q, k, d);
-    }
-}
-
-/* Returns the touch of a cone with the sphere about the point at t of an edge. */
-DEM_INLINE dem__touch dem__touch_cone_along(const dem__at_wall *q, const dem__placed_edge *e, double t) {
-    dem__touch touch;
+/* Returns the touch of a sheet with the sphere about the point at t of an edge. */
+static inline dem__touch dem__touch_sheet_along(const dem__at_wall *q, const dem__placed_edge *e, double t) {
+    dem__touch touch[DEM__TOUCHES];
     double least;
-    const dem_vec d = dem__sub(dem__add(q->centre, dem__plus(e->from, t, e->along)), q->wall->position);
-    touch.normal = q->wall->axis[2];
-    dem__touch_cone(q->wall, d, dem__dot(d, q->wall->axis[2]), q->shape->radius, HUGE_VAL, &touch, &least);
-    return touch;
+    touch->normal = q->wall->axis[2];
+    dem__touch_wall(q->wall, dem__add(q->centre, dem__plus(e->from, t, e->along)), q->shape->radius, HUGE_VAL, touch,
+                    &least);
+    return touch[0];
 }
 
-/* Returns where an edge is nearest to a cone, between a place where it approaches and one where it recedes. */
+/* Returns where an edge is nearest to a sheet, between a place where it approaches and one where it recedes. */
 static inline double dem__nearest_between(const dem__at_wall *q, const dem__placed_edge *e, double low, double high) {
     for (int k = 0; k < 50; k++) {
         const double middle = 0.5 * (low + high);
-        if (dem__dot(dem__touch_cone_along(q, e, middle).normal, e->along) > 0.0) high = middle;
+        if (dem__dot(dem__touch_sheet_along(q, e, middle).normal, e->along) > 0.0) high = middle;
         else low = middle;
     }
     return 0.5 * (low + high);
 }
 
-/* Finds the places at which an edge touches a cone between its ends, by steps along it: long ones where no contact is
+/* Finds the places at which an edge touches a sheet between its ends, by steps along it: long ones where no contact is
    possible, otherwise short ones. Returns their number. */
 static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_edge *e, double *at) {
     const double step = 0.25 * q->shape->radius, least = 0.0625 * step;
-    dem__touch was = dem__touch_cone_along(q, e, 0.0);
+    dem__touch was = dem__touch_sheet_along(q, e, 0.0);
     int n = 0;
     for (double t = 0.0; t < e->length && n < DEM__CROSSINGS_MAX;) {
         const double ahead = was.gap <= 0.0    ? step
                              : was.gap > least ? was.gap
                                                : least,
                      next = t + ahead < e->length ? t + ahead : e->length;
-        const dem__touch here = dem__touch_cone_along(q, e, next);
+        const dem__touch here = dem__touch_sheet_along(q, e, next);
         if (was.gap < least && dem__dot(was.normal, e->along) < 0.0 && dem__dot(here.normal, e->along) > 0.0)
             at[n++] = dem__nearest_between(q, e, t, next);
         t = next, was = here;
@@ -272,15 +164,15 @@ static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_ed
     return n;
 }
 
-/* Adds the point of an edge at t with a cone, and the points of the edge's ends, with weights as for crossing edges. */
+/* Adds the point of an edge at t with a sheet, and the points of the edge's ends, with weights as for crossing edges. */
 static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, double t, int32_t key) {
     dem__convex_point *point = &q->out[q->n];
     double share[2], rest[2], left = 1.0;
     int n = 1;
-    const dem__touch here = dem__touch_cone_along(q, e, t);
+    const dem__touch here = dem__touch_sheet_along(q, e, t);
     if (!(here.gap < 0.0) || q->n + 3 > DEM__POINTS_MAX) return;
     for (int k = 0; k < 2; k++) {
-        const dem__touch end = dem__touch_cone_along(q, e, k ? e->length : 0.0);
+        const dem__touch end = dem__touch_sheet_along(q, e, k ? e->length : 0.0);
         share[k] = end.gap < 0.0 ? end.gap * end.gap / (here.gap * here.gap) : 0.0;
         rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
         left *= rest[k];
@@ -297,10 +189,8 @@ static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, 
     q->n += n;
 }
 
-/* Adds the points of edges at a cone and its rims, and of faces at points of the rims. */
-static inline void dem__touch_cone_with_edges(dem__at_wall *q) {
-    const dem_wall *w = q->wall;
-    const int32_t rings = DEM_CORNERS_MAX + 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX;
+/* Adds the points of edges at a sheet and its rims. */
+static inline void dem__touch_sheet_with_edges(dem__at_wall *q) {
     double at[DEM__CROSSINGS_MAX];
     dem__list_edges(q);
     for (int k = 0; k < q->edges; k++) {
@@ -308,17 +198,11 @@ static inline void dem__touch_cone_with_edges(dem__at_wall *q) {
         for (int m = 0; m < n; m++)
             dem__weigh_along(q, &q->edge[k], at[m], DEM_CORNERS_MAX + 3 * (DEM__CROSSINGS_MAX * q->edge[k].number + m));
     }
-    for (int ring = 0; ring < 2; ring++) {
-        const double radius = ring ? w->high_radius : w->radius;
-        const dem_vec middle = dem__plus(dem__sub(w->position, q->centre), ring ? w->length : 0.0, w->axis[2]);
-        if (!(dem__length(middle) < radius + q->shape->reach)) continue;
-        for (int k = 0; k < (radius > 0.0 ? DEM__RING_POINTS : 1); k++) {
-            const dem_vec out =
-                dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI / (double)DEM__RING_POINTS * (double)k);
-            dem__touch_wall_corner(q, dem__plus(middle, radius, out), 0.0, dem_vec3(0.0, 0.0, 0.0),
-                                   rings + DEM__RING_POINTS * ring + k);
-        }
-    }
+}
+
+/* How corners of a polyhedron tell its gap to a wall. */
+DEM_INLINE int dem__corners_at(const dem_wall *wall) {
+    return wall->kind__->corners ? wall->kind__->corners(wall) : DEM__CORNERS_SOME;
 }
 
 /* Finds the points of a polyhedron at a wall, both at the end of the step. Returns their number. */
@@ -329,17 +213,12 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     double least;
     dem__touch_wall(wall, place->x, s->reach, 0.0, touch, &least);
     if (!(least < 0.0)) return 0;
+    q.visitor.corner = dem__touch_wall_corner, q.visitor.edge = dem__cross_wall_edge;
     q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
     q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);
-    if (wall->kind == DEM_SPHERE && !wall->inside) {
-        dem__touch_wall_corner(&q, dem__sub(wall->position, place->x), wall->radius, dem_vec3(0.0, 0.0, 0.0), 0);
-        return q.n;
-    }
-    dem__touch_with_corners(&q);
-    if (wall->kind == DEM_CYLINDER && !wall->inside) dem__touch_cylinder_with_edges(&q);
-    if (wall->kind == DEM_SCREEN) dem__touch_screen_with_edges(&q);
-    if (wall->kind == DEM_MESH) dem__touch_mesh_with_edges(&q);
-    if (wall->kind == DEM_CONE) dem__touch_cone_with_edges(&q);
+    if (dem__corners_at(wall) != DEM__CORNERS_NONE) dem__touch_with_corners(&q);
+    if (dem__has(wall, DEM__CURVED_SHEET)) dem__touch_sheet_with_edges(&q);
+    if (wall->kind__->edges) wall->kind__->edges(wall, place->x, s->reach, &q.visitor);
     return q.n;
 }
 
@@ -389,10 +268,9 @@ static inline double dem__clear_of_mesh(const dem_wall *wall, const dem_convex *
 static inline double dem__clear_of_wall(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
     dem__touch touch[DEM__TOUCHES];
     double least = HUGE_VAL, gap;
-    if (wall->kind == DEM_MESH) return dem__clear_of_mesh(wall, s, place) - s->radius;
-    if (wall->kind != DEM_PLANE && !(wall->inside && (wall->kind == DEM_CYLINDER || wall->kind == DEM_SPHERE)))
-        return 0.0;
-    for (int k = 0; k < s->corners; k++) { /* nothing of it is nearer than a corner */
+    if (dem__has(wall, DEM__TRIANGULATED)) return dem__clear_of_mesh(wall, s, place) - s->radius;
+    if (dem__corners_at(wall) != DEM__CORNERS_ALL) return 0.0;
+    for (int k = 0; k < s->corners; k++) {
         dem__touch_wall(wall, dem__corner_at(s, place, k), s->radius, 0.0, touch, &gap);
         least = gap < least ? gap : least;
     }
@@ -409,23 +287,6 @@ static inline int dem__passes_triangle(dem_vec p, dem_vec q, dem_vec a, dem_vec 
     const double ab = dem__dot(u, dem__cross(pa, pb)), bc = dem__dot(u, dem__cross(pb, pc)),
                  ca = dem__dot(u, dem__cross(pc, pa));
     return (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
-}
-/* Returns whether the line from p to q, given from a cone's lower end, passes through the cone. */
-static inline int dem__passes_cone(const dem_wall *w, dem_vec p, dem_vec q) {
-    const dem_vec u = dem__sub(q, p);
-    const double slope = (w->high_radius - w->radius) / w->length, z = dem__dot(p, w->axis[2]),
-                 along = dem__dot(u, w->axis[2]);
-    const double r = w->radius + slope * z, dr = slope * along; /* radius of the cone at p, and its change to q */
-    const double a = dem__dot(u, u) - along * along - dr * dr, b = dem__dot(p, u) - z * along - r * dr;
-    const double c = dem__dot(p, p) - z * z - r * r, root = sqrt(b * b > a * c ? b * b - a * c : 0.0);
-    const double t[2] = {b > 0.0 ? c / (-b - root) : (root - b) / a, b > 0.0 ? (-b - root) / a : c / (root - b)};
-    if (b * b < a * c) return 0;
-    for (int k = 0; k < 2; k++) {
-        if (t[k] >= 0.0 && t[k] <= 1.0 && z + t[k] * along >= 0.0 && z + t[k] * along <= w->length &&
-            r + t[k] * dr >= 0.0)
-            return 1;
-    }
-    return 0;
 }
 /* Returns whether an edge of a core, whose corners are given in a mesh's frame, passes through the mesh. */
 static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s, const dem_vec *corner,
@@ -460,30 +321,38 @@ static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q
     }
     return low < high;
 }
-static inline int dem__core_passes_screen(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
-    const dem_vec d = dem__sub(place->x, w->position);
-    double first, last;
-    dem_vec end[2];
-    for (int family = 0; family < 2; family++) {
-        dem__bars_near(w, family, d, s->reach, &first, &last);
-        for (double index = first; index <= last; index += 1.0) {
-            if (!dem__bar_ends(w, family, index, end)) continue;
-            for (int k = 0; k < 2; k++) end[k] = dem__into_core(place, dem__sub(end[k], d));
-            if (dem__core_holds_line(s, end[0], end[1])) return 1;
-        }
-    }
-    return 0;
+/* Looks for the axis of a bar that passes through a core. */
+typedef struct dem__axis_visitor {
+    dem__edge_visitor visitor;
+    const dem_convex *shape;
+    const dem__placed *place;
+    int found;
+} dem__axis_visitor;
+static inline void dem__skip_corner(dem__edge_visitor *v, dem_vec x, double radius, dem_vec tip, int32_t key) {
+    (void)v, (void)x, (void)radius, (void)tip, (void)key;
 }
+static inline void dem__look_at_axis(dem__edge_visitor *v, const dem__wall_edge *e) {
+    dem__axis_visitor *q = (dem__axis_visitor *)(void *)v;
+    if (q->found || !e->is_axis) return;
+    q->found = dem__core_holds_line(q->shape, dem__into_core(q->place, e->from), dem__into_core(q->place, e->to));
+}
+
 /* Returns whether a core has passed into a sheet, a mesh or a cone, or into the axis of a bar: beyond them its corners
    touch nothing. */
 static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
     dem_vec corner[DEM_CORNERS_MAX];
-    if (w->kind == DEM_SCREEN) return dem__core_passes_screen(w, s, place);
-    for (int k = 0; k < s->corners; k++) corner[k] = dem__sub(dem__corner_at(s, place, k), w->position);
-    for (int e = 0; e < s->edges && w->kind == DEM_CONE; e++) {
-        if (dem__passes_cone(w, corner[s->edge[e][0]], corner[s->edge[e][1]])) return 1;
+    if (dem__has_elements(w)) {
+        dem__axis_visitor q;
+        q.visitor.corner = dem__skip_corner, q.visitor.edge = dem__look_at_axis;
+        q.shape = s, q.place = place, q.found = 0;
+        w->kind__->edges(w, place->x, s->reach, &q.visitor);
+        return q.found;
     }
-    if (w->kind != DEM_MESH) return 0;
+    for (int k = 0; k < s->corners; k++) corner[k] = dem__sub(dem__corner_at(s, place, k), w->position);
+    for (int e = 0; e < s->edges && w->kind__->crosses; e++) {
+        if (w->kind__->crosses(w, corner[s->edge[e][0]], corner[s->edge[e][1]])) return 1;
+    }
+    if (!dem__has(w, DEM__TRIANGULATED)) return 0;
     for (int k = 0; k < s->corners; k++) corner[k] = dem__to_frame(w, corner[k]);
     return dem__core_passes_mesh(w->tree, s, corner, dem__to_frame(w, dem__sub(place->x, w->position)));
 }

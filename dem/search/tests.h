@@ -1,9 +1,9 @@
 /* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the
-   last chunk. Relies on search/timers.h and walls/kinds.h. */
+   last chunk. */
 #pragma once
 #include "../base/parallel.h"
 #include "timers.h"
-#include "../walls/exits.h"
+#include "../particles/exits.h"
 
 /* Returns the slot of contact k. In public functions contacts are numbered from 0 in the order of slots. */
 DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
@@ -111,8 +111,8 @@ DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
 DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     if (dem__is_fixed(w, i)) return 0;
     if (dem__shape_of(w, i))
-        return w->wall[wall].kind == DEM_EXIT; /* others: by corners and edges, in polyhedra/pairs.h */
-    if (w->wall[wall].kind == DEM_SCREEN) return 1;
+        return !dem__has_surface(&w->wall[wall]); /* others: by corners and edges, in polyhedra/pairs.h */
+    if (dem__has_elements(&w->wall[wall])) return 1;
     for (int32_t c = w->engine->walls.first_contact[i]; c >= 0; c = w->engine->contacts.wall_next[c]) {
         if (w->engine->contacts.j[c] == -1 - wall) return 0;
     }
@@ -137,18 +137,6 @@ DEM_INLINE dem_vec dem__place_before(const dem_world *w, ptrdiff_t c) {
     return dem__place_vec(w, DEM__PLACE_BEFORE, c);
 }
 DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) { return dem__place_vec(w, DEM__PLACE_ARM, c); }
-DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    dem__footing f;
-    f.at = dem__place_vec(w, DEM__PLACE_FOOTING, c);
-    f.slack = place[DEM__PLACE_SLACK][c], f.face = (int32_t)place[DEM__PLACE_FACE][c];
-    return f;
-}
-DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *f) {
-    double *const *place = w->engine->contacts.touch;
-    dem__set_place_vec(w, DEM__PLACE_FOOTING, c, f->at);
-    place[DEM__PLACE_SLACK][c] = f->slack, place[DEM__PLACE_FACE][c] = (double)f->face;
-}
 /* Moves the contact in slot c to a place of its mesh. */
 DEM_INLINE void dem__set_touch(dem_world *w, ptrdiff_t c, const dem__touch *touch) {
     dem__set_place_vec(w, DEM__PLACE_NORMAL, c, touch->normal);
@@ -161,143 +149,12 @@ static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, con
     dem__contacts *contacts = &w->engine->contacts;
     if (!dem__new_contact(w, i, -1 - wall, element, -1)) return 0;
     const ptrdiff_t c = dem__next_slot(w) - 1;
-    if (w->wall[wall].kind == DEM_CONE) contacts->touch[DEM__CONE_CURVATURE][c] = touch->curvature;
-    if (w->wall[wall].kind != DEM_MESH) return 1;
+    if (dem__has(&w->wall[wall], DEM__KEEPS_CURVATURE)) contacts->touch[DEM__KEPT_CURVATURE][c] = touch->curvature;
+    if (!dem__has(&w->wall[wall], DEM__TRIANGULATED)) return 1;
     dem__set_touch(w, c, touch);
     contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing yet */
     dem__set_place_vec(w, DEM__PLACE_BEFORE, c, touch->normal);
     return 1;
-}
-
-/* Lists the contacts of particle i with wall k in the order of elements. Returns their number, at most DEM__NUMBERS. */
-DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t *slot) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    int n = 0;
-    for (int32_t c = w->engine->walls.first_contact[i]; c >= 0 && n < DEM__NUMBERS; c = contacts->wall_next[c]) {
-        if (contacts->j[c] != -1 - k) continue;
-        int q = n++;
-        for (; q > 0 && contacts->element[slot[q - 1]] > contacts->element[c]; q--) slot[q] = slot[q - 1];
-        slot[q] = c;
-    }
-    return n;
-}
-
-/* Where particle i touches mesh k. */
-typedef struct dem__mesh_places {
-    dem__touch touch[DEM__TOUCHES];
-    int n, taken, used; /* number of places; bits: places that have a contact, elements of the contacts */
-} dem__mesh_places;
-
-/* Moves the contacts of particle i with mesh k, in the listed slots, to a step to which the wall has been moved. Each
-   continues at the deepest place whose normal is near its own, or ends. Returns the places; none if the only contact
-   rests on its footing. */
-static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step,
-                                     dem__mesh_places *at) {
-    dem__contacts *contacts = &w->engine->contacts;
-    const dem_wall *wall = &w->wall[k];
-    const double tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
-    const dem_vec x = dem__at(w, i, tau), d = dem__sub(x, wall->position);
-    const double speed =
-        dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
-    const double radius = w->particle[i].radius, near = w->engine->links.near,
-                 leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact opens in a step */
-        deep = leaves > near ? leaves : near;
-    dem__footing footing = dem__footing_of(w, slot[0]);
-    double least;
-    at->n = at->taken = at->used = 0;
-    if (slots == 1 && dem__keeps_footing(wall, &footing, d, radius, deep, at->touch)) {
-        dem__set_touch(w, slot[0], at->touch);
-        return;
-    }
-    at->n = dem__touch_mesh(wall, d, radius, deep, radius, at->touch, &least);
-    for (int m = 0; m < slots; m++) {
-        const int32_t c = slot[m];
-        int q = 0;
-        at->used |= 1 << contacts->element[c];
-        while (q < at->n &&
-               ((at->taken >> q & 1) || !(dem__dot(at->touch[q].normal, dem__place_normal(w, c)) > DEM__SMOOTH)))
-            q++;
-        if (q == at->n) { /* merged with another: it ends without a force, whatever its depth */
-            contacts->touch[DEM__PLACE_GAP][c] = w->particle[i].radius;
-            contacts->force[c] = 0.0;
-            continue;
-        }
-        at->taken |= 1 << q;
-        dem__set_touch(w, c, &at->touch[q]);
-    }
-    footing.slack = 0.0;
-    if (slots == 1 && at->n == 1 && at->taken) footing = dem__find_footing(wall, d, radius, at->touch);
-    for (int m = 0; m < slots; m++) dem__set_footing(w, slot[m], &footing);
-}
-
-/* Returns whether place q touches and has no contact. */
-DEM_INLINE int dem__is_place_left(const dem__mesh_places *at, int q) {
-    return !(at->taken >> q & 1) && at->touch[q].gap < 0.0;
-}
-static inline int dem__are_places_left(const dem__mesh_places *at) {
-    for (int q = 0; q < at->n; q++) {
-        if (dem__is_place_left(at, q)) return 1;
-    }
-    return 0;
-}
-
-/* Begins contacts of particle i with mesh k at the places that are left, as long as there are free elements. */
-static inline void dem__begin_at_places(dem_world *w, ptrdiff_t i, int k, dem__mesh_places *at) {
-    for (int q = 0; q < at->n; q++) {
-        int32_t element = 0;
-        if (!dem__is_place_left(at, q)) continue;
-        while (at->used >> element & 1) element++;
-        if (element == DEM__NUMBERS) return;
-        at->used |= 1 << element;
-        if (!dem__new_wall_contact(w, i, k, &at->touch[q], element)) return;
-    }
-}
-
-/* Lists the contacts of a particle with a mesh if slot c holds the first of them. Returns their number, otherwise 0. */
-static inline int dem__contacts_at_mesh(const dem_world *w, ptrdiff_t c, int32_t *slot) {
-    const int k = -1 - (int)w->engine->contacts.j[c];
-    if (k < 0 || w->wall[k].kind != DEM_MESH || dem__is_convex_contact(w, c))
-        return 0; /* those of a polyhedron follow its points */
-    const int slots = dem__contacts_at(w, w->engine->contacts.i[c], k, slot);
-    return slots > 0 && slot[0] == c ? slots : 0;
-}
-
-/* Moves the contacts of chunks first .. end-1. Notes in contacts.edge, which is free before the kernel, where places
-   are left: contacts begin on one thread. */
-static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
-    dem__contacts *contacts = &w->engine->contacts;
-    (void)part;
-    for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
-        for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
-            int32_t slot[DEM__NUMBERS];
-            dem__mesh_places at;
-            const int slots = dem__contacts_at_mesh(w, c, slot);
-            contacts->edge[c] = 0;
-            if (slots == 0) continue;
-            for (int m = 0; m < slots; m++)
-                dem__set_place_vec(w, DEM__PLACE_BEFORE, slot[m], dem__place_normal(w, slot[m]));
-            dem__match_places(w, contacts->i[c], -1 - (int)contacts->j[c], slot, slots, *(const int64_t *)step, &at);
-            contacts->edge[c] = (uint8_t)dem__are_places_left(&at);
-        }
-    }
-}
-
-/* Moves contacts with meshes to a step to which the walls have been moved, and begins those at other places of meshes
-   that particles touch already. */
-static inline void dem__follow_meshes(dem_world *w, int64_t step) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const ptrdiff_t end = dem__next_slot(w);
-    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count,
-                  dem__find_followers, &step);
-    DEM__EACH_CONTACT(w, c) {
-        int32_t slot[DEM__NUMBERS];
-        dem__mesh_places at;
-        if (c >= end || !contacts->edge[c] || w->status != DEM_OK) continue;
-        const ptrdiff_t i = contacts->i[c];
-        const int k = -1 - (int)contacts->j[c], slots = dem__contacts_at_mesh(w, c, slot);
-        dem__match_places(w, i, k, slot, slots, step, &at);
-        dem__begin_at_places(w, i, k, &at);
-    }
 }
 
 /* Returns whether a point is beyond an exit. A rigid body leaves when its centre of mass is, and the centre of one of
@@ -306,20 +163,13 @@ static inline int dem__has_passed(const dem_wall *wall, dem_vec x) {
     return dem__dot(dem__sub(x, wall->position), wall->axis[2]) < 0.0;
 }
 
-/* Returns an acceleration [m/s2]: on a straight path at u, from_axis [m] off a wall's axis, the distance from the axis
-   grows by no more than the outward velocity and this acceleration give: u_side^2 / from_axis. */
-DEM_INLINE double dem__bend(const dem_wall *wall, dem_vec u, double from_axis) {
-    const double along = dem__dot(u, wall->axis[2]);
-    return from_axis > 0.0 ? (dem__dot(u, u) - along * along) / from_axis : HUGE_VAL;
-}
-
-/* Returns a lower limit of the gap of bars that are not among those found [m]. */
-static inline double dem__other_bars(const dem_world *w, const dem_wall *wall, double radius, const dem__touch *touch,
-                                     int found) {
+/* Returns a lower limit of the gap of elements that are not among those found [m]. */
+static inline double dem__other_elements(const dem_world *w, const dem_wall *wall, double radius,
+                                         const dem__touch *touch, int found) {
     double lowest = 0.0;
     for (int q = 0; q < found; q++) lowest = touch[q].gap < lowest ? touch[q].gap : lowest;
-    const double third = dem__third_bar(wall, radius, lowest);
-    return third < w->engine->pairs.wall_reach ? third : w->engine->pairs.wall_reach;
+    const double others = wall->kind__->other_elements(wall, radius, lowest);
+    return others < w->engine->pairs.wall_reach ? others : w->engine->pairs.wall_reach;
 }
 
 /* Returns how far x is from a face of the periodic box beyond which the wall does not continue [m]: walls are not
@@ -327,10 +177,10 @@ static inline double dem__other_bars(const dem_world *w, const dem_wall *wall, d
 static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wall, dem_vec x) {
     double least = HUGE_VAL;
     for (int a = 0; a < 3; a++) {
-        const double along = fabs(dem_axis(wall->axis[2], a)), at = dem_axis(x, a);
-        const int flat = (wall->kind == DEM_PLANE || wall->kind == DEM_EXIT) && along == 0.0,
-                  tube = wall->kind == DEM_CYLINDER && along == 1.0;
-        if (!w->def.periodic[a] || (wall->spin_bound == 0.0 && (flat || tube))) continue;
+        const double at = dem_axis(x, a);
+        if (!w->def.periodic[a] ||
+            (wall->spin_bound == 0.0 && wall->kind__->is_endless && wall->kind__->is_endless(wall, a)))
+            continue;
         const double below = at - dem_axis(w->def.low, a), above = dem_axis(w->def.high, a) - at;
         least = below < least ? below : least;
         least = above < least ? above : least;
@@ -359,17 +209,13 @@ static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test 
                  near = w->engine->links.near + w->engine->pairs.position_tolerance, radius = w->particle[t->i].radius;
     const dem_vec u = dem__sub(t->v, wall->velocity), g = dem__free_fall(w);
     double a = w->engine->pairs.gravity_size + wall->acceleration_bound, least = HUGE_VAL;
-    if (t->found == 0 || wall->asked.drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 ||
+    if (t->found == 0 || wall->asked.drive != DEM_KINEMATIC || !dem__has(wall, DEM__CONVEX) || wall->spin != 0.0 ||
         !(a < HUGE_VAL))
         return 0.0;
-    if (wall->kind == DEM_SCREEN) least = dem__time_to_close(t->others - near, dem__length(u) + stray, a);
-    if (wall->kind == DEM_CYLINDER) {
-        const double along = dem__dot(g, wall->axis[2]), from_axis = wall->radius - radius - t->touch->gap;
-        a = sqrt(fabs(dem__dot(g, g) - along * along)) + wall->side_bound;
-        if (wall->inside) a += dem__bend(wall, u, from_axis);
-    }
+    if (dem__has_elements(wall)) least = dem__time_to_close(t->others - near, dem__length(u) + stray, a);
+    if (wall->kind__->closing) a = wall->kind__->closing(wall, t->touch, radius, g, u);
     for (int q = 0; q < t->found; q++) {
-        if (wall->kind != DEM_EXIT && dem__touches_element(w, t->i, t->k, t->touch[q].element)) continue;
+        if (dem__has_surface(wall) && dem__touches_element(w, t->i, t->k, t->touch[q].element)) continue;
         const double time = dem__time_to_close(t->touch[q].gap - near, stray - dem__dot(u, t->touch[q].normal), a);
         least = time < least ? time : least;
     }
@@ -389,8 +235,8 @@ static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t
 static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
     const double near = w->engine->links.near;
     int touches = 0;
-    if (t->wall->kind == DEM_SCREEN)
-        t->others = dem__other_bars(w, t->wall, w->particle[t->i].radius, t->touch, t->found);
+    if (dem__has_elements(t->wall))
+        t->others = dem__other_elements(w, t->wall, w->particle[t->i].radius, t->touch, t->found);
     t->clear = t->others;
     for (int q = 0; q < t->found; q++) {
         const dem__touch *place = &t->touch[q];
@@ -401,7 +247,7 @@ static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
             touches = 1;
         } else t->clear = place->gap - near < t->clear ? place->gap - near : t->clear;
     }
-    return !touches || t->wall->kind == DEM_SCREEN;
+    return !touches || dem__has_elements(t->wall);
 }
 
 /* Returns a limit of the speed at which particle and wall approach each other now [m/s]. most: number of steps for
@@ -449,10 +295,10 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
         t.x = dem__in_box(w, t.x); /* where the step will put it: bars are told apart by their place */
     t.others = w->engine->pairs.wall_reach;
     t.found = dem__touch_wall(t.wall, t.x, radius, skips ? t.others : w->engine->links.near, t.touch, &t.clear);
-    if (t.wall->kind == DEM_EXIT && t.clear < 0.0) {
+    if (!dem__has_surface(t.wall) && t.clear < 0.0) {
         dem__test_exit(w, &t, e, step);
         return;
     }
-    if (t.wall->kind != DEM_EXIT && t.found > 0 && !dem__begin_at_wall(w, &t)) return;
+    if (dem__has_surface(t.wall) && t.found > 0 && !dem__begin_at_wall(w, &t)) return;
     if (skips) dem__wait_for_wall(w, &t, e, step);
 }

@@ -15,7 +15,7 @@ static inline void dem__test_everything(dem_world *w) {
     if (w->engine->convex.calls) w->engine->convex.calls->follow(w, w->step);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls; k++) {
-            if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k))
+            if (dem__has_surface(&w->wall[k]) && dem__needs_test(w, i, k))
                 dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
         }
     }
@@ -65,7 +65,7 @@ static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     dem__list_active(w);
     for (ptrdiff_t k = 0; k < begun; k++) {
         const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
-        if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN)
+        if (j < 0 && !dem__has_elements(&w->wall[-1 - j]))
             dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
     }
     return begun;

@@ -1,219 +1,66 @@
-/* Adding meshes and boxes: the tree of a mesh's triangles. */
+/* Meshes of triangles: thin sheets, or closed bodies. Spheres touch them at several places, which their contacts follow
+   (meshes/follow.h); polyhedra touch their sharp edges and corners. */
 #pragma once
-#include "add.h"
-#include "../search/tests.h"
+#include "mesh_touch.h"
+#include "mesh_tree.h"
 
-/* Spreads 21 bits to every third bit of a Morton code. */
-static inline uint64_t dem__interleave(uint64_t v) {
-    v = (v | v << 32) & 0x1f00000000ffffu;
-    v = (v | v << 16) & 0x1f0000ff0000ffu;
-    v = (v | v << 8) & 0x100f00f00f00f00fu;
-    v = (v | v << 4) & 0x10c30c30c30c30c3u;
-    return (v | v << 2) & 0x1249249249249249u;
+static inline int dem__touch_triangles(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                       double *least) {
+    return dem__touch_mesh(w, d, radius, limit < 0.0 ? limit : 0.0, limit, out, least);
 }
 
-typedef struct dem__keyed {
-    uint64_t key;
-    int32_t index;
-} dem__keyed;
-/* Sorts by key, then index. temporary: room for n items. */
-static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptrdiff_t n) {
-    for (ptrdiff_t width = 1; width < n; width *= 2) {
-        for (ptrdiff_t low = 0; low < n; low += 2 * width) {
-            const ptrdiff_t mid = low + width < n ? low + width : n, high = mid + width < n ? mid + width : n;
-            for (ptrdiff_t a = low, b = mid, to = low; to < high; to++) {
-                const int left = a < mid && (b >= high || items[a].key < items[b].key ||
-                                             (items[a].key == items[b].key && items[a].index < items[b].index));
-                temporary[to] = left ? items[a++] : items[b++];
-            }
+/* Keys of an edge and its corner. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the order of
+   the tree. */
+enum { DEM__SHARP_KEYS = 1 + DEM__EDGE_KEYS, DEM__SHARP_EDGES_MAX = (1 << 30) / DEM__SHARP_KEYS };
+DEM_INLINE int32_t dem__sharp_key(int32_t at) {
+    return DEM_CORNERS_MAX * DEM__PLACE_DIRECTIONS + (int32_t)((int64_t)(at % DEM__SHARP_EDGES_MAX) * DEM__SHARP_KEYS);
+}
+
+/* Shows the sharp edges and corners of a triangle. */
+static inline void dem__show_triangle(const dem_wall *w, int32_t k, dem_vec d, dem__edge_visitor *v) {
+    const dem__tree *t = w->tree;
+    for (int32_t at = 3 * k; at < 3 * k + 3; at++) {
+        const int kind = t->edges->kind[at];
+        dem__wall_edge e;
+        if (!(kind & (DEM__EDGE | DEM__CORNER))) continue;
+        memset(&e, 0, sizeof e);
+        e.key = dem__sharp_key(at);
+        e.from = dem__sub(dem__from_frame(w, t->vertex[t->corner[at]]), d);
+        if (kind & DEM__CORNER) v->corner(v, e.from, 0.0, dem__from_frame(w, t->edges->tip[at]), e.key);
+        if (!(kind & DEM__EDGE)) continue;
+        e.to = dem__sub(dem__from_frame(w, t->vertex[t->corner[at % 3 < 2 ? at + 1 : at - 2]]), d);
+        e.ends = (kind & DEM__FROM_END ? 1 : 0) | (kind & DEM__TO_END ? 2 : 0);
+        e.is_sided = !(kind & DEM__RIM), e.outward = dem__from_frame(w, t->edges->outward[at]);
+        e.key++;
+        v->edge(v, &e);
+    }
+}
+static inline void dem__mesh_edges_near(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    const dem__tree *t = w->tree;
+    const dem_vec d = dem__sub(centre, w->position), p = dem__to_frame(w, d);
+    for (int32_t b = 0; b < (t->edges ? t->nodes : 0);) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, p, reach)) {
+            b = node->skip;
+            continue;
         }
-        memcpy(items, temporary, (size_t)n * sizeof *items);
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) dem__show_triangle(w, k, d, v);
     }
 }
 
-/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those
-   of each half. */
-static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
-    const int32_t at = t->nodes++;
-    dem__node *node = &t->node[at];
-    node->first = first;
-    node->count = end - first <= DEM__LEAF ? end - first : 0;
-    for (int a = 0; a < 3; a++) node->low[a] = HUGE_VAL, node->high[a] = -HUGE_VAL;
-    for (int32_t k = 3 * first; k < 3 * (first + node->count); k++) {
-        for (int a = 0; a < 3; a++) {
-            const double v = dem_axis(t->vertex[t->corner[k]], a);
-            node->low[a] = v < node->low[a] ? v : node->low[a];
-            node->high[a] = v > node->high[a] ? v : node->high[a];
-        }
-    }
-    if (node->count == 0) {
-        const int32_t middle = first + (end - first) / 2;
-        for (int side = 0; side < 2; side++) {
-            const int32_t child = t->nodes;
-            dem__grow_node(t, side ? middle : first, side ? end : middle);
-            for (int a = 0; a < 3; a++) {
-                const double low = t->node[child].low[a], high = t->node[child].high[a];
-                node->low[a] = low < node->low[a] ? low : node->low[a];
-                node->high[a] = high > node->high[a] ? high : node->high[a];
-            }
-        }
-    }
-    node->skip = t->nodes;
-}
-
-/* Returns an empty tree with room for the mesh; NULL when out of memory. */
-static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
-    const size_t v = (size_t)vertices, k = (size_t)triangles;
-    const size_t bytes =
-        sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
-    dem__tree *t = (dem__tree *)a->fn(a->user, NULL, 0, bytes);
-    if (!t) return NULL;
-    memset(t, 0, bytes);
-    t->bytes = bytes;
-    t->vertices = (int32_t)vertices;
-    t->vertex = (dem_vec *)(void *)(t + 1);
-    t->normal = t->vertex + v;
-    t->node = (dem__node *)(void *)(t->normal + k);
-    t->corner = (int32_t *)(void *)(t->node + k);
-    return t;
-}
-
-/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for
-   slivers. */
-static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
-    const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
-    const double x = dem__dot(ab, ab), y = dem__dot(bc, bc), z = dem__dot(ca, ca);
-    if (x >= y && x >= z) return dem__cross(bc, ca);
-    return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
-}
-
-/* Returns whether a triangle has an area that is not round-off of its corners; unit: its normal. */
-static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
-    const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
-    double longest = dem__dot(ab, ab);
-    longest = dem__dot(ac, ac) > longest ? dem__dot(ac, ac) : longest;
-    longest = dem__dot(bc, bc) > longest ? dem__dot(bc, bc) : longest;
-    return dem__length(n) > 1e-9 * longest && dem__unit(n, unit);
-}
-
-/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT
-   if there is none. */
-static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex,
-                                        ptrdiff_t triangles, const int32_t *corner, dem_status *status) {
-    const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
-    dem_vec low = vertex[0], high = vertex[0], normal;
-    ptrdiff_t n = 0;
-    for (ptrdiff_t v = 0; v < vertices; v++) {
-        for (int c = 0; c < 3; c++) {
-            double *l = dem_axis_of(&low, c), *h = dem_axis_of(&high, c), x = dem_axis(vertex[v], c);
-            *l = x < *l ? x : *l;
-            *h = x > *h ? x : *h;
-        }
-    }
-    *status = DEM_OUT_OF_MEMORY;
-    dem__keyed *items = (dem__keyed *)a->fn(a->user, NULL, 0, scratch);
-    if (!items) return NULL;
-    for (int32_t k = 0; k < (int32_t)triangles; k++) {
-        const dem_vec p[3] = {vertex[corner[3 * k]], vertex[corner[3 * k + 1]], vertex[corner[3 * k + 2]]};
-        if (!dem__has_area(p[0], p[1], p[2], &normal)) continue;
-        items[n].index = k;
-        items[n].key = 0;
-        for (int c = 0; c < 3; c++) {
-            const double from = dem_axis(low, c), span = dem_axis(high, c) - from;
-            const double x = (dem_axis(p[0], c) + dem_axis(p[1], c) + dem_axis(p[2], c)) / 3.0 - from;
-            items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0)
-                            << c;
-        }
-        n++;
-    }
-    dem__tree *t = n > 0 ? dem__plant(a, vertices, n) : NULL;
-    if (n == 0) *status = DEM_BAD_ARGUMENT;
-    if (t) {
-        dem__sort_keyed(items, items + n, n);
-        memcpy(t->vertex, vertex, (size_t)vertices * sizeof *vertex);
-        for (ptrdiff_t k = 0; k < n; k++) {
-            const int32_t *from = &corner[3 * items[k].index];
-            memcpy(&t->corner[3 * k], from, 3 * sizeof *from);
-            dem__has_area(vertex[from[0]], vertex[from[1]], vertex[from[2]], &t->normal[k]);
-        }
-        t->triangles = (int32_t)n, t->touch = dem__touch_mesh;
-        dem__grow_node(t, 0, (int32_t)n);
-        *status = DEM_OK;
-    }
-    a->fn(a->user, items, scratch, 0);
-    return t;
-}
-
-/* Counts one mesh more. */
-static inline void dem__count_mesh(dem_world *w) {
-    w->engine->walls.meshes++;
-    w->engine->walls.follow_meshes = dem__follow_meshes;
-}
-
-DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
-    if (dem__is_running(world)) return -(int)DEM_BUSY;
-    dem_world *w = world;
-    dem_wall wall;
-    memset(&wall, 0, sizeof wall);
-    if (!w || !w->def.allocator.fn || !mesh || material < 0 || material >= w->def.materials || !mesh->vertex ||
-        !mesh->triangle || mesh->vertices < 1 || mesh->triangles < 1 || mesh->vertices > INT32_MAX / 4 ||
-        mesh->triangles > INT32_MAX / 4)
-        return -(int)DEM_BAD_ARGUMENT;
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-    for (ptrdiff_t k = 0; k < 3 * mesh->triangles; k++) {
-        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices) return -(int)DEM_BAD_ARGUMENT;
-    }
-    for (ptrdiff_t k = 0; k < 3 * mesh->vertices; k++) {
-        const double x = mesh->vertex[k];
-        if (!(fabs(x) < 1e50)) return -(int)DEM_BAD_ARGUMENT; /* so that squares of areas are finite */
-        low[k % 3] = x < low[k % 3] ? x : low[k % 3];
-        high[k % 3] = x > high[k % 3] ? x : high[k % 3];
-    }
-    if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
-    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
-    wall.kind = DEM_MESH;
-    wall.material = material;
-    wall.asked.origin = dem_vec3(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]));
-    dem__frame(&wall, dem_vec3(0, 0, 1), dem_vec3(1, 0, 0));
-
-    const dem_allocator *a = &w->def.allocator;
-    const size_t bytes = (size_t)mesh->vertices * sizeof(dem_vec);
-    dem_status status = DEM_OUT_OF_MEMORY;
-    dem_vec *local = (dem_vec *)a->fn(a->user, NULL, 0, bytes);
-    for (ptrdiff_t k = 0; local && k < mesh->vertices; k++) {
-        const double *x = &mesh->vertex[3 * k];
-        local[k] = dem__sub(dem_vec3(x[0], x[1], x[2]), wall.asked.origin);
-    }
-    if (local) wall.tree = dem__make_tree(a, mesh->vertices, local, mesh->triangles, mesh->triangle, &status);
-    if (local) a->fn(a->user, local, bytes, 0);
-    if (wall.tree && !dem__make_touch_memory(w)) {
-        a->fn(a->user, wall.tree, wall.tree->bytes, 0);
-        wall.tree = NULL, status = DEM_OUT_OF_MEMORY;
-    }
-    if (!wall.tree) return -(int)status;
-    dem__count_mesh(w);
-    return dem__add_wall(w, &wall);
-}
-
-DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high) {
-    /* corner k: bit c chooses low or high of axis c */
-    int32_t faces[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
-                         2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
-    double corners[24];
-    dem_mesh mesh;
-    memset(&mesh, 0, sizeof mesh);
-    if (!(low.x < high.x && low.y < high.y && low.z < high.z)) return -(int)DEM_BAD_ARGUMENT;
-    for (int k = 0; k < 24; k++) corners[k] = (k / 3 >> k % 3 & 1) ? dem_axis(high, k % 3) : dem_axis(low, k % 3);
-    mesh.vertices = 8, mesh.vertex = corners;
-    mesh.triangles = 12, mesh.triangle = faces;
-    return dem_add_mesh(world, material, &mesh);
-}
-
-/* ---- STL ---- */
-
-/* A slot of a hash table with open addressing: a 64-bit key, 0 if empty, and a number. The capacity is a power of two.
- */
-typedef struct dem__slot {
-    uint64_t key;
-    int32_t value, forward, backward; /* edges: number of triangles that run along it each way */
-} dem__slot;
+static const dem__wall_kind dem__triangles = {
+    DEM_MESH,             /* kind */
+    DEM__TRIANGULATED,    /* flags */
+    NULL,                 /* is_sound: triangles are checked as they are read */
+    dem__touch_triangles, /* touch */
+    NULL,                 /* touch_element */
+    NULL,                 /* other_elements */
+    NULL,                 /* reach_round */
+    NULL,                 /* normal_rate: a contact knows its normals */
+    NULL,                 /* is_endless */
+    NULL,                 /* closing */
+    NULL,                 /* corners */
+    dem__mesh_edges_near, /* edges */
+    NULL                  /* crosses */
+};

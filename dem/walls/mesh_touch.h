@@ -1,34 +1,17 @@
 /* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by
    a search. */
 #pragma once
-#include "../base/geometry.h"
+#include "../base/triangles.h"
+#include "kind.h"
 
-/* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in
-   depth-first order; `skip` is the next node that is not below this one. */
-typedef struct dem__node {
-    double low[3], high[3];
-    int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
-} dem__node;
-typedef int dem__touch_mesh_fn(const dem_wall *w, dem_vec d, double radius, double deep, double limit, dem__touch *out,
-                               double *least);
-/* Sharp edges and corners of a mesh. Entry 3 k + c is the edge of triangle k from its corner c, and that corner. Edges
-   and corners that triangles share have one entry. */
-typedef struct dem__mesh_edges {
-    size_t bytes;
-    dem_vec *outward; /* of an edge: direction away from both of its faces; 0 for a rim */
-    dem_vec *tip;     /* of a corner: direction away from all of its edges; 0 at a rim */
-    uint8_t *kind;    /* DEM__EDGE, .. */
-} dem__mesh_edges;
-typedef struct dem__tree {
-    size_t bytes;
-    dem__mesh_edges *edges; /* sharp edges and corners; NULL until there are polyhedra */
-    int32_t vertices, triangles, nodes;
-    dem_vec *vertex, *normal;
-    int32_t *corner; /* [triangles][3] */
-    dem__node *node;
-    dem__touch_mesh_fn *touch; /* dem__touch_mesh: a program that makes no tree compiles nothing of meshes */
-} dem__tree;
-enum { DEM__LEAF = 4 };
+/* The face on which a contact with a mesh rests. It is the only place touched as long as the centre is within `slack`
+   of `at`, and a contact opens by less than that in a step. */
+typedef struct dem__footing {
+    dem_vec at;   /* in the wall's own frame */
+    double slack; /* [m]; 0: search */
+    int32_t face;
+} dem__footing;
+#define DEM__SMOOTH 0.9 /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides is round */
 
 /* Returns the vector from the plane of a triangle to p; distance: its length. All triangles of one plane give the same
    vector. */
@@ -94,13 +77,6 @@ static inline void dem__meet_triangle(const dem__tree *t, int32_t k, dem_vec p, 
     touch->normal = distance > 0.0 ? dem__scale(1.0 / distance, v) : t->normal[k];
     touch->curvature = 0.0;
     touch->face = inside ? k : -1;
-}
-
-DEM_INLINE dem_vec dem__to_frame(const dem_wall *w, dem_vec d) {
-    return dem_vec3(dem__dot(d, w->axis[0]), dem__dot(d, w->axis[1]), dem__dot(d, w->axis[2]));
-}
-DEM_INLINE dem_vec dem__from_frame(const dem_wall *w, dem_vec v) {
-    return dem__add(dem__add(dem__scale(v.x, w->axis[0]), dem__scale(v.y, w->axis[1])), dem__scale(v.z, w->axis[2]));
 }
 
 /* Finds the nearest place of a mesh, if its gap is below `limit`, and those with a gap below `deep` that no nearer one

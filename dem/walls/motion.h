@@ -1,7 +1,7 @@
-/* Motion of walls that the caller prescribes, and walls driven by forces. */
+/* Setting walls in motion: vibrations, rotations, the caller's functions, forces and torques. */
 #pragma once
-#include "../energy/ledger.h"
 #include "add.h"
+#include "kinematics.h"
 
 /* Places a wall of the world, or a copy of one, where it is now. Its function may not change the world. */
 static inline void dem__place_wall(dem_world *w, dem_wall *a) {

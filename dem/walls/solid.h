@@ -2,6 +2,7 @@
    closed has no inside; in a closed one only points within round-off of the surface depend on how it is cut into
    triangles. */
 #pragma once
+#include "mesh.h"
 #include "stl_mesh.h"
 
 /* Returns whether the line from p along +z crosses a triangle. Both triangles of an edge test it with its ends in the
@@ -97,31 +98,13 @@ DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid) {
     if (!world || !world->def.allocator.fn || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
     dem_wall *w = &world->wall[wall];
     if (solid) {
-        if (w->kind != DEM_MESH) return DEM_BAD_ARGUMENT;
+        if (!w->tree) return DEM_BAD_ARGUMENT;
         const dem_status status =
             dem__check_closed(&world->def.allocator, w->tree->triangles, w->tree->vertex, w->tree->corner);
         if (status != DEM_OK) return status;
     }
     w->solid = solid != 0;
     return DEM_OK;
-}
-
-/* Returns whether a mesh's numbers are valid; low, high: its bounding box. */
-static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
-    if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
-        m->triangles > INT32_MAX / 4)
-        return 0;
-    *low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), *high = dem__scale(-1.0, *low);
-    for (ptrdiff_t k = 0; k < 3 * m->triangles; k++) {
-        if (m->triangle[k] < 0 || m->triangle[k] >= m->vertices) return 0;
-    }
-    for (ptrdiff_t k = 0; k < 3 * m->vertices; k++) {
-        double *l = dem_axis_of(low, (int)(k % 3)), *h = dem_axis_of(high, (int)(k % 3)), x = m->vertex[k];
-        if (!(fabs(x) < 1e50)) return 0; /* so that squares of areas are finite */
-        *l = x < *l ? x : *l;
-        *h = x > *h ? x : *h;
-    }
-    return 1;
 }
 
 DEM_API dem_region dem_mesh_region(const dem_mesh *mesh) {

@@ -1,6 +1,13 @@
 /* Reading STL files: facets from bytes, corners welded. */
 #pragma once
-#include "mesh.h"
+#include "mesh_tree.h"
+
+/* A slot of a hash table with open addressing: a 64-bit key, 0 if empty, and a number. The capacity is a power of two.
+ */
+typedef struct dem__slot {
+    uint64_t key;
+    int32_t value, forward, backward; /* edges: number of triangles that run along it each way */
+} dem__slot;
 
 static inline uint64_t dem__scramble(uint64_t z) {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;

@@ -10,7 +10,7 @@
            option_positive("time", "S", &time, 1e4, "simulated time [s]"),
        };
        program self = program_start("batch_screening", "Dry batch screening.", options, 2, argc, argv);
-       if (self.quick && !options[1].given) time = 1.0;
+       if (self.quick && !is_given(&self, "time")) time = 1.0;
        progress bar;
        progress_begin(&bar, "vibrating", time);
        for (double t = 0.0; t < time && !common_interrupted(); t += 0.01) progress_update(&bar, t);
@@ -22,7 +22,7 @@
        return common_exit_status();                            // 0, 1 if an output failed, 130 after Ctrl-C
    }
 
-   io.h        riddle_io.h, all that is written     options.h  the command line     csv.h       tables from CSV
+   output.h    riddle_io.h, all that is written     options.h  the command line     csv.h       tables from CSV
    progress.h  bar, Ctrl-C, exit status             json.h     one JSON object      particles.h spheres from CSV or .vtp
    machine.h   clock, memory, cores, jobs on threads                                render.h    pictures and movies of scenes
    sheet.h     tables of a laboratory: sieves, classes, readings
@@ -33,7 +33,7 @@
 
 #include "csv.h"
 #include "input.h"
-#include "io.h"
+#include "output.h"
 #include "json.h"
 #include "machine.h"
 #include "options.h"

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "machine.h"
-#include "io.h"
+#include "output.h"
 
 enum { DEEPEST = 32 };
 

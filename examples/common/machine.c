@@ -3,13 +3,19 @@
 
 #include <math.h>
 #include <pthread.h>
-#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <time.h>
+#ifdef _WIN32
+#include <windows.h>
+
+#include <psapi.h>
+#else
+#include <sched.h>
+#include <sys/resource.h>
 #include <unistd.h>
+#endif
 
 #include "progress.h"
 
@@ -22,6 +28,27 @@ static double seconds_of(clockid_t which) {
 double machine_seconds(void) { return seconds_of(CLOCK_MONOTONIC); }
 
 double machine_processor_seconds(void) { return seconds_of(CLOCK_PROCESS_CPUTIME_ID); }
+
+#ifdef _WIN32
+
+double machine_peak_memory_bytes(void) {
+    PROCESS_MEMORY_COUNTERS counters;
+    return GetProcessMemoryInfo(GetCurrentProcess(), &counters, sizeof counters) ? (double)counters.PeakWorkingSetSize : 0.0;
+}
+
+double machine_free_memory_bytes(void) {
+    MEMORYSTATUSEX status;
+    status.dwLength = sizeof status;
+    return GlobalMemoryStatusEx(&status) ? (double)status.ullAvailPhys : HUGE_VAL;
+}
+
+int machine_cores(void) {
+    SYSTEM_INFO info;
+    GetSystemInfo(&info);
+    return info.dwNumberOfProcessors > 0 ? (int)info.dwNumberOfProcessors : 1;
+}
+
+#else
 
 double machine_peak_memory_bytes(void) {
     struct rusage usage;
@@ -59,6 +86,17 @@ double machine_free_memory_bytes(void) {
     return most;
 }
 
+int machine_cores(void) {
+#ifdef __linux__
+    cpu_set_t set;
+    if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0) return CPU_COUNT(&set);
+#endif
+    long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    return cores > 0 ? (int)cores : 1;
+}
+
+#endif
+
 void *machine_resize(void *user, void *old, size_t old_size, size_t new_size) {
     enum { LARGE = 1 << 26 }; /* [B] to ask the system takes some 30 us */
     (void)user;
@@ -68,15 +106,6 @@ void *machine_resize(void *user, void *old, size_t old_size, size_t new_size) {
     }
     if (new_size > old_size && new_size >= LARGE && (double)(new_size - old_size) > machine_free_memory_bytes()) return NULL;
     return realloc(old, new_size);
-}
-
-int machine_cores(void) {
-#ifdef __linux__
-    cpu_set_t set;
-    if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0) return CPU_COUNT(&set);
-#endif
-    long cores = sysconf(_SC_NPROCESSORS_ONLN);
-    return cores > 0 ? (int)cores : 1;
 }
 
 typedef struct {

@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "machine.h"
-#include "io.h"
+#include "output.h"
 #include "progress.h"
 
 #ifndef RIDDLE_VERSION /* meson.build sets it */
@@ -172,7 +172,16 @@ static const option *nearest(const option *const *all, int n, const char *name, 
     return best;
 }
 
+static const char *said_out, *said_seed;
+
+void program_say_defaults(const char *out, const char *seed) { said_out = out, said_seed = seed; }
+
 static void print_default(const option *o) {
+    const char *said = strcmp(o->name, "out") == 0 ? said_out : strcmp(o->name, "seed") == 0 ? said_seed : NULL;
+    if (said) {
+        printf(" (default %s)", said);
+        return;
+    }
     switch (o->kind) {
     case OPTION_FLAG: break;
     case OPTION_INT: printf(" (default %d)", *(int *)o->value); break;
@@ -269,6 +278,7 @@ static int collect(program *self, option common[COMMON_OPTIONS], option *options
     common[k++] = option_flag("quick", &self->quick, "a smaller run of under 10 s");
     common[k++] = option_flag("quiet", &self->quiet, "print nothing but errors");
     common[k++] = option_string("json", "FILE", &self->json, "write one JSON object with the results");
+    common[k++] = option_flag("version", &self->version, "Riddle's version; the other options are checked before");
     for (int i = 0; i < n; i++) all[total++] = &options[i];
     for (int i = 0; i < k; i++) all[total++] = &common[i];
     return total;
@@ -289,32 +299,30 @@ static void leave(void) { exit(common_exit_status()); }
 program program_start(const char *name, const char *about, option *options, int n, int argc, char **argv) {
     static char default_out[200];
     char message[600] = "";
-    program self = {name, default_out, NULL, machine_cores(), 1, false, false, machine_seconds()};
+    program self = {name, default_out, NULL, machine_cores(), 1, false, false, false, machine_seconds(), options, n};
     snprintf(default_out, sizeof default_out, "out/%s", name);
     program defaults = self;
     int status = 0;
     common_open_standard_streams();
-    /* --help and --version first: --help shows the defaults, not what else stood on the line */
+    /* --help first: it shows the defaults, not what else stood on the line */
     for (int i = 1; i < argc && status == 0; i++) {
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) status = 1;
-        if (strcmp(argv[i], "--version") == 0) {
-            printf("%s, Riddle %s\n", name, RIDDLE_VERSION);
-            leave();
-        }
     }
     if (status == 1) {
-        option common[COMMON_OPTIONS], **all = malloc((size_t)(n + COMMON_OPTIONS + 2) * sizeof *all);
+        option common[COMMON_OPTIONS], **all = malloc((size_t)(n + COMMON_OPTIONS + 1) * sizeof *all);
         if (!all) exit(1);
         int total = collect(&defaults, common, options, n, all);
-        option help = option_flag("help", &defaults.quiet, "this text"),
-               version = option_flag("version", &defaults.quiet, "Riddle's version");
+        option help = option_flag("help", &defaults.quiet, "this text");
         all[total++] = &help;
-        all[total++] = &version;
         print_help(name, about, (const option *const *)all, total);
         free(all);
         leave();
     }
     status = options_parse(&self, options, n, argc, argv, message, (int)sizeof message);
+    if (status == 0 && self.version) {
+        printf("%s, Riddle %s\n", name, RIDDLE_VERSION);
+        leave();
+    }
     if (status == 0 && strlen(self.out) > LONGEST_OUT)
         status =
             refuse(message, (int)sizeof message, "%s: --out %.60s...: allowed: a path of at most %d bytes", name, self.out, LONGEST_OUT);
@@ -336,6 +344,13 @@ program program_start(const char *name, const char *about, option *options, int 
     common_set_name(name);
     common_catch_interrupt();
     return self;
+}
+
+bool is_given(const program *self, const char *name) {
+    for (int k = 0; k < self->option_count; k++)
+        if (strcmp(self->options[k].name, name) == 0) return self->options[k].given;
+    fprintf(stderr, "%s: is_given(\"%s\"): there is no such option\n", self->name, name);
+    abort();
 }
 
 void program_refuse(const program *self, const char *option_name, const char *value, const char *allowed_text) {

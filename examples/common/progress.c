@@ -27,12 +27,20 @@ static void on_signal(int number) {
     _exit(128 + number);
 }
 
+#ifdef _WIN32 /* the second one ends the program, because a signal that has been caught is not caught again */
+
+void common_open_standard_streams(void) {}
+void common_catch_interrupt(void) {
+    signal(SIGINT, on_signal);
+    signal(SIGTERM, on_signal);
+}
+
+#else
+
 void common_open_standard_streams(void) {
     for (int descriptor = 0; descriptor <= 2; descriptor++) /* the lowest free number is taken; reading only: to write there fails */
         if (fcntl(descriptor, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) return;
 }
-
-void common_interrupt_at_once(bool at_once) { ends_at_once = at_once; }
 
 void common_catch_interrupt(void) {
     static const int numbers[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
@@ -47,6 +55,10 @@ void common_catch_interrupt(void) {
         if (!by_nohup) sigaction(numbers[k], &action, NULL);
     }
 }
+
+#endif
+
+void common_interrupt_at_once(bool at_once) { ends_at_once = at_once; }
 
 bool common_interrupted(void) { return caught_signal != 0; }
 

@@ -13,7 +13,7 @@
 #include <png.h>
 #endif
 
-#include "io.h"
+#include "output.h"
 
 enum { FINE = 2, SHADOW = 2048, CORNER_SAMPLES = 12, LEGEND = 8, NAME = 64 }; /* FINE: points a pixel along each axis */
 static const double FIELD = 0.42;                                             /* tangent of half the angle that the picture's width spans */
@@ -735,7 +735,9 @@ movie *movie_open(const char *folder, const char *name, int frames_per_second) {
     }
     movie *m = calloc(1, sizeof *m);
     if (!m) return NULL;
+#ifdef SIGPIPE
     signal(SIGPIPE, SIG_IGN); /* should ffmpeg end early, the movie fails and the run goes on */
+#endif
     m->rate = frames_per_second;
     snprintf(m->path, sizeof m->path, "%s/%s", folder, name);
     snprintf(m->temporary, sizeof m->temporary, "%s/.%ld.%s", folder, (long)getpid(), name);

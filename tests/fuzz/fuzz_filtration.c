@@ -373,7 +373,7 @@ static uint64_t equation(fuzz_draws *d) {
     FUZZ_HOLDS(status != FILTRATION_NO_MEMORY && status < FILTRATION_NOT_STEADY);
     FUZZ_HOLDS((status == FILTRATION_BAD_DEF) == (filtration_curve_check_def(&def, NULL) != FILTRATION_OK));
     if (status == FILTRATION_OK) {
-        FUZZ_HOLDS(is_finite(curve.slope.value) && is_finite(curve.intercept.value) && curve.used >= def.least_readings);
+        FUZZ_HOLDS(is_finite(curve.slope.value) && is_finite(curve.intercept.value) && curve.used >= 3);
         mix_estimate(&hash, &curve.slope), mix_estimate(&hash, &curve.product), mix_estimate(&hash, &curve.medium);
         const filtration_status predicted =
             filtration_predict(&curve, number(&q, 13, 1e4, 1e5), number(&q, 14, 0.1, 1.0), number(&q, 15, 0.0, 0.9), 1.0, &estimate);

@@ -11,8 +11,8 @@
 #include "report.h"
 #include "scene.h"
 #include "scene_same.h"
+#include "templates.h"
 
-static const char *const templates[] = {"hopper", "screen", "drum", "box", "shapes"};
 enum { SCENE_MB = 16 }; /* at most */
 static const char state_name[] = "scene.state";
 static const double OVERLAP_MAX = 0.1; /* of a diameter: beyond it contacts are no contacts any more */
@@ -32,6 +32,8 @@ typedef struct job {
     report *r;
 } job;
 
+static const char *called = "riddle"; /* how the user has called this program */
+
 static int refuse(const char *line) {
     fprintf(stderr, "riddle: %s\n", line);
     return 2;
@@ -40,11 +42,10 @@ static int refuse(const char *line) {
 /* ---- templates ---- */
 
 static int write_template(const char *name) {
-    char path[1000], message[300], target[64];
-    size_t size;
-    int known = 0;
-    for (size_t k = 0; k < sizeof templates / sizeof *templates; k++) known |= strcmp(templates[k], name) == 0;
-    if (!known) {
+    char target[64];
+    const scene_template *found = templates;
+    while (found->name && strcmp(found->name, name) != 0) found++;
+    if (!found->name) {
         fprintf(stderr, "riddle: --template %.60s: allowed: hopper, screen, drum, box or shapes\n", name);
         return 2;
     }
@@ -55,15 +56,10 @@ static int write_template(const char *name) {
         fprintf(stderr, "riddle: %s is there already: move it away first\n", target);
         return 2;
     }
-    char original[100];
-    snprintf(original, sizeof original, "tools/riddle/%s", target);
-    char *text = input_read(output_find(path, sizeof path, original), &size, message, sizeof message);
-    if (!text) return common_fail("%s", message), 1;
     riddle_io_file *file = riddle_io_open(NULL, target);
-    riddle_io_write(file, text, size);
-    free(text);
+    for (const char *const *line = found->line; *line; line++) riddle_io_write(file, *line, strlen(*line));
     if (riddle_io_close(file) != RIDDLE_IO_OK) return 1;
-    common_print("%s is written. Now: riddle run %s\n", target, target);
+    common_print("%s is written. Now: %s run %s\n", target, called, target);
     return common_exit_status();
 }
 
@@ -261,17 +257,30 @@ static bool is_given(int argc, char **argv, const char *name) {
     return false;
 }
 
+/* The place of the scene's file among the words behind "run", before or after the options; 0: there is none. */
+static int place_of_file(int argc, char **argv) {
+    static const char *const valued[] = {"--out", "--threads", "--seed", "--json", "--template"};
+    for (int k = 2; k < argc; k++) {
+        bool takes = false;
+        for (size_t v = 0; v < sizeof valued / sizeof *valued; v++) takes |= strcmp(argv[k], valued[v]) == 0;
+        if (takes) k++;
+        else if (argv[k][0] != '-') return k;
+    }
+    return 0;
+}
+
 /* The options without "run FILE", and with --out out/<name of the file> where none is given. */
-static int rest_of(int argc, char **argv, const char *file, char *out, size_t size, char **rest) {
+static int rest_of(int argc, char **argv, int place, char *out, size_t size, char **rest) {
     int n = 0;
     rest[n++] = argv[0];
-    if (file && !is_given(argc, argv, "--out")) {
-        const char *slash = strrchr(file, '/'), *stem = slash ? slash + 1 : file, *dot = strrchr(stem, '.');
+    if (place && !is_given(argc, argv, "--out")) {
+        const char *file = argv[place], *slash = strrchr(file, '/'), *stem = slash ? slash + 1 : file, *dot = strrchr(stem, '.');
         snprintf(out, size, "out/%.*s", dot && dot > stem ? (int)(dot - stem) : (int)strlen(stem), stem);
         rest[n++] = (char *)"--out";
         rest[n++] = out;
     }
-    for (int k = file ? 3 : 2; k < argc; k++) rest[n++] = argv[k];
+    for (int k = 2; k < argc; k++)
+        if (k != place) rest[n++] = argv[k];
     rest[n] = NULL;
     return n;
 }
@@ -281,6 +290,7 @@ int main(int argc, char **argv) {
     j.saved = (double)NAN;
     char out[600];
     const char *pattern = NULL;
+    if (argc > 0) called = argv[0];
     option options[] = {
         option_flag("continue", &j.again,
                     "go on from the save in --out, with the same bits as if it had never stopped"),
@@ -295,16 +305,17 @@ int main(int argc, char **argv) {
     }
     const int help = argc >= 2 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "--version") == 0);
     if (!help && (argc < 2 || strcmp(argv[1], "run") != 0)) return refuse(usage);
-    j.file = argc > 2 && argv[2][0] != '-' ? argv[2] : NULL;
-    if (!j.file && argc == 4 && strcmp(argv[2], "--template") == 0)
-        return write_template(argv[3]); /* without a folder for output */
+    const int place = help ? 0 : place_of_file(argc, argv);
+    j.file = place ? argv[place] : NULL;
+    if (!j.file && argc == 4 && strcmp(argv[2], "--template") == 0) return write_template(argv[3]); /* without a folder for output */
     char **rest = malloc(((size_t)argc + 4) * sizeof *rest);
     if (!rest) return 1;
-    const int n = help ? argc : rest_of(argc, argv, j.file, out, sizeof out, rest);
+    const int n = help ? argc : rest_of(argc, argv, place, out, sizeof out, rest);
     if (!help && !j.file && !is_given(argc, argv, "--help") && !is_given(argc, argv, "--version")) {
         free(rest);
         return refuse(is_given(argc, argv, "--template") ? "--template NAME stands alone" : usage);
     }
+    program_say_defaults("out/<name of the scene>", "the scene's, else 1");
     j.self = program_start("riddle",
                            "runs a scene from a YAML or JSON file.\n\n"
                            "usage: riddle run FILE [options]\n"

@@ -1,10 +1,10 @@
-/* io.h: riddle_io.h and riddle_plot.h with the programs' way of telling an error: one line on stderr, and the run is marked as failed
+/* output.h: riddle_io.h and riddle_plot.h with the programs' way of telling an error: one line on stderr, and the run is marked as failed
    (progress.h). A program of your own needs those two alone. */
-#ifndef RIDDLE_COMMON_IO_H
-#define RIDDLE_COMMON_IO_H
+#ifndef RIDDLE_COMMON_OUTPUT_H
+#define RIDDLE_COMMON_OUTPUT_H
 
 #ifndef RIDDLE_IO_API
-#define RIDDLE_IO_API extern /* the one copy of the bodies is in io.c */
+#define RIDDLE_IO_API extern /* the one copy of the bodies is in output.c */
 #define RIDDLE_PLOT_API extern
 #endif
 #include "riddle_io.h"

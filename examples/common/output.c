@@ -6,23 +6,25 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#ifndef _WIN32
 #include <sys/file.h>
+#endif
 #include <unistd.h>
 
 static void created(const char *name);
 static void gone(const char *name);
-static void tell(const char *line);
+static void say(const char *line);
 
 #define RIDDLE_IO_API extern
 #define RIDDLE_IO_IMPLEMENTATION
 #define RIDDLE_PLOT_API extern
 #define RIDDLE_PLOT_IMPLEMENTATION
-#define RIDDLE_IO_FAIL(line) tell(line)
+#define RIDDLE_IO_FAIL(line) say(line)
 #define RIDDLE_IO_CREATED(name) created(name)
 #define RIDDLE_IO_GONE(name) gone(name)
-#include "io.h"
+#include "output.h"
 
-static void tell(const char *line) { common_fail("%s", line); }
+static void say(const char *line) { common_fail("%s", line); }
 
 /* Every file that is half written, so that leaving early removes it. */
 enum { MOST_FILES = 256 };
