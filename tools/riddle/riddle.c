@@ -10,6 +10,7 @@
 #include "common.h"
 #include "report.h"
 #include "scene.h"
+#include "scene_check.h"
 #include "scene_same.h"
 #include "templates.h"
 
@@ -23,6 +24,8 @@ typedef struct job {
     const char *file;
     program self;
     bool again, check;
+    char **set; /* [sets] "key=value" */
+    int sets;
     bool halfway; /* stopped while feeds looked for places, or failed: not a state to go on from */
     double saved; /* time of the save that this run has written last [s]; NaN: none */
     tree_file tree;
@@ -70,9 +73,19 @@ static int read_scene(job *j, bool seed_given) {
     size_t size;
     char *text = input_read_most(j->file, SCENE_MB, &size, message, sizeof message);
     if (!text) return refuse(message);
-    const int failed = tree_read(&j->tree, j->file, text, size) || scene_read(&j->tree, &j->def);
+    int failed = tree_read(&j->tree, j->file, text, size);
     free(text);
-    if (failed) return refuse(j->tree.message);
+    for (int k = 0; k < j->sets && !failed; k++) {
+        char path[200];
+        const char *equals = strchr(j->set[k], '=');
+        if (!equals || equals == j->set[k] || (size_t)(equals - j->set[k]) >= sizeof path) {
+            snprintf(message, sizeof message, "--set %.100s: allowed: KEY=VALUE, such as materials.glass.density=2600", j->set[k]);
+            return refuse(message);
+        }
+        snprintf(path, sizeof path, "%.*s", (int)(equals - j->set[k]), j->set[k]);
+        failed = tree_set(&j->tree, path, equals + 1);
+    }
+    if (failed || scene_read(&j->tree, &j->def)) return refuse(j->tree.message);
     if (j->self.quick) j->def.duration *= 0.1;
     if (scene_make(&j->s, &j->def, &j->tree, seed_given ? j->self.seed : (uint64_t)j->def.seed, j->self.threads))
         return refuse(j->tree.message);
@@ -230,15 +243,33 @@ static int hold_folder(const job *j) {
     return refuse(message);
 }
 
+/* What --check says: sizes, what is allowed and yet may be a mistake; 2 where a pair has no contact. */
+static int tell_check(job *j) {
+    char line[300];
+    const scene_size size = scene_estimate(&j->s);
+    common_print("%s: walls: %d, feeds: %d, time step: %.3g s\n", j->file, j->s.world.walls, j->s.sources, j->s.world.def.dt);
+    scene_say_size(&size, line, sizeof line);
+    common_print("%s\n%s", line, j->tree.notes);
+    if (!scene_lacks_contact(&j->s, line, sizeof line)) return 0;
+    return tree_fail(&j->tree, NULL, "%s", line), refuse(j->tree.message);
+}
+
+/* Before a run that takes more than a minute, and where it may end early. */
+static void tell_begin(job *j) {
+    char line[300];
+    const scene_size size = scene_estimate(&j->s);
+    scene_say_size(&size, line, sizeof line);
+    if (size.seconds > 60.0) common_print("%s\n", line);
+    if (scene_lacks_contact(&j->s, line, sizeof line)) common_print("%s: %s\n", j->file, line);
+}
+
 static int run_scene(job *j, bool seed_given) {
     int failed = read_scene(j, seed_given);
     if (!failed && !j->check) failed = hold_folder(j);
     if (!failed && j->again) failed = read_state(j);
-    if (!failed && j->check)
-        common_print("%s: walls: %d, feeds: %d, time step: %.3g s\n", j->file, j->s.world.walls, j->s.sources,
-                     j->s.world.def.dt),
-            common_print("%s", j->tree.notes);
+    if (!failed && j->check) failed = tell_check(j);
     else if (!failed) {
+        tell_begin(j);
         const stop_def *stop = run(j);
         tell(j, stop, report_write(j->r));
     }
@@ -250,7 +281,7 @@ static int run_scene(job *j, bool seed_given) {
 
 /* ---- the command line ---- */
 
-static bool is_word_given(int argc, char **argv, const char *name) {
+static bool word_given(int argc, char **argv, const char *name) {
     const size_t length = strlen(name);
     for (int k = 1; k < argc; k++)
         if (strncmp(argv[k], name, length) == 0 && (argv[k][length] == '\0' || argv[k][length] == '=')) return true;
@@ -259,7 +290,7 @@ static bool is_word_given(int argc, char **argv, const char *name) {
 
 /* The place of the scene's file among the words behind "run", before or after the options; 0: there is none. */
 static int place_of_file(int argc, char **argv) {
-    static const char *const valued[] = {"--out", "--threads", "--seed", "--json", "--template"};
+    static const char *const valued[] = {"--out", "--threads", "--seed", "--json", "--template", "--set"};
     for (int k = 2; k < argc; k++) {
         bool takes = false;
         for (size_t v = 0; v < sizeof valued / sizeof *valued; v++) takes |= strcmp(argv[k], valued[v]) == 0;
@@ -269,18 +300,22 @@ static int place_of_file(int argc, char **argv) {
     return 0;
 }
 
-/* The options without "run FILE", and with --out out/<name of the file> where none is given. */
-static int rest_of(int argc, char **argv, int place, char *out, size_t size, char **rest) {
+/* The options without "run FILE" and those of --set, and with --out out/<name of the file> where none is given. */
+static int rest_of(job *j, int argc, char **argv, int place, char *out, size_t size, char **rest) {
     int n = 0;
     rest[n++] = argv[0];
-    if (place && !is_word_given(argc, argv, "--out")) {
+    if (place && !word_given(argc, argv, "--out")) {
         const char *file = argv[place], *slash = strrchr(file, '/'), *stem = slash ? slash + 1 : file, *dot = strrchr(stem, '.');
         snprintf(out, size, "out/%.*s", dot && dot > stem ? (int)(dot - stem) : (int)strlen(stem), stem);
         rest[n++] = (char *)"--out";
         rest[n++] = out;
     }
-    for (int k = 2; k < argc; k++)
-        if (k != place) rest[n++] = argv[k];
+    for (int k = 2; k < argc; k++) {
+        const bool apart = strcmp(argv[k], "--set") == 0 && k + 1 < argc;
+        if (apart) j->set[j->sets++] = argv[++k];
+        else if (strncmp(argv[k], "--set=", 6) == 0) j->set[j->sets++] = argv[k] + 6;
+        else if (k != place) rest[n++] = argv[k];
+    }
     rest[n] = NULL;
     return n;
 }
@@ -289,14 +324,14 @@ int main(int argc, char **argv) {
     static job j;
     j.saved = (double)NAN;
     char out[600];
-    const char *pattern = NULL;
+    const char *pattern = NULL, *set = NULL;
     if (argc > 0) called = argv[0];
     option options[] = {
         option_flag("continue", &j.again,
                     "go on from the save in --out, with the same bits as if it had never stopped"),
         option_flag("check", &j.check, "read the file and build the scene, but do not run"),
-        option_string("template", "NAME", &pattern,
-                      "write NAME.yaml, to begin with: hopper, screen, drum, box or shapes"),
+        option_string("set", "KEY=VALUE", &set, "another value than the file's: materials.glass.density=2600, feeds[1].rate='2 t/h'; may be given often"),
+        option_string("template", "NAME", &pattern, "write NAME.yaml, to begin with: hopper, screen, drum, box or shapes"),
     };
     if (argc == 2 && strcmp(argv[1], "keys") == 0) {
         common_open_standard_streams();
@@ -308,12 +343,13 @@ int main(int argc, char **argv) {
     const int place = help ? 0 : place_of_file(argc, argv);
     j.file = place ? argv[place] : NULL;
     if (!j.file && argc == 4 && strcmp(argv[2], "--template") == 0) return write_template(argv[3]); /* without a folder for output */
-    char **rest = malloc(((size_t)argc + 4) * sizeof *rest);
+    char **rest = malloc(2 * ((size_t)argc + 4) * sizeof *rest);
     if (!rest) return 1;
-    const int n = help ? argc : rest_of(argc, argv, place, out, sizeof out, rest);
-    if (!help && !j.file && !is_word_given(argc, argv, "--help") && !is_word_given(argc, argv, "--version")) {
+    j.set = rest + argc + 4;
+    const int n = help ? argc : rest_of(&j, argc, argv, place, out, sizeof out, rest);
+    if (!help && !j.file && !word_given(argc, argv, "--help") && !word_given(argc, argv, "--version")) {
         free(rest);
-        return refuse(is_word_given(argc, argv, "--template") ? "--template NAME stands alone" : usage);
+        return refuse(word_given(argc, argv, "--template") ? "--template NAME stands alone" : usage);
     }
     program_say_defaults("out/<name of the scene>", "the scene's, else 1");
     j.self = program_start("riddle",
@@ -322,7 +358,7 @@ int main(int argc, char **argv) {
                            "       riddle run --template hopper|screen|drum|box|shapes\n"
                            "       riddle keys",
                            options, sizeof options / sizeof *options, n, help ? argv : rest);
-    const int status = pattern ? refuse("--template NAME stands alone") : run_scene(&j, is_word_given(argc, argv, "--seed"));
+    const int status = pattern ? refuse("--template NAME stands alone") : run_scene(&j, word_given(argc, argv, "--seed"));
     free(rest);
     return status;
 }

@@ -1,6 +1,8 @@
-/* settling_laws.h: settling of a single sphere: Stokes' law, inertia, side walls, bottom; for comparison with a resolved simulation. Relies
-   on base.h, the portable mathematics.
-   May be changed here alone: how a law is computed, not what it returns. */
+/* Settling of a single sphere: Stokes' law, inertia, side walls, bottom; for comparison with a resolved simulation.
+   Relies on base.h, the portable mathematics. */
+#pragma once
+#include "../base/base.h"
+#include "../../base/portable_math.h"
 
 /* ==== >>settling: drag of one sphere over Stokes' 3 pi mu d v [-]; NaN outside the stated range ==== */
 

@@ -1,6 +1,6 @@
-/* spheres.h: moving spheres on the lattice: the nodes that they cover, their links, the force on them, nodes that they leave. Relies on
-   links.h.
-   May be changed here alone: everything but the meaning of owner. Coordinates: lattice units, node i at i. */
+/* Moving spheres on the lattice: the nodes that they cover, their links, the force on them, nodes that they leave. */
+#pragma once
+#include "links.h"
 
 /* ==== >>spheres ==== */
 

@@ -1,5 +1,6 @@
-/* save.h: writes a fluid as bytes and reads it back, bit for bit. Relies on flow.h.
-   May be changed here alone: the format, with its version. */
+/* Writes a fluid as bytes and reads it back, bit for bit. */
+#pragma once
+#include "flow.h"
 
 /* ==== >>save ==== */
 

@@ -1,6 +1,6 @@
-/* permeability.h: steady flow through what stands in the box.
-   Relies on flow.h.
-   May be changed here alone: everything. */
+/* Steady flow through what stands in the box. */
+#pragma once
+#include "flow.h"
 
 /* ==== >>permeability ==== */
 

@@ -1,6 +1,5 @@
-/* compiler.h: what compilers call differently, and the switch between static inline and one shared copy.
-   Relies on nothing.
-   May be changed here alone: everything that leaves the macros' meaning. */
+/* What compilers call differently, and the switch between static inline and one shared copy. */
+#pragma once
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -18,16 +17,10 @@
 #define FILTRATION__BODIES
 #endif
 
-/* gcc leaves a loop scalar at -O2 if arithmetic may trap or a root may set errno: the functions here bring their own options. clang fuses
-   products and sums only if it may. */
-#if defined(__clang__)
-#define FILTRATION__FAST
-#pragma float_control(push)
-#pragma clang fp contract(off)
-#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
+/* gcc leaves a loop scalar at -O2 if arithmetic may trap or a root may set errno: functions that are compiled for several machines bring
+   their own options, the others those of the header. */
+#if defined(__GNUC__) && !defined(__clang__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
 #define FILTRATION__FAST __attribute__((optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")))
-#pragma GCC push_options
-#pragma GCC optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")
 #else
 #define FILTRATION__FAST
 #endif
@@ -84,8 +77,4 @@
 #else
 #define FILTRATION__CLONES(name, parameters, arguments, call)                                                                              \
     FILTRATION__FAST FILTRATION__STATIC void name parameters { call; }
-#endif
-
-#ifdef __cplusplus
-extern "C" {
 #endif

@@ -1,6 +1,6 @@
-/* solids_api.h: solids at rest as a signed distance: woven wire cloth, beds of spheres and fibres, voxel images.
-   Relies on base.h.
-   May be changed here alone: comments. */
+/* Solids at rest as a signed distance: woven wire cloth, beds of spheres and fibres, voxel images. */
+#pragma once
+#include "../base/base.h"
 
 /* ==== >>solids: solids at rest in the fluid ==== */
 

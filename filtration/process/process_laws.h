@@ -1,6 +1,7 @@
-/* process_laws.h: the laws of the filtration equation: pure functions of scalars. Relies on base.h, process_api.h, the portable
-   mathematics.
-   May be changed here alone: how a law is computed, not what it returns. */
+/* The laws of the filtration equation: pure functions of scalars. */
+#pragma once
+#include "process_api.h"
+#include "../../base/portable_math.h"
 
 /* ==== >>process ==== */
 

@@ -1,12 +1,9 @@
-/* process.h: size distributions, operations at constant rate and pressure, the evaluation of filter curves.
-   Relies on base.h, process_api.h, process_laws.h.
-   May be changed here alone: how a stretch is searched, how integrals and roots are found. */
+/* Size distributions, operations at constant rate and pressure, the evaluation of filter curves. */
+#pragma once
+#include "process_laws.h"
 
-#define FILTRATION__LARGEST 1.7976931348623157e308
 #define FILTRATION__ROUNDING 1e-12 /* share of t / V below which bend and scatter are of the numbers, not of the filter */
 #define FILTRATION__FEW 20.0 /* readings that do not tell whether neighbours are alike */
-
-static inline int filtration__is_finite(double x) { return fabs(x) <= FILTRATION__LARGEST; }
 
 /* ---- size distributions ---- */
 

@@ -1,6 +1,7 @@
-/* fluid.h: definition, setting up, the step.
-   Relies on spheres.h.
-   May be changed here alone: defaults, checks. */
+/* Definition, setting up, the step. */
+#pragma once
+#include "films.h"
+#include "shear.h"
 
 /* ==== >>fluid ==== */
 

@@ -1,7 +1,7 @@
-/* films.h: pressure in films that are too thin for nodes, between spheres, at the solid and at faces; the force on the solid at rest. A
-   pressure has no level: a constant added to it changes no force.
-   Relies on spheres.h.
-   May be changed here alone: everything. */
+/* Pressure in films that are too thin for nodes, between spheres, at the solid and at faces; the force on the solid at
+   rest. A pressure has no level: a constant added to it changes no force. */
+#pragma once
+#include "spheres.h"
 
 /* ==== >>films ==== */
 

@@ -1,6 +1,6 @@
-/* base.h: what every part of filtration.h uses: status codes, memory, parallel loops.
-   Relies on nothing.
-   May be changed here alone: texts of statuses, the order of statuses after FILTRATION_OK. */
+/* What every part of filtration.h uses: status codes, memory, parallel loops. */
+#pragma once
+#include "compiler.h"
 
 /* ==== >>base ==== */
 /* clang-format off */
@@ -41,6 +41,10 @@ FILTRATION_API const char *filtration_status_text(filtration_status status) {
     return (int)status >= 0 && (int)status < (int)FILTRATION_STATUS_COUNT ? texts[status] : "unknown status";
 }
 #endif
+
+#define FILTRATION__LARGEST 1.7976931348623157e308
+static inline int filtration__is_finite(double x) { return fabs(x) <= FILTRATION__LARGEST; }
+static inline int filtration__is_positive(double x) { return x > 0.0 && filtration__is_finite(x); }
 
 static inline void *filtration__resize(const filtration_memory *m, void *old, size_t old_size, size_t new_size) {
     if (m->fn) return m->fn(m->user, old, old_size, new_size);

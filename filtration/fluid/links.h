@@ -1,5 +1,6 @@
-/* links.h: lattice links that a surface cuts: the boundary law, the links of the solid at rest. Relies on faces.h.
-   May be changed here alone: the law (filtration__bounce). */
+/* Lattice links that a surface cuts: the boundary law, the links of the solid at rest. */
+#pragma once
+#include "faces.h"
 
 /* ==== >>links ==== */
 

@@ -1,6 +1,6 @@
-/* shear.h: the paper's force on a sphere, for comparison: shear over a layer of one voxel, no pressure.
-   Relies on spheres.h.
-   May be changed here alone: everything. */
+/* The paper's force on a sphere, for comparison: shear over a layer of one voxel, no pressure. */
+#pragma once
+#include "spheres.h"
 
 /* ==== >>shear ==== */
 

@@ -1,6 +1,8 @@
-/* solids.h: signed distances of woven cloth, beds and voxel images. Relies on base.h, solids_api.h, process.h (filtration__is_finite), the
-   portable mathematics.
-   May be changed here alone: how a distance is computed. */
+/* Signed distances of woven cloth, beds and voxel images. */
+#pragma once
+#include "solids_api.h"
+#include "../base/base.h"
+#include "../../base/portable_math.h"
 
 /* ==== >>solids ==== */
 

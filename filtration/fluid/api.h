@@ -1,6 +1,7 @@
-/* api.h: the resolved fluid as its user sees it: definition, spheres, solid, state, steps, measuring, saving. Relies on base.h,
-   solids_api.h (filtration_solid).
-   May be changed here alone: comments, defaults (in fluid.h: filtration_fluid_default_def). */
+/* The resolved fluid as its user sees it: definition, spheres, solid, state, steps, measuring, saving. */
+#pragma once
+#include "../base/base.h"
+#include "../solids/solids_api.h"
 
 /* ==== >>fluid ==== */
 

@@ -1,10 +1,7 @@
-/* process_line.h: a straight line through readings whose scatter is not known: how it grows with the volume, and how far neighbours are
-   alike. Relies on base.h, process_api.h, process_laws.h, process.h.
-   May be changed here alone: which kinds of scatter are thought of.
-
-   A kind of scatter is how large the errors of the readings are beside each other, and how an error depends on the one before. Each gives a
-   line by generalized least squares and a likelihood, restricted to what the line leaves (Patterson and Thompson 1971). The result is the
-   mean of the lines, weighted by the likelihoods: the posterior distribution for flat priors, a mixture of Student's distributions. */
+/* A straight line through readings whose scatter is not known: how it grows with the volume, and how far neighbours are
+   alike. */
+#pragma once
+#include "process.h"
 
 /* An error is white noise with the variance `white`, and a part that keeps a share of its value and gets something new at each reading. */
 typedef struct filtration__roughness {

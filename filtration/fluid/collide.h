@@ -1,6 +1,6 @@
-/* collide.h: one step of a pair over all rows: halos of periodic rows, collision, skipped slabs, detection of divergence. Relies on
-   lattice.h and kernel.h.
-   May be changed here alone: everything. */
+/* One step of a pair over all rows: halos of periodic rows, collision, skipped slabs, detection of divergence. */
+#pragma once
+#include "kernels.h"
 
 /* ==== >>collide ==== */
 

@@ -1,6 +1,6 @@
-/* process_api.h: the filtration equation as its user sees it: laws, an operation, the evaluation of a measured curve, prediction.
-   Relies on base.h.
-   May be changed here alone: comments, defaults (in process.h: filtration_curve_default_def, filtration_operation_default). */
+/* The filtration equation as its user sees it: laws, an operation, the evaluation of a measured curve, prediction. */
+#pragma once
+#include "../base/base.h"
 
 /* ==== >>process: filtration equation (1) to (3), filter curves, compressible cakes ==== */
 

@@ -1,6 +1,6 @@
-/* evaluate.h: a measured filter curve: the straight line of t / V over V, its longest straight stretch, intervals, prediction.
-   Relies on base.h, process_api.h, process_laws.h, process.h, process_line.h.
-   May be changed here alone: how a stretch is searched. */
+/* A measured filter curve: the straight line of t / V over V, its longest straight stretch, intervals, prediction. */
+#pragma once
+#include "process_line.h"
 
 FILTRATION_API const char *filtration_remark_text(unsigned remark) {
 #define FILTRATION__REMARK_TEXT(name, bit, text)                                                                       \
@@ -29,8 +29,6 @@ FILTRATION_API filtration_curve_def filtration_curve_default_def(void) {
 }
 
 static inline int filtration__is_error(double x) { return x >= 0.0 && filtration__is_finite(x); }
-static inline int filtration__is_positive(double x) { return x > 0.0 && filtration__is_finite(x); }
-
 FILTRATION_API filtration_status filtration_curve_check_def(const filtration_curve_def *d, const char **field) {
     const char *bad = NULL;
     if (!d) bad = "def";

@@ -1,6 +1,6 @@
-/* compressibility.h: the power law of a compressible cake from runs at several pressures. Relies on base.h, process_api.h,
-   process_laws.h, process.h, process_line.h (the mixture), evaluate.h (estimates).
-   May be changed here alone: how runs are weighed. */
+/* The power law of a compressible cake from runs at several pressures. */
+#pragma once
+#include "evaluate.h"
 
 /* Fits the line of logarithms with weights 1 / (error^2 + between^2), error the runs' own; between HUGE_VAL: equal weights. */
 static inline filtration__kind filtration__fit_law(size_t n, const double *pressure, const double *value,

@@ -1,5 +1,6 @@
-/* flow.h: reads and changes the flow between steps: samples, fields, sums, another time step, a flow to start from. Relies on fluid.h.
-   May be changed here alone: everything. */
+/* Reads and changes the flow between steps: samples, fields, sums, another time step, a flow to start from. */
+#pragma once
+#include "fluid.h"
 
 /* ==== >>flow ==== */
 

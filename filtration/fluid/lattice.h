@@ -1,5 +1,6 @@
-/* lattice.h: the two sets of directions, the layout of populations in memory, and where a step finds them. Relies on base.h and api.h.
-   May be changed here alone: nothing; every later part addresses populations through the functions here. */
+/* The two sets of directions, the layout of populations in memory, and where a step finds them. */
+#pragma once
+#include "api.h"
 
 /* ==== >>lattice ==== */
 

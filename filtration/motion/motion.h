@@ -1,6 +1,8 @@
-/* motion.h: spheres moved through one step of the fluid: weight, the fluid's force, contacts, lubrication.
-   Relies on fluid.h.
-   May be changed here alone: everything. */
+/* Spheres moved through one step of the fluid: weight, the fluid's force, contacts, lubrication. */
+#pragma once
+#include "../fluid/fluid.h"
+#include "../solids/solids.h"
+#include "../../base/portable_math.h"
 
 /* ==== >>motion ==== */
 

@@ -1,6 +1,4 @@
-/* kernel.h: collision of the nodes of a row; read once for doubles and once for floats.
-   Relies on lattice.h, and on FILTRATION__REAL, FILTRATION__FLAG (an integer of its size) and FILTRATION__OF(name).
-   May be changed here alone: the order of arithmetic (the bits change). */
+/* Collision of the nodes of a row; read once for doubles and once for floats. */
 
 /* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation times, and a third for
    the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et al. (2002), split by parity. Returns whether

@@ -1,6 +1,6 @@
-/* faces.h: populations that enter through non-periodic faces of the box: walls, given pressure, symmetry. Relies on lattice.h, collide.h
-   (task_range).
-   May be changed here alone: everything. */
+/* Populations that enter through non-periodic faces of the box: walls, given pressure, symmetry. */
+#pragma once
+#include "collide.h"
 
 /* ==== >>faces ==== */
 
