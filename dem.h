@@ -1297,11 +1297,11 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
 /* Adds a shape to a world, which keeps a copy of it. Returns its number from 0 on, or minus a dem_status. */
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
 /* Adds n polyhedra of a shape at rest. centres: of mass, shape [n][3] [m]; orientations: [n][4], quaternions of any
-   length but 0, scalar first, from the shape's principal axes to the world's; NULL: none is turned. Otherwise as
-   dem_add_spheres. Each is one particle, whose radius is that of the sphere around it. A contact is a point: a corner
-   at the other body, or two edges that cross. At each point the pair's law acts between spheres with the rounding radii
-   (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass; so a face on a face has as many
-   springs as points. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs
+   length but 0, scalar first, from the frame in which the shape was given to the world's; NULL: as it was given.
+   Otherwise as dem_add_spheres. Each is one particle, whose radius is that of the sphere around it. A contact is a
+   point: a corner at the other body, or two edges that cross. At each point the pair's law acts between spheres with
+   the rounding radii (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass; so a face on a
+   face has as many springs as points. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs
    need DEM_FRICTION (otherwise DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the sum of
    the radii: cores that overlap are pushed apart, too, but their normals may jump. Corners, edges and faces touch walls
    of every kind. Links of polyhedra are refused with DEM_POLYHEDRON. */
@@ -3291,6 +3291,21 @@ static inline int dem__unit_turn(dem_quaternion q, dem_quaternion *unit) {
                  f = 1.0 / sqrt(w * w + x * x + y * y + z * z);
     *unit = dem__quaternion(f * w, dem_vec3(f * x, f * y, f * z));
     return 1;
+}
+
+/* Returns the rotation from the frame of a shape's corners, its principal axes, to that in which it was given: exactly
+   none if both are one, as those of a brick. By the largest of the four numbers, whose square is 1/4 or more. */
+static inline dem_quaternion dem__turn_of_shape(const dem_convex *s) {
+    const dem_vec a = s->axis[0], b = s->axis[1], c = s->axis[2]; /* columns of its matrix */
+    const double four[4] = {1.0 + a.x + b.y + c.z, 1.0 + a.x - b.y - c.z, 1.0 - a.x + b.y - c.z, 1.0 - a.x - b.y + c.z};
+    const dem_quaternion none = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    dem_quaternion q = dem__quaternion(four[0], dem_vec3(b.z - c.y, c.x - a.z, a.y - b.x));
+    int k = 0;
+    for (int n = 1; n < 4; n++) k = four[n] > four[k] ? n : k;
+    if (k == 1) q = dem__quaternion(b.z - c.y, dem_vec3(four[1], a.y + b.x, a.z + c.x));
+    if (k == 2) q = dem__quaternion(c.x - a.z, dem_vec3(a.y + b.x, four[2], b.z + c.y));
+    if (k == 3) q = dem__quaternion(a.y - b.x, dem_vec3(a.z + c.x, b.z + c.y, four[3]));
+    return dem__unit_turn(q, &q) ? q : none; /* a forged save may hold anything */
 }
 
 /* Directions of a body's own axes in the lab's frame: the matrix of its orientation. It costs fewer operations than a
@@ -10124,12 +10139,21 @@ DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
     return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
 }
 
+/* Returns the rotation from the principal axes of the body of particle i to the frame in which its shape was given. */
+static inline dem_quaternion dem__given_frame(const dem_world *w, ptrdiff_t i, const dem__rigid *r) {
+    const dem_convex *s = dem__shape_of(w, i);
+    if (!s) return r->frame;
+    const dem_quaternion own = dem__turn_of_shape(s);
+    return own.w != 1.0 ? dem__turns(own, r->frame) : r->frame;
+}
+
 DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count)
         return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
     const dem__rigid *r = dem__rigid_of(world, i);
     if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
+    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn,
+                      dem__opposite_turn(dem__given_frame(world, i, r)));
 }
 
 /* Returns the position of a rigid body now, within the periodic box. */
@@ -10170,7 +10194,7 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     dem__restart(w, i);
     dem__book_motion(w, -dem__rotational(w, r->first));
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    r->turn = dem__turns(q, r->frame);
+    r->turn = dem__turns(q, dem__given_frame(w, i, r));
     w->engine->bodies.calls->set_motion(w, r, r->v, spin);
     dem__book_motion(w, dem__rotational(w, r->first));
     if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
@@ -16311,12 +16335,17 @@ DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, cons
     dem__body_def body;
     memset(&body, 0, sizeof body);
     body.mass = density * s->volume, body.moments = dem__scale(density, dem__point(s->moment));
-    body.frame = body.turn = dem__quaternion(1.0, none);
+    body.frame = dem__quaternion(1.0, none);
+    const dem_quaternion own = dem__turn_of_shape(s);
     body.pieces = 1, body.offset = &none, body.radius = &s->reach, body.material = material, body.group = group;
     for (ptrdiff_t k = 0; k < n; k++) {
         const double *o = orientations ? orientations + 4 * k : NULL;
         body.x = dem__point(centres + 3 * k);
-        if (o) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &body.turn);
+        body.turn = own;
+        if (o) {
+            dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &body.turn);
+            if (own.w != 1.0) body.turn = dem__turns(body.turn, own);
+        }
         w->engine->convex.shape_of[dem__add_body(w, &body)] = shape + 1;
     }
     return DEM_OK;
