@@ -1059,6 +1059,15 @@ class Shown(unittest.TestCase):
         self.assertNotIn("1000", str(fit))
         self.assertIn("<table>", fit._repr_html_())
 
+    def test_the_readme(self):
+        with open(os.path.join(root, "README.md"), encoding="utf-8") as file:
+            programs = re.findall(r"```python\n(.*?)```", file.read(), re.S)
+        self.assertTrue(programs)
+        with tempfile.TemporaryDirectory() as folder:
+            for program in programs:
+                subprocess.run([sys.executable, "-c", program], cwd=folder, check=True, env={**os.environ, "PYTHONPATH": here})
+            self.assertTrue(os.path.exists(os.path.join(folder, "bed.png")))
+
     def test_a_monte_carlo(self):
         """A constant kernel: the number halves in the time 2 / (number per volume x kernel)."""
         sample = [granulation.granule(s=1e-15) for _ in range(400)]
@@ -1205,7 +1214,8 @@ class Made(unittest.TestCase):
 
 if __name__ == "__main__":
     only = [word for word in sys.argv[1:] if word[0].isupper()]  # Shown.test_mypy
-    result = unittest.main(argv=[sys.argv[0], *only], exit=False, verbosity=1).result
+    pattern = os.environ.get("RIDDLE_TEST_PATTERN")
+    result = unittest.main(argv=[sys.argv[0], *only, *(["-k", pattern] if pattern else [])], exit=False, verbosity=1).result
     bad = len(result.failures) + len(result.errors)
     print(f"{result.testsRun - bad - len(result.skipped)} passed, {bad} failed, {len(result.skipped)} skipped")
     sys.exit(bad > 0)
