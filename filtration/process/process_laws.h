@@ -2,6 +2,7 @@
 #pragma once
 #include "process_api.h"
 #include "../../base/portable_math.h"
+#include "../../base/student.h"
 
 /* ==== >>process ==== */
 
