@@ -253,7 +253,7 @@ static inline double bridge_rupture_gap(double volume, double harmonic_radius, d
 /* Returns the same within 1 % rms and 4 % at most of Young-Laplace, for angles to 50 degrees, equal or not, any radius_ratio, V/R_h^3 from
    1e-6 to 0.1: eq 19 times a factor, the smaller of two cubics in the exponent, for the bridge lets go of one sphere or of the other
    (fitted to 12 000 bridges, compared with 7000 others: tests/fit_rupture_gap.c). angle_small: on the smaller sphere. Beyond this range the
-   factor is that of its end. A prepared pair is nearer (0.05 % rms), but off by up to 3 % where a plate's neck jumps (angles 30, 45). */
+   factor is that of its end. A prepared pair is nearer (0.16 % rms), but off by up to 3 % where a plate's neck jumps (angles 30, 45). */
 static inline double bridge_rupture_gap_unequal(double volume, double harmonic_radius, double radius_ratio, double angle_small,
                                                 double angle_large);
 /* Returns the dynamic rupture distance [m] (eq 20; Pitois et al. 2001): S_rup (1 + sqrt(Ca)), Ca = eta max(0, velocity)/sigma. */
