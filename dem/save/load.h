@@ -24,7 +24,7 @@ static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__g
 }
 
 /* Steps that a run may owe: half a one, and more after a change of the time step. */
-#define DEM__OWED_STEPS 1e7
+#define DEM__OWED_STEPS 1e5
 
 /* Reads materials and their pairs. Files have as many as the world, older ones DEM_MATERIALS_MAX of the program that
    wrote them. Returns 0 if the file is not valid. */
