@@ -337,6 +337,9 @@ static const scene_field output_fields[] = {
     {"movie", FIELD_YES, UNIT_NONE, offsetof(output_def, movie), ANY, "no", 0, NO_WORDS, "`scene.mp4`, by ffmpeg"},
     {"movie_rate", FIELD_NUMBER, UNIT_NONE, offsetof(output_def, movie_rate), 1e-6, 1e3, false, "1", 0, NO_WORDS,
      "simulated seconds in a second of the movie"},
+    TEXT(output_def, curves, "",
+         "columns of `measured.csv` that `curves.svg` shows, a panel for each part between `;`: `left_*; kinetic_J, largest_overlap`; default: what "
+         "is left of each class, and masses"),
 };
 SECTION(output, output_def, "output", "`scene.png` and `curves.svg` are always written.");
 static const scene_field stop_fields[] = {

@@ -194,6 +194,7 @@ typedef struct output_def {
     double frames, picture, save, view[3], top_speed;
     int colour, movie;
     double movie_rate;
+    const char *curves;
 } output_def;
 typedef struct stop_def {
     scene_part part;
