@@ -794,9 +794,8 @@ DEM_API void dem_free(dem_world *world); /* frees everything; safe on a zeroed o
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters,
                                    int material, int group);
 /* Makes a shape of n spheres, overlapping or not. centres: shape [n][3] [m], in a frame of the shape's own, anywhere;
-   diameters: [n] [m] > 0. Volume, centre of mass and moments are those of the union at one density: exact for spheres
-   that do not overlap and for centres on one line; otherwise overlaps are integrated to about 1e-5 of the whole.
-   Moments that differ by less than that are taken to be equal. A sphere within another is left out: it can touch
+   diameters: [n] [m] > 0. Volume, centre of mass and moments are those of the union at one density, to 1e-8 of the
+   whole in the worst case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere within another is left out: it can touch
    nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
 DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
 DEM_API double dem_clump_diameter(const dem_clump *clump); /* of the sphere of the same volume [m] */
@@ -909,6 +908,8 @@ typedef struct dem_feed {
     double due,
         due_mass;   /* what dem_feed_number, dem_feed_mass still owe [-], [kg]; they may be ahead by half a sphere */
     double waiting; /* diameter of the next sphere [m]; 0: not drawn yet */
+    uint64_t
+        waiting_of; /* tells the sizes and the shape that it was drawn from: with others it is drawn anew. 0: with any */
 } dem_feed;
 DEM_API dem_feed dem_default_feed(void); /* one size of 1 mm in a cube of 0.1 m at the origin, to be edited */
 
@@ -925,6 +926,23 @@ DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass);
    after it, so that sizes keep their shares; `due` tells how far the source is behind. */
 DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration);
 DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration);
+/* One source for several classes: of sizes, groups, materials or shapes. Bodies come one after the other, each of the
+   class that is farthest behind its share, and where one has no place the others wait with it: so what has been placed
+   has the shares to within a body, however little finds room. */
+enum { DEM_CLASSES_MAX = 100000 };
+typedef struct dem_source {
+    dem_feed *feed;      /* [classes] yours: sizes, material, group, velocity and shape of each class. Region, tries and
+                       generator of the first are those of all. Each counts its own placed and missed */
+    const double *share; /* [classes] of mass or number, >= 0, not all 0 */
+    int classes;         /* 1 .. DEM_CLASSES_MAX */
+    int by_number;       /* 0: shares are of mass */
+    double due, due_mass; /* what the feeds below still owe [-], [kg]; at first 0. They may be ahead by half a body */
+} dem_source;
+/* As dem_fill, dem_fill_mass, dem_feed_number and dem_feed_mass. Of a fill, what finds no place is missed by its class. */
+DEM_API dem_status dem_fill_source(dem_world *world, dem_source *source, ptrdiff_t count);
+DEM_API dem_status dem_fill_source_mass(dem_world *world, dem_source *source, double mass);
+DEM_API dem_status dem_feed_source(dem_world *world, dem_source *source, double rate, double duration);
+DEM_API dem_status dem_feed_source_mass(dem_world *world, dem_source *source, double mass_flow, double duration);
 /* Copies the oldest records of what passed exits, at most `capacity`, and removes them from the world. Returns their
    number, or minus a dem_status. records: [capacity], or NULL to drop them. Until then world->passed keeps 88 bytes of
    every particle that passed; world->passed_total counts all. dem_residence() reads the records: call it first. */
@@ -9727,8 +9745,11 @@ static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
     return r->first;
 }
 
-/* ------------------------------------------------------------------------------------------ >>bodies/clump_shape.h */
-/* Mass properties of bodies made of spheres. Promises: what dem_make_clump says. */
+/* ------------------------------------------------------------------------------------------------ >>bodies/union.h */
+/* Volume and moments of a union of balls, from its surface (Gauss's theorem): pure functions. Each ball's surface is cut
+   along latitudes about z. On a latitude other balls cover arcs; between them the integrals of products of the normal's
+   components are closed forms. Between the latitudes at which an arc begins or ends they are smooth but for square roots
+   at both ends, which a substitution takes away, so that Gauss's rule with 16 points finds them to rounding. */
 
 /* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
 typedef struct dem__content {
@@ -9736,6 +9757,268 @@ typedef struct dem__content {
     dem_vec first;
     double second[6];
 } dem__content;
+
+/* Integrals over the exposed directions n of a ball: of 1, n, n n, n n n. */
+typedef struct dem__exposed {
+    double zero, one[3], two[3][3], three[3][3][3];
+} dem__exposed;
+
+/* What another ball covers of a ball's surface: directions n with n d > h. */
+typedef struct dem__cover {
+    dem_vec d;
+    double h, across, angle; /* across, angle: length and angle of d about z */
+} dem__cover;
+
+enum { DEM__CAPS = DEM_CLUMP_MAX, DEM__LATITUDES = 2 + 2 * DEM__CAPS + DEM__CAPS * DEM__CAPS };
+
+/* Lists what others cover of ball i. Returns their number. */
+static inline int dem__find_caps(int n, const dem_vec *centre, const double *radius, int i, dem__cover *cap) {
+    int m = 0;
+    for (int j = 0; j < n; j++) {
+        const dem_vec d = dem__sub(centre[j], centre[i]);
+        const double square = dem__dot(d, d), sum = radius[i] + radius[j], r = radius[i];
+        if (j == i || !(square < sum * sum) || sqrt(square) + radius[j] <= r) continue;
+        cap[m].d = d, cap[m].h = 0.5 * (square + (r - radius[j]) * (r + radius[j])) / r;
+        cap[m].across = sqrt(d.x * d.x + d.y * d.y), cap[m].angle = riddle_atan2(d.y, d.x);
+        m++;
+    }
+    return m;
+}
+
+/* Returns whether a direction is covered by another cap than a and b, by more than rounding. */
+static inline int dem__is_covered(int m, const dem__cover *cap, dem_vec n, int a, int b) {
+    for (int k = 0; k < m; k++) {
+        if (k != a && k != b && dem__dot(n, cap[k].d) > cap[k].h + 1e-11 * dem__length(cap[k].d)) return 1;
+    }
+    return 0;
+}
+
+/* Lists the latitudes, from -1 to 1, at which the exposed part changes its kind: where the rim of a cap is highest and
+   lowest, and where two rims meet. */
+static inline int dem__find_latitudes(int m, const dem__cover *cap, double *t) {
+    int count = 2;
+    t[0] = -1.0, t[1] = 1.0;
+    for (int a = 0; a < m; a++) {
+        const dem_vec d = cap[a].d;
+        const double square = dem__dot(d, d), left = square - cap[a].h * cap[a].h;
+        for (double side = -1.0; side < 2.0 && left > 0.0; side += 2.0) {
+            const double z = (cap[a].h * d.z + side * cap[a].across * sqrt(left)) / square;
+            dem_vec n = dem__scale(cap[a].h / square, d);
+            if (cap[a].across > 0.0) { /* up or down along the rim's plane */
+                const double up = side * sqrt(left) / (square * cap[a].across);
+                n = dem__plus(n, up, dem_vec3(-d.z * d.x, -d.z * d.y, cap[a].across * cap[a].across));
+            }
+            if (z > -1.0 && z < 1.0 && !(cap[a].across > 0.0 && dem__is_covered(m, cap, n, a, a))) t[count++] = z;
+        }
+        for (int b = 0; b < a; b++) {
+            const dem_vec axis = dem__cross(d, cap[b].d);
+            const double bb = dem__dot(cap[b].d, cap[b].d), ab = dem__dot(d, cap[b].d), det = dem__dot(axis, axis);
+            if (!(det > 1e-24 * square * bb)) continue;
+            const dem_vec foot = dem__plus(dem__scale((cap[a].h * bb - cap[b].h * ab) / det, d),
+                                           (cap[b].h * square - cap[a].h * ab) / det, cap[b].d);
+            const double rest = 1.0 - dem__dot(foot, foot);
+            for (double side = -1.0; side < 2.0 && rest > 0.0; side += 2.0) {
+                const dem_vec n = dem__plus(foot, side * sqrt(rest / det), axis);
+                if (n.z > -1.0 && n.z < 1.0 && !dem__is_covered(m, cap, n, a, b)) t[count++] = n.z;
+            }
+        }
+    }
+    return count;
+}
+
+/* Adds the arc of a latitude t between two angles. */
+static inline void dem__add_arc(dem__exposed *e, double weight, double t, double from, double to) {
+    const double across = sqrt((1.0 - t) * (1.0 + t));
+    double in[4][4], side = -1.0; /* of cos^a sin^b */
+    memset(in, 0, sizeof in);
+    for (int k = 0; k < 2; k++, side = 1.0) {
+        const double angle = k ? to : from, c = riddle_cos(angle), s = riddle_sin(angle);
+        in[0][0] += side * angle, in[1][0] += side * s, in[0][1] -= side * c;
+        in[2][0] += side * 0.5 * (angle + s * c), in[0][2] += side * 0.5 * (angle - s * c);
+        in[1][1] += side * 0.5 * s * s, in[3][0] += side * (s - s * s * s / 3.0);
+        in[2][1] -= side * c * c * c / 3.0, in[1][2] += side * s * s * s / 3.0;
+        in[0][3] += side * (c * c * c / 3.0 - c);
+    }
+    for (int a = 0; a < 4; a++) {
+        for (int b = 0; a + b < 4; b++) {
+            in[a][b] *= weight;
+            for (int k = 0; k < a + b; k++) in[a][b] *= across;
+        }
+    }
+    e->zero += in[0][0];
+    for (int p = 0; p < 3; p++) {
+        e->one[p] += in[p == 0][p == 1] * (p == 2 ? t : 1.0);
+        for (int q = 0; q < 3; q++) {
+            const double z = (p == 2 ? t : 1.0) * (q == 2 ? t : 1.0);
+            e->two[p][q] += in[(p == 0) + (q == 0)][(p == 1) + (q == 1)] * z;
+            for (int s = 0; s < 3; s++)
+                e->three[p][q][s] +=
+                    in[(p == 0) + (q == 0) + (s == 0)][(p == 1) + (q == 1) + (s == 1)] * z * (s == 2 ? t : 1.0);
+        }
+    }
+}
+
+/* Adds the exposed arcs of a latitude. */
+static inline void dem__add_latitude(dem__exposed *e, double weight, double t, int m, const dem__cover *cap) {
+    double begin[2 * DEM__CAPS], end[2 * DEM__CAPS], from = -RIDDLE_PI;
+    const double across = sqrt((1.0 - t) * (1.0 + t));
+    int arcs = 0;
+    for (int k = 0; k < m; k++) {
+        const double most = across * cap[k].across, least = cap[k].h - t * cap[k].d.z;
+        if (least >= most) continue;
+        if (least <= -most) return; /* all is covered */
+        const double half = riddle_acos(least / most);
+        double a = cap[k].angle - half, b = cap[k].angle + half;
+        if (a < -RIDDLE_PI) begin[arcs] = a + 2.0 * RIDDLE_PI, end[arcs++] = RIDDLE_PI, a = -RIDDLE_PI;
+        if (b > RIDDLE_PI) begin[arcs] = -RIDDLE_PI, end[arcs++] = b - 2.0 * RIDDLE_PI, b = RIDDLE_PI;
+        begin[arcs] = a, end[arcs++] = b;
+    }
+    for (int k = 1; k < arcs; k++) {
+        const double a = begin[k], b = end[k];
+        int q = k;
+        for (; q > 0 && begin[q - 1] > a; q--) begin[q] = begin[q - 1], end[q] = end[q - 1];
+        begin[q] = a, end[q] = b;
+    }
+    for (int k = 0; k <= arcs; k++) {
+        const double to = k < arcs ? begin[k] : RIDDLE_PI;
+        if (to > from) dem__add_arc(e, weight, t, from, to);
+        if (k < arcs && end[k] > from) from = end[k];
+    }
+}
+
+/* A part of the latitudes t = middle + half sin(pi/2 s) between two of them, from one s to another. */
+typedef struct dem__zone {
+    double middle, half, from, to;
+} dem__zone;
+
+/* Integrates over a zone by Gauss's rule with 16 points. */
+static inline void dem__add_zone(dem__exposed *e, const dem__zone *z, int m, const dem__cover *cap) {
+    static const double node[8] = {0.095012509837637441, 0.28160355077925892, 0.45801677765722737, 0.61787624440264377,
+                                   0.755404408355003,    0.86563120238783176, 0.9445750230732326,  0.98940093499164994};
+    static const double part[8] = {0.18945061045506847, 0.18260341504492361,  0.16915651939500256,  0.14959598881657682,
+                                   0.12462897125553395, 0.095158511682492897, 0.062253523938647776, 0.027152459411754058};
+    const double half = 0.25 * RIDDLE_PI * (z->to - z->from), middle = 0.25 * RIDDLE_PI * (z->to + z->from);
+    for (int g = 0; g < 16; g++) {
+        const double s = middle + half * (g < 8 ? -node[7 - g] : node[g - 8]);
+        const double weight = half * z->half * riddle_cos(s) * part[g < 8 ? 7 - g : g - 8];
+        dem__add_latitude(e, weight, z->middle + z->half * riddle_sin(s), m, cap);
+    }
+}
+
+static inline void dem__add_exposed(dem__exposed *e, const dem__exposed *of) {
+    e->zero += of->zero;
+    for (int p = 0; p < 3; p++) {
+        e->one[p] += of->one[p];
+        for (int q = 0; q < 3; q++) {
+            e->two[p][q] += of->two[p][q];
+            for (int s = 0; s < 3; s++) e->three[p][q][s] += of->three[p][q][s];
+        }
+    }
+}
+
+/* Integrates over a zone; halves it where its integrals change by that: a rim ends close beyond it. */
+enum { DEM__HALVINGS = 12 };
+static inline void dem__expose_zone(dem__exposed *e, dem__zone z, int m, const dem__cover *cap) {
+    dem__zone left[DEM__HALVINGS + 1]; /* to be done, each half as wide as the one before */
+    int todo = 0;
+    left[todo++] = z;
+    while (todo > 0) {
+        dem__exposed whole, halves;
+        dem__zone low = left[--todo], high = low;
+        memset(&whole, 0, sizeof whole), memset(&halves, 0, sizeof halves);
+        low.to = high.from = 0.5 * (high.from + high.to);
+        dem__add_zone(&whole, &left[todo], m, cap);
+        dem__add_zone(&halves, &low, m, cap), dem__add_zone(&halves, &high, m, cap);
+        const double change = fabs(halves.zero - whole.zero) + fabs(halves.one[0] - whole.one[0]) +
+                              fabs(halves.one[1] - whole.one[1]) + fabs(halves.two[2][2] - whole.two[2][2]);
+        if (change > 1e-13 && todo + 2 <= DEM__HALVINGS) left[todo++] = high, left[todo++] = low;
+        else dem__add_exposed(e, &halves);
+    }
+}
+
+/* Integrates over what is exposed of a ball. */
+static inline void dem__expose(int m, const dem__cover *cap, dem__exposed *e) {
+    double t[DEM__LATITUDES];
+    const int count = dem__find_latitudes(m, cap, t);
+    memset(e, 0, sizeof *e);
+    for (int k = 1; k < count; k++) {
+        const double x = t[k];
+        int q = k;
+        for (; q > 0 && t[q - 1] > x; q--) t[q] = t[q - 1];
+        t[q] = x;
+    }
+    for (int k = 1; k < count; k++) {
+        const dem__zone z = {0.5 * (t[k] + t[k - 1]), 0.5 * (t[k] - t[k - 1]), -1.0, 1.0};
+        if (z.half > 1e-16) dem__expose_zone(e, z, m, cap);
+    }
+}
+
+/* Adds what the exposed surface of a ball at c encloses with the origin. */
+static inline void dem__add_enclosed(dem__content *to, const dem__exposed *e, dem_vec c, double r) {
+    const double centre[3] = {c.x, c.y, c.z};
+    double zero = r * e->zero, one[3], first[3], second[3][3]; /* of (x n) times 1, n, n n; then of x, x x */
+    for (int p = 0; p < 3; p++) zero += centre[p] * e->one[p];
+    for (int p = 0; p < 3; p++) {
+        one[p] = r * e->one[p];
+        for (int s = 0; s < 3; s++) one[p] += centre[s] * e->two[p][s];
+        first[p] = centre[p] * zero + r * one[p];
+    }
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++) {
+            double two = r * e->two[p][q];
+            for (int s = 0; s < 3; s++) two += centre[s] * e->three[p][q][s];
+            second[p][q] = centre[p] * centre[q] * zero + r * (centre[p] * one[q] + centre[q] * one[p] + r * two);
+        }
+    }
+    const double area = r * r;
+    to->volume += area / 3.0 * zero;
+    to->first = dem__plus(to->first, 0.25 * area, dem_vec3(first[0], first[1], first[2]));
+    for (int p = 0; p < 3; p++)
+        to->second[p] += 0.2 * area * second[p][p], to->second[3 + p] += 0.2 * area * second[p][(p + 1) % 3];
+}
+
+/* Adds a content that was found about another origin. */
+static inline void dem__add_shifted(dem__content *to, const dem__content *of, dem_vec origin) {
+    const double o[3] = {origin.x, origin.y, origin.z}, f[3] = {of->first.x, of->first.y, of->first.z};
+    to->volume += of->volume;
+    to->first = dem__add(to->first, dem__plus(of->first, of->volume, origin));
+    for (int p = 0; p < 3; p++) {
+        const int q = (p + 1) % 3;
+        to->second[p] += of->second[p] + 2.0 * o[p] * f[p] + of->volume * o[p] * o[p];
+        to->second[3 + p] += of->second[3 + p] + o[p] * f[q] + o[q] * f[p] + of->volume * o[p] * o[q];
+    }
+}
+
+/* Adds the union of balls. Those that hang together are integrated about one of them, so that nothing is lost however
+   far apart others are. */
+static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
+    int of[DEM_CLUMP_MAX]; /* the first ball of those that hang together */
+    dem__cover cap[DEM__CAPS];
+    dem__exposed e;
+    dem__content own;
+    for (int k = 0; k < n; k++) of[k] = k;
+    for (int a = 0; a < n; a++) {
+        for (int b = 0; b < a; b++) {
+            const dem_vec d = dem__sub(centre[a], centre[b]);
+            const double sum = radius[a] + radius[b];
+            const int low = of[a] < of[b] ? of[a] : of[b], high = of[a] < of[b] ? of[b] : of[a];
+            if (!(dem__dot(d, d) < sum * sum)) continue;
+            for (int k = 0; k < n; k++) of[k] = of[k] == high ? low : of[k];
+        }
+    }
+    for (int first = 0; first < n; first++) {
+        memset(&own, 0, sizeof own);
+        for (int k = first; k < n; k++) {
+            if (of[k] != first) continue;
+            dem__expose(dem__find_caps(n, centre, radius, k, cap), cap, &e);
+            dem__add_enclosed(&own, &e, dem__sub(centre[k], centre[first]), radius[k]);
+        }
+        dem__add_shifted(c, &own, centre[first]);
+    }
+}
+
+/* ------------------------------------------------------------------------------------------ >>bodies/clump_shape.h */
+/* Mass properties of bodies made of spheres. Promises: what dem_make_clump says. */
 
 static inline void dem__add_content(dem__content *c, double weight, double volume, dem_vec at, dem_vec spread) {
     const double v = weight * volume;
@@ -9750,15 +10033,6 @@ static inline void dem__add_content(dem__content *c, double weight, double volum
 static inline void dem__add_ball(dem__content *c, double weight, dem_vec at, double r) {
     const double spread = 0.2 * r * r;
     dem__add_content(c, weight, 4.0 / 3.0 * RIDDLE_PI * r * r * r, at, dem_vec3(spread, spread, spread));
-}
-
-static inline void dem__sort_numbers(double *v, int n) {
-    for (int k = 1; k < n; k++) {
-        const double x = v[k];
-        int q = k;
-        for (; q > 0 && v[q - 1] > x; q--) v[q] = v[q - 1];
-        v[q] = x;
-    }
 }
 
 /* Returns the first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL if
@@ -9804,56 +10078,6 @@ static inline void dem__add_revolution(dem__content *c, int n, const double *at,
             c->second[4] -= half * weight[g] * RIDDLE_PI * square * q * u.y * u.z;
             c->second[5] -= half * weight[g] * RIDDLE_PI * square * q * u.z * u.x;
         }
-    }
-}
-
-/* Subtracts the parts of a line along z through (x, y) that lie in more than one sphere, as often as they have been
-   counted too much. */
-static inline void dem__take_surplus(dem__content *c, double area, int n, const dem_vec *centre, const double *radius,
-                                     double x, double y) {
-    double low[DEM_CLUMP_MAX], high[DEM_CLUMP_MAX], bound[2 * DEM_CLUMP_MAX];
-    int m = 0;
-    for (int k = 0; k < n; k++) {
-        const double dx = x - centre[k].x, dy = y - centre[k].y, square = radius[k] * radius[k] - dx * dx - dy * dy;
-        if (!(square > 0.0)) continue;
-        const double half = sqrt(square);
-        low[m] = centre[k].z - half, high[m] = centre[k].z + half;
-        bound[2 * m] = low[m], bound[2 * m + 1] = high[m];
-        m++;
-    }
-    if (m < 2) return;
-    dem__sort_numbers(bound, 2 * m);
-    for (int b = 1; b < 2 * m; b++) {
-        const double length = bound[b] - bound[b - 1], z = 0.5 * (bound[b] + bound[b - 1]);
-        int times = -1;
-        for (int k = 0; k < m; k++) times += low[k] < z && z < high[k];
-        if (times > 0)
-            dem__add_content(c, -times * area, length, dem_vec3(x, y, z), dem_vec3(0.0, 0.0, length * length / 12.0));
-    }
-}
-
-/* Adds spheres at any places: each exactly, less the overlaps, which are integrated over 400 x 400 lines, exactly along
-   z. */
-enum { DEM__CLUMP_LINES = 400 };
-static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
-    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
-    for (int k = 0; k < n; k++) {
-        dem__add_ball(c, 1.0, centre[k], radius[k]);
-        for (int other = 0; other < n; other++) { /* bounding box of those that overlap others */
-            const double sum = radius[k] + radius[other];
-            const dem_vec d = dem__sub(centre[k], centre[other]);
-            if (other == k || !(dem__dot(d, d) < sum * sum)) continue;
-            for (int a = 0; a < 2; a++) {
-                const double at = dem_axis(centre[k], a);
-                low[a] = at - radius[k] < low[a] ? at - radius[k] : low[a],
-                high[a] = at + radius[k] > high[a] ? at + radius[k] : high[a];
-            }
-        }
-    }
-    const double wx = (high[0] - low[0]) / (double)DEM__CLUMP_LINES, wy = (high[1] - low[1]) / (double)DEM__CLUMP_LINES;
-    for (int p = 0; p < DEM__CLUMP_LINES && wx > 0.0; p++) {
-        for (int q = 0; q < DEM__CLUMP_LINES; q++)
-            dem__take_surplus(c, wx * wy, n, centre, radius, low[0] + (p + 0.5) * wx, low[1] + (q + 0.5) * wy);
     }
 }
 
@@ -9954,7 +10178,7 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
     const double tensor[6] = {
         yy + zz, zz + xx, xx + yy, v * m.x * m.y - s[3], v * m.y * m.z - s[4], v * m.z * m.x - s[5]};
     c.moments = dem__clump_axes(tensor, &c.axes);
-    dem__merge_moments(&c.moments, c.spheres == 1 || line ? 1e-12 : 1e-5);
+    dem__merge_moments(&c.moments, c.spheres == 1 || line ? 1e-12 : 1e-9);
     dem__order_moments(&c.moments, &c.axes, order);
     for (int k = 0; k < c.spheres; k++) c.centre[k] = dem__scale(size, dem__sub(c.centre[k], m)), c.radius[k] *= size;
     c.origin = dem__plus(from, size, m);
@@ -11957,8 +12181,8 @@ static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_ve
     return 1;
 }
 
-/* ------------------------------------------------------------------------------------------------ >>feed/filling.h */
-/* Placing particles without overlap, at once or over time. Owns nothing; writes a world through its public functions.
+/* ------------------------------------------------------------------------------------------------- >>feed/places.h */
+/* Where bodies of a source find a place: shapes of bodies, free places by random tries. Pure but for the generator.
  */
 
 /* Draws a place at which a sphere lies within a region; along directions in which the region is flat, its centre does.
@@ -11994,45 +12218,6 @@ static inline int dem__random_place(const dem_region *r, double radius, uint64_t
     *x = dem__add(dem__add(r->low, dem__scale(room * u[0], frame.axis[0])),
                   dem__add(dem__scale(room * u[1], frame.axis[1]), dem__scale(u[2], frame.axis[2])));
     return 1;
-}
-
-/* Moves a radius down a heap, whose root is the smallest. */
-static inline void dem__sift_size(double *heap, ptrdiff_t root, ptrdiff_t n) {
-    for (;;) {
-        ptrdiff_t child = 2 * root + 1;
-        if (child >= n) return;
-        if (child + 1 < n && heap[child + 1] < heap[child]) child++;
-        if (!(heap[child] < heap[root])) return;
-        const double t = heap[root];
-        heap[root] = heap[child], heap[child] = t;
-        root = child;
-    }
-}
-/* Sorts radii, largest first. */
-static inline void dem__sort_sizes(double *radius, ptrdiff_t n) {
-    for (ptrdiff_t k = n / 2 - 1; k >= 0; k--) dem__sift_size(radius, k, n);
-    for (ptrdiff_t k = n - 1; k > 0; k--) {
-        const double t = radius[0];
-        radius[0] = radius[k], radius[k] = t;
-        dem__sift_size(radius, 0, k);
-    }
-}
-
-/* Draws the particles that are due one after the other, at most `most`. Returns their number; radius: their radii, or
-   NULL. The first that is not due is kept in feed->waiting: to leave it out would favour small ones. -1: stopped. */
-static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double number, double mass, ptrdiff_t most,
-                                      double *radius) {
-    for (ptrdiff_t n = 0; n < most; n++) {
-        if (dem__is_stopped(w, n)) return -1;
-        if (!(feed->waiting > 0.0)) feed->waiting = dem_draw_size(&feed->sizes, &feed->random);
-        const double m = dem__sphere_mass(w, feed->material, 0.5 * feed->waiting);
-        if (!((double)n + 0.5 <= number) || !(0.5 * m <= mass))
-            return n; /* a source is late or early by half a particle at most */
-        if (radius) radius[n] = 0.5 * feed->waiting;
-        mass -= m;
-        feed->waiting = 0.0;
-    }
-    return most;
 }
 
 /* Draws an orientation, all equally likely: a point of the unit ball in four dimensions, scaled to length 1. */
@@ -12089,18 +12274,18 @@ static inline int dem__has_room(const dem_world *w, const dem__room *room, const
     return 1;
 }
 
-/* Finds a free place for a body of a feed, by random tries. Returns 0 if there was none. */
-static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *feed, double radius, dem_vec *x,
-                                  dem_quaternion *turn) {
+/* Finds a free place for a body of a feed by random tries in the region of its source, with the source's generator. Returns 0 if there was none. */
+static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *source, const dem_feed *feed, double radius,
+                                  dem_vec *x, dem_quaternion *turn) {
     const double reach = radius * dem__feed_reach(w, feed);
-    for (int tries = 0; tries < feed->tries; tries++) {
+    for (int tries = 0; tries < source->tries; tries++) {
         if (dem__is_stopped(w, room->looked++)) {
             room->stopped = 1;
             return 0;
         }
-        if (!dem__random_place(&feed->region, reach, &feed->random, x)) return 0;
+        if (!dem__random_place(&source->region, reach, &source->random, x)) return 0;
         *x = dem__in_box(w, *x); /* as dem_add_spheres does */
-        if (feed->clump || feed->polyhedron) *turn = dem__random_turn(&feed->random);
+        if (feed->clump || feed->polyhedron) *turn = dem__random_turn(&source->random);
         if (dem__has_room(w, room, feed, *x, *turn, radius)) return 1;
     }
     return 0;
@@ -12117,160 +12302,352 @@ static inline void dem__settle_body(const dem_world *w, dem__room *room, const d
     }
 }
 
-/* New bodies of a feed: as drawn and placed, then in the order of memory. */
+/* ------------------------------------------------------------------------------------------------ >>feed/filling.h */
+/* Bodies of a source: drawn class by class, placed without overlap, added. Owns nothing; writes a world through its
+   public functions.
+ */
+
+/* Moves a radius and its class down a heap, whose root is the smallest. */
+static inline void dem__sift_size(double *heap, int32_t *line, ptrdiff_t root, ptrdiff_t n) {
+    for (;;) {
+        ptrdiff_t child = 2 * root + 1;
+        if (child >= n) return;
+        if (child + 1 < n && heap[child + 1] < heap[child]) child++;
+        if (!(heap[child] < heap[root])) return;
+        const double t = heap[root];
+        const int32_t k = line[root];
+        heap[root] = heap[child], heap[child] = t;
+        line[root] = line[child], line[child] = k;
+        root = child;
+    }
+}
+/* Sorts radii and their classes, largest first. */
+static inline void dem__sort_sizes(double *radius, int32_t *line, ptrdiff_t n) {
+    for (ptrdiff_t k = n / 2 - 1; k >= 0; k--) dem__sift_size(radius, line, k, n);
+    for (ptrdiff_t k = n - 1; k > 0; k--) {
+        const double t = radius[0];
+        const int32_t c = line[0];
+        radius[0] = radius[k], radius[k] = t;
+        line[0] = line[k], line[k] = c;
+        dem__sift_size(radius, line, 0, k);
+    }
+}
+
+/* A class of a source while bodies are drawn and placed. */
+typedef struct dem__line {
+    dem_feed feed;
+    double share, given;  /* of what all classes have been given: [kg] or number */
+    ptrdiff_t now, first; /* placed by this call; the first of them in the list */
+} dem__line;
+
+/* Returns a number that differs for distributions that differ, not 0: a diameter drawn ahead belongs to one. */
+static inline uint64_t dem__mark_of(const dem_sizes *s, int polyhedron) {
+    const double of[4] = {s->scale, s->spread, s->smallest, s->largest};
+    uint64_t mark = (uint64_t)s->kind * 64u + (uint64_t)(s->by_mass != 0) * 32u + (uint64_t)polyhedron * 1024u;
+    const int entries = s->kind == DEM_SIZES_LIST ? s->count : 0;
+    for (int k = 0; k < 4 + 2 * entries; k++) {
+        const double value = k < 4 ? of[k] : k % 2 ? s->share[(k - 4) / 2] : s->diameter[(k - 4) / 2];
+        uint64_t bits;
+        memcpy(&bits, &value, sizeof bits);
+        mark += bits;
+        mark = (mark ^ (mark >> 30)) * 0xbf58476d1ce4e5b9u;
+        mark = (mark ^ (mark >> 27)) * 0x94d049bb133111ebu;
+        mark ^= mark >> 31;
+    }
+    return mark | 1u;
+}
+
+/* Draws the next diameter of a class, unless one of its present sizes has been drawn already. */
+static inline void dem__draw_ahead(dem_feed *feed, uint64_t *random) {
+    const uint64_t mark = dem__mark_of(&feed->sizes, feed->polyhedron);
+    if (feed->waiting > 0.0 && (feed->waiting_of == mark || feed->waiting_of == 0)) return;
+    feed->waiting = dem_draw_size(&feed->sizes, random);
+    feed->waiting_of = mark;
+}
+
+/* Returns the class whose turn it is: the one that comes nearest to its share if it gets its next body (Webster). */
+static inline int dem__next_line(const dem_world *w, dem__line *line, int classes, int by_number) {
+    double earliest = HUGE_VAL;
+    int next = 0;
+    for (int k = 0; k < classes && classes > 1; k++) {
+        if (!(line[k].share > 0.0)) continue;
+        dem__draw_ahead(&line[k].feed, &line[0].feed.random);
+        const double body = by_number ? 1.0 : dem__sphere_mass(w, line[k].feed.material, 0.5 * line[k].feed.waiting);
+        const double turn = (line[k].given + 0.5 * body) / line[k].share;
+        if (turn < earliest) earliest = turn, next = k;
+    }
+    return next;
+}
+
+/* Draws the bodies that are due one after the other, at most `most`. Returns their number; radius, of: their radii and
+   classes, or NULL. The first that is not due is kept in its feed's `waiting`: to leave it out would favour small ones.
+   -1: stopped. */
+static inline ptrdiff_t dem__draw_due(const dem_world *w, dem__line *line, const dem_source *source, double number,
+                                      double mass, ptrdiff_t most, double *radius, int32_t *of) {
+    for (ptrdiff_t n = 0; n < most; n++) {
+        if (dem__is_stopped(w, n)) return -1;
+        const int k = dem__next_line(w, line, source->classes, source->by_number);
+        dem_feed *feed = &line[k].feed;
+        dem__draw_ahead(feed, &line[0].feed.random);
+        const double m = dem__sphere_mass(w, feed->material, 0.5 * feed->waiting);
+        if (!((double)n + 0.5 <= number) || !(0.5 * m <= mass))
+            return n; /* a source is late or early by half a particle at most */
+        if (radius) radius[n] = 0.5 * feed->waiting, of[n] = k;
+        mass -= m;
+        line[k].given += source->by_number ? 1.0 : m;
+        feed->waiting = 0.0;
+    }
+    return most;
+}
+
+/* New bodies of a source: as drawn and placed, then class by class in the order of memory. */
 typedef struct dem__batch {
     double *radius, *piece, *place, *turn;              /* [n], [n][pieces], [n][3], [n][4] */
     double *diameter, *centre, *orientation, *velocity; /* [n], [n][3], [n][4], [n][3] */
+    int32_t *of, *first;                                /* [n] class; the first of its pieces among those placed */
+    ptrdiff_t pieces, bodies;                           /* in all, as drawn; those in several pieces or of a shape */
     size_t bytes;
 } dem__batch;
 static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, ptrdiff_t n, ptrdiff_t pieces) {
-    b->bytes = (size_t)n * (size_t)(19 + pieces) * sizeof(double);
+    b->bytes = (size_t)n * ((size_t)(19 + pieces) * sizeof(double) + 2 * sizeof(int32_t));
     b->radius = (double *)memory->fn(memory->user, NULL, 0, b->bytes);
     if (!b->radius) return 0;
     b->place = b->radius + n, b->turn = b->place + 3 * n, b->diameter = b->turn + 4 * n, b->centre = b->diameter + n;
     b->orientation = b->centre + 3 * n, b->velocity = b->orientation + 4 * n, b->piece = b->velocity + 3 * n;
+    b->of = (int32_t *)(void *)(b->piece + pieces * n), b->first = b->of + n;
     return 1;
 }
 
 /* Returns how many bodies a call draws at most; a limit for a source that was blocked for long. */
 static inline ptrdiff_t dem__most_drawn(int at_once) { return at_once ? INT32_MAX / 8 : 100000; }
 
-/* Draws n radii, and computes those of their particles. Returns the largest radius of a body, or -1: stopped. */
-static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem_feed *feed, double number, double mass,
-                                     ptrdiff_t n, int at_once) {
-    const ptrdiff_t pieces = dem__feed_pieces(feed);
+/* Draws n radii, and computes those of their particles. Returns the largest radius about a body's centre, or -1:
+   stopped. */
+static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem__line *line, const dem_source *source,
+                                     double number, double mass, ptrdiff_t n, int at_once) {
     double widest = 0.0;
-    if (dem__draw_due(w, feed, number, mass, dem__most_drawn(at_once), b->radius) < 0) return -1.0;
-    if (at_once) dem__sort_sizes(b->radius, n);
-    for (ptrdiff_t k = 0; k < n * pieces; k++) {
-        const double r = b->radius[k / pieces];
-        b->piece[k] =
-            feed->clump ? r * dem__feed_scale(feed) * feed->clump->radius[k % pieces] : r * dem__feed_reach(w, feed);
-        widest = r > widest ? r : widest;
+    if (dem__draw_due(w, line, source, number, mass, dem__most_drawn(at_once), b->radius, b->of) < 0) return -1.0;
+    if (at_once) dem__sort_sizes(b->radius, b->of, n);
+    b->pieces = 0;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const dem_feed *feed = &line[b->of[k]].feed;
+        const double r = b->radius[k], reach = r * dem__feed_reach(w, feed);
+        for (ptrdiff_t q = 0; q < dem__feed_pieces(feed); q++)
+            b->piece[b->pieces++] = feed->clump ? r * dem__feed_scale(feed) * feed->clump->radius[q] : reach;
+        widest = reach > widest ? reach : widest;
     }
     return widest;
 }
 
-/* Finds places for n bodies, and counts them in the feed by number or, with by_mass, by mass. at_once: bodies without a
-   place are counted as missed; otherwise the first of them waits, and with it those after it. */
-static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *feed, dem__batch *b, ptrdiff_t n,
-                                    int by_mass, int at_once) {
-    ptrdiff_t found = 0;
+/* Keeps what has been drawn and not placed, from body k on: the next of each class waits. */
+static inline void dem__keep_waiting(dem__line *line, const dem__batch *b, ptrdiff_t k, ptrdiff_t n) {
+    for (ptrdiff_t q = n - 1; q >= k; q--) {
+        dem_feed *feed = &line[b->of[q]].feed;
+        feed->waiting = 2.0 * b->radius[q], feed->waiting_of = dem__mark_of(&feed->sizes, feed->polyhedron);
+    }
+}
+
+/* Finds places for n bodies, and counts them as given by number or, with by_mass, by mass. at_once: bodies without a
+   place are counted as missed; otherwise the first of them waits, and with it those after it. Returns how many have a
+   place. */
+static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__line *line, dem_source *source,
+                                         dem__batch *b, ptrdiff_t n, int by_mass, int at_once) {
+    ptrdiff_t found = 0, pieces = 0;
     for (ptrdiff_t k = 0; k < n; k++) {
+        dem_feed *feed = &line[b->of[k]].feed;
         const double radius = b->radius[k], m = dem__sphere_mass(w, feed->material, radius);
         dem_vec x;
         dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-        if (dem__find_place(w, room, feed, radius, &x, &q)) {
+        if (dem__find_place(w, room, &line[0].feed, feed, radius, &x, &q)) {
             double *turn = b->turn + 4 * found;
             dem__settle_body(w, room, feed, x, q, radius);
             for (int a = 0; a < 3; a++) b->place[3 * found + a] = dem_axis(x, a);
             turn[0] = q.w, turn[1] = q.x, turn[2] = q.y, turn[3] = q.z;
-            b->radius[found++] = radius;
-            feed->placed_mass += m;
-            if (by_mass) feed->due_mass -= at_once ? 0.0 : m;
-            else feed->due -= at_once ? 0.0 : 1.0;
-        } else if (room->stopped) return;
+            b->first[found] = (int32_t)pieces, b->of[found] = b->of[k], b->radius[found++] = radius;
+            pieces += dem__feed_pieces(feed);
+            feed->placed++, feed->placed_mass += m;
+            line[b->of[k]].now++;
+            if (by_mass) source->due_mass -= at_once ? 0.0 : m;
+            else source->due -= at_once ? 0.0 : 1.0;
+        } else if (room->stopped) return found;
         else if (at_once) {
             feed->missed++;
             feed->missed_mass += m;
         } else {
-            feed->waiting = 2.0 * radius;
-            return;
+            dem__keep_waiting(line, b, k, n);
+            return found;
         }
     }
+    return found;
 }
 
-/* Lists the placed bodies in the order of the cells of their first particles, so that neighbours in space are
-   neighbours in memory. Returns their number. */
-static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t present, dem_feed *feed, dem__batch *b) {
-    const ptrdiff_t pieces = dem__feed_pieces(feed);
-    ptrdiff_t placed = 0;
+/* Returns the body that has a piece; bodies: n. */
+static inline ptrdiff_t dem__body_of_piece(const dem__batch *b, ptrdiff_t n, ptrdiff_t piece) {
+    ptrdiff_t low = 0, high = n;
+    while (high - low > 1) {
+        const ptrdiff_t middle = low + (high - low) / 2;
+        if (b->first[middle] <= piece) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
+/* Lists the placed bodies class by class, in the order of the cells of their first particles, so that neighbours in
+   space are neighbours in memory. n: their number. */
+static inline void dem__list_placed(const dem__room *room, ptrdiff_t present, dem__line *line, int classes,
+                                    dem__batch *b, ptrdiff_t n) {
+    for (int k = 1; k < classes; k++) line[k].first = line[k - 1].first + line[k - 1].now;
+    for (int k = 0; k < classes; k++) line[k].now = 0;
     for (ptrdiff_t c = 0; c < room->cells; c++) {
         for (int32_t q = room->head[c]; q >= present; q = room->next[q]) {
-            const ptrdiff_t body = (q - present) / pieces;
-            if ((q - present) % pieces != 0) continue;
-            b->diameter[placed] = 2.0 * b->radius[body];
-            for (int a = 0; a < 4; a++) b->orientation[4 * placed + a] = b->turn[4 * body + a];
+            const ptrdiff_t body = dem__body_of_piece(b, n, q - present);
+            if (b->first[body] != q - present) continue;
+            dem__line *of = &line[b->of[body]];
+            const ptrdiff_t to = of->first + of->now++;
+            b->diameter[to] = 2.0 * b->radius[body];
+            for (int a = 0; a < 4; a++) b->orientation[4 * to + a] = b->turn[4 * body + a];
             for (int a = 0; a < 3; a++) {
-                b->centre[3 * placed + a] = b->place[3 * body + a];
-                b->velocity[3 * placed + a] = dem_axis(feed->velocity, a) +
-                                              dem_axis(feed->scatter, a) * (2.0 * dem__uniform(&feed->random) - 1.0);
+                b->centre[3 * to + a] = b->place[3 * body + a];
+                b->velocity[3 * to + a] =
+                    dem_axis(of->feed.velocity, a) +
+                    dem_axis(of->feed.scatter, a) * (2.0 * dem__uniform(&line[0].feed.random) - 1.0);
             }
-            placed++;
         }
     }
-    return placed;
 }
 
-/* Adds n bodies with their velocities, or none. */
-static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptrdiff_t n, const dem__batch *b) {
-    const ptrdiff_t pieces = dem__feed_pieces(feed);
+/* Adds the new bodies of a class with their velocities, or none. */
+static inline dem_status dem__add_moving(dem_world *w, const dem__line *line, const dem__batch *b) {
+    const dem_feed *feed = &line->feed;
+    const ptrdiff_t pieces = dem__feed_pieces(feed), n = line->now, first = line->first;
+    const double *centre = b->centre + 3 * first, *turn = b->orientation + 4 * first, *d = b->diameter + first;
     dem_status status;
     if (feed->polyhedron)
-        status = w->engine->convex.calls->add(w, feed->polyhedron - 1, n, b->centre, b->orientation, feed->material,
-                                              feed->group);
-    else if (feed->clump)
-        status =
-            feed->clump->add__(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group);
-    else status = dem_add_spheres(w, n, b->centre, b->diameter, feed->material, feed->group);
+        status = w->engine->convex.calls->add(w, feed->polyhedron - 1, n, centre, turn, feed->material, feed->group);
+    else if (feed->clump) status = feed->clump->add__(w, n, feed->clump, centre, d, turn, feed->material, feed->group);
+    else status = dem_add_spheres(w, n, centre, d, feed->material, feed->group);
     for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
-        const dem_vec v = dem_vec3(b->velocity[3 * k], b->velocity[3 * k + 1], b->velocity[3 * k + 2]);
-        dem_set_motion(w, w->count - (n - k) * pieces, v, dem_vec3(0.0, 0.0, 0.0));
+        const double *v = b->velocity + 3 * (first + k);
+        dem_set_motion(w, w->count - (n - k) * pieces, dem_vec3(v[0], v[1], v[2]), dem_vec3(0.0, 0.0, 0.0));
     }
     return status;
 }
 
-/* Draws n bodies, finds places for them, and lists those that have one; *placed: their number. */
-static inline dem_status dem__place_batch(dem_world *w, dem_feed *feed, dem__batch *b, double number, double mass,
-                                          ptrdiff_t n, int at_once, ptrdiff_t *placed) {
+/* Adds all new bodies, or none: where there are several classes, there is room for all before the first. */
+static inline dem_status dem__add_lines(dem_world *w, const dem__line *line, int classes, const dem__batch *b) {
+    ptrdiff_t pieces = 0, bodies = 0;
+    dem_status status = DEM_OK;
+    for (int k = 0; k < classes; k++) {
+        pieces += line[k].now * dem__feed_pieces(&line[k].feed);
+        if (line[k].feed.clump || line[k].feed.polyhedron) bodies += line[k].now;
+    }
+    if (classes > 1 && pieces > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
+    if (classes > 1 && !(bodies ? dem__reserve_bodies(w, bodies, pieces) : dem__reserve_particles(w, pieces)))
+        return DEM_OUT_OF_MEMORY;
+    for (int k = 0; k < classes && status == DEM_OK; k++) {
+        if (line[k].now > 0 || classes == 1) status = dem__add_moving(w, &line[k], b);
+    }
+    return status;
+}
+
+/* Draws n bodies, finds places for them, and lists those that have one. */
+static inline dem_status dem__place_batch(dem_world *w, dem__line *line, dem_source *source, dem__batch *b,
+                                          double number, double mass, ptrdiff_t n, int at_once) {
     dem__room room;
-    const double widest = dem__draw_batch(w, b, feed, number, mass, n, at_once);
+    const double widest = dem__draw_batch(w, b, line, source, number, mass, n, at_once);
     if (widest < 0.0) return DEM_STOPPED;
-    dem_status status = dem__make_room(&room, w, &feed->region, b->piece, n * dem__feed_pieces(feed),
-                                       widest * dem__feed_reach(w, feed));
+    dem_status status = dem__make_room(&room, w, &line[0].feed.region, b->piece, b->pieces, widest);
     if (status == DEM_OK) {
         const ptrdiff_t present = room.count;
-        dem__find_places(w, &room, feed, b, n, mass < HUGE_VAL, at_once);
-        *placed = dem__list_placed(&room, present, feed, b);
+        const ptrdiff_t placed = dem__find_places(w, &room, line, source, b, n, mass < HUGE_VAL, at_once);
+        dem__list_placed(&room, present, line, source->classes, b, placed);
         if (room.stopped) status = DEM_STOPPED;
     }
     dem__clear_room(&room, w);
     return status;
 }
 
+/* ------------------------------------------------------------------------------------------------ >>feed/sources.h */
+/* Sources: fills and feeds of one class or several, at once or over time.
+ */
+
+/* The classes of a source as they are before a call. */
+static inline void dem__open_lines(const dem_world *w, const dem_source *source, dem__line *line) {
+    for (int k = 0; k < source->classes; k++) {
+        const dem_feed *f = &source->feed[k];
+        memset(&line[k], 0, sizeof line[k]);
+        line[k].feed = *f, line[k].share = source->share ? source->share[k] : 1.0;
+        line[k].given = source->by_number ? (double)(f->placed + f->missed) : f->placed_mass + f->missed_mass;
+        if (f->polyhedron) line[k].feed.sizes = dem_one_size(dem__convex_diameter(dem__feed_shape(w, f)));
+    }
+}
+
 /* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place are
-   missed; otherwise in the order drawn, up to the first without a place, which waits. */
-static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number, double mass, int at_once) {
-    if (dem__is_running(w)) return DEM_BUSY;
+   missed; otherwise in the order drawn, up to the first without a place, which waits. line: room for twice the
+   classes. */
+static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem__line *line, double number,
+                                           double mass, int at_once) {
     const dem_allocator memory = w->def.allocator;
-    dem_feed after = *feed, counted;
-    if (feed->polyhedron) after.sizes = dem_one_size(dem__convex_diameter(dem__feed_shape(w, feed)));
-    counted = after;
+    dem__line *after = line, *counted = line + source->classes;
+    dem_source due = *source;
     dem__batch batch;
-    ptrdiff_t placed = 0;
     const double most = (double)dem__most_drawn(at_once);
-    double smallest, largest;
+    double heaviest = 0.0;
+    ptrdiff_t pieces = 1;
     memset(&batch, 0, sizeof batch);
-    dem__are_sizes(&after.sizes, &smallest, &largest);
-    if (at_once && number > most && mass > most * dem__sphere_mass(w, feed->material, 0.5 * largest))
-        return DEM_TOO_MANY;
+    dem__open_lines(w, source, after);
+    memcpy(counted, after, (size_t)source->classes * sizeof *after);
+    for (int k = 0; k < source->classes; k++) {
+        double smallest, largest;
+        dem__are_sizes(&after[k].feed.sizes, &smallest, &largest);
+        const double m = dem__sphere_mass(w, after[k].feed.material, 0.5 * largest);
+        heaviest = m > heaviest ? m : heaviest;
+        pieces = dem__feed_pieces(&after[k].feed) > pieces ? dem__feed_pieces(&after[k].feed) : pieces;
+    }
+    if (at_once && number > most && mass > most * heaviest) return DEM_TOO_MANY;
     w->engine->run.running = 1; /* def.stop finds the world busy */
     const int is_counted = at_once && number >= 1.0 && !(mass < HUGE_VAL);
-    const ptrdiff_t n =
-        is_counted ? (ptrdiff_t)number : dem__draw_due(w, &counted, number, mass, dem__most_drawn(at_once), NULL);
-    dem_status status = n < 0 ? DEM_STOPPED : n >= INT32_MAX / 8 / dem__feed_pieces(feed) ? DEM_TOO_MANY : DEM_OK;
+    const ptrdiff_t n = is_counted
+                            ? (ptrdiff_t)number
+                            : dem__draw_due(w, counted, source, number, mass, dem__most_drawn(at_once), NULL, NULL);
+    dem_status status = n < 0 ? DEM_STOPPED : n >= INT32_MAX / 8 / pieces ? DEM_TOO_MANY : DEM_OK;
     if (status == DEM_OK && n > 0) {
         status = DEM_OUT_OF_MEMORY;
-        if (dem__make_batch(&batch, &memory, n, dem__feed_pieces(feed)))
-            status = dem__place_batch(w, &after, &batch, number, mass, n, at_once, &placed);
+        if (dem__make_batch(&batch, &memory, n, pieces))
+            status = dem__place_batch(w, after, &due, &batch, number, mass, n, at_once);
     }
     w->engine->run.running = 0;
-    if (status == DEM_OK && n > 0) status = dem__add_moving(w, &after, placed, &batch);
+    if (status == DEM_OK && n > 0) status = dem__add_lines(w, after, source->classes, &batch);
     if (batch.radius) memory.fn(memory.user, batch.radius, batch.bytes, 0);
     if (status != DEM_OK) return status;
-    after.placed += placed;
-    *feed = n > 0 ? after : counted;
+    *source = due;
+    for (int k = 0; k < source->classes; k++) {
+        const dem_sizes sizes = source->feed[k].sizes;
+        source->feed[k] = n > 0 ? after[k].feed : counted[k].feed;
+        source->feed[k].sizes = sizes;
+    }
     return DEM_OK;
+}
+
+static inline dem_status dem__insert(dem_world *w, dem_source *source, double number, double mass, int at_once) {
+    if (dem__is_running(w)) return DEM_BUSY;
+    dem__line two[2], *line = two;
+    const dem_allocator memory = w->def.allocator;
+    const size_t bytes = 2 * (size_t)source->classes * sizeof *line;
+    if (source->classes > 1) line = (dem__line *)memory.fn(memory.user, NULL, 0, bytes);
+    if (!line) return DEM_OUT_OF_MEMORY;
+    const dem_status status = dem__insert_lines(w, source, line, number, mass, at_once);
+    if (source->classes > 1) memory.fn(memory.user, line, bytes, 0);
+    return status;
+}
+
+/* A feed as a source of one class; what it owes stands in the feed. */
+static inline dem_source dem__source_of(dem_feed *feed) {
+    dem_source s;
+    memset(&s, 0, sizeof s);
+    s.feed = feed, s.classes = 1;
+    s.due = feed->due, s.due_mass = feed->due_mass;
+    return s;
 }
 
 static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
@@ -12293,7 +12670,8 @@ static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
 
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
     if (!dem__is_feed(world, feed) || count < 0) return DEM_BAD_ARGUMENT;
-    return dem__insert(world, feed, (double)count, HUGE_VAL, 1);
+    dem_source source = dem__source_of(feed);
+    return dem__insert(world, &source, (double)count, HUGE_VAL, 1);
 }
 /* Returns a volume [m3] that the bodies placed in a region cannot exceed; of a mesh, that of the box around it. Where
    the region is flat, bodies stand out of it. */
@@ -12315,27 +12693,76 @@ DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass) 
     if (!dem__is_feed(world, feed) || !dem__not_negative(mass)) return DEM_BAD_ARGUMENT;
     if (dem__is_running(world)) return DEM_BUSY;
     if (mass > world->def.material[feed->material].density * dem__most_volume(world, feed)) return DEM_TOO_MANY;
-    return dem__insert(world, feed, HUGE_VAL, mass, 1);
+    dem_source source = dem__source_of(feed);
+    return dem__insert(world, &source, HUGE_VAL, mass, 1);
 }
 
 DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration) {
     if (!dem__is_feed(world, feed) || !dem__not_negative(rate) || !dem__not_negative(duration) ||
         !dem__finite(rate * duration))
         return DEM_BAD_ARGUMENT;
-    dem_feed due = *feed;
-    due.due += rate * duration;
-    const dem_status status = dem__insert(world, &due, due.due, HUGE_VAL, 0);
-    if (status == DEM_OK) *feed = due;
+    dem_source source = dem__source_of(feed);
+    source.due += rate * duration;
+    const dem_status status = dem__insert(world, &source, source.due, HUGE_VAL, 0);
+    if (status == DEM_OK) feed->due = source.due;
     return status;
 }
 DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration) {
     if (!dem__is_feed(world, feed) || !dem__not_negative(mass_flow) || !dem__not_negative(duration) ||
         !dem__finite(mass_flow * duration))
         return DEM_BAD_ARGUMENT;
-    dem_feed due = *feed;
+    dem_source source = dem__source_of(feed);
+    source.due_mass += mass_flow * duration;
+    const dem_status status = dem__insert(world, &source, HUGE_VAL, source.due_mass, 0);
+    if (status == DEM_OK) feed->due_mass = source.due_mass;
+    return status;
+}
+
+static inline int dem__is_source(const dem_world *w, const dem_source *s) {
+    double sum = 0.0;
+    if (!w || !w->def.allocator.fn || !s || !s->feed || !s->share || s->classes < 1 || s->classes > DEM_CLASSES_MAX)
+        return 0;
+    for (int k = 0; k < s->classes; k++) {
+        if (!dem__is_feed(w, &s->feed[k]) || !dem__not_negative(s->share[k])) return 0;
+        sum += s->share[k];
+    }
+    return dem__positive(sum) && dem__finite(s->due) && dem__finite(s->due_mass);
+}
+DEM_API dem_status dem_fill_source(dem_world *world, dem_source *source, ptrdiff_t count) {
+    if (!dem__is_source(world, source) || count < 0) return DEM_BAD_ARGUMENT;
+    return dem__insert(world, source, (double)count, HUGE_VAL, 1);
+}
+DEM_API dem_status dem_fill_source_mass(dem_world *world, dem_source *source, double mass) {
+    if (!dem__is_source(world, source) || !dem__not_negative(mass)) return DEM_BAD_ARGUMENT;
+    if (dem__is_running(world)) return DEM_BUSY;
+    double most = 0.0;
+    for (int k = 0; k < source->classes; k++) {
+        dem_feed feed = source->feed[k];
+        feed.region = source->feed[0].region;
+        const double here = world->def.material[feed.material].density * dem__most_volume(world, &feed);
+        most = here > most ? here : most;
+    }
+    if (mass > most) return DEM_TOO_MANY;
+    return dem__insert(world, source, HUGE_VAL, mass, 1);
+}
+DEM_API dem_status dem_feed_source(dem_world *world, dem_source *source, double rate, double duration) {
+    if (!dem__is_source(world, source) || !dem__not_negative(rate) || !dem__not_negative(duration) ||
+        !dem__finite(rate * duration))
+        return DEM_BAD_ARGUMENT;
+    dem_source due = *source;
+    due.due += rate * duration;
+    const dem_status status = dem__insert(world, &due, due.due, HUGE_VAL, 0);
+    if (status == DEM_OK) *source = due;
+    return status;
+}
+DEM_API dem_status dem_feed_source_mass(dem_world *world, dem_source *source, double mass_flow, double duration) {
+    if (!dem__is_source(world, source) || !dem__not_negative(mass_flow) || !dem__not_negative(duration) ||
+        !dem__finite(mass_flow * duration))
+        return DEM_BAD_ARGUMENT;
+    dem_source due = *source;
     due.due_mass += mass_flow * duration;
     const dem_status status = dem__insert(world, &due, HUGE_VAL, due.due_mass, 0);
-    if (status == DEM_OK) *feed = due;
+    if (status == DEM_OK) *source = due;
     return status;
 }
 
@@ -16875,7 +17302,7 @@ static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__g
 }
 
 /* Steps that a run may owe: half a one, and more after a change of the time step. */
-#define DEM__OWED_STEPS 1e7
+#define DEM__OWED_STEPS 1e5
 
 static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
 

@@ -61,6 +61,31 @@ def bed(n=60, dt=1e-5):
     return world
 
 
+class Sources(unittest.TestCase):
+    def test_one_source_of_several_classes(self):
+        world, feeds = bed(0), []
+        for k, diameter in enumerate((5e-3, 2e-3)):
+            feeds.append(dem.default_feed())
+            feeds[k].region = dem.box_region((0, 0, 0.01), (0.05, 0.05, 0.05))
+            feeds[k].sizes, feeds[k].group = dem.one_size(diameter), k
+        source = dem.source(feed=feeds, share=[3, 1])
+        self.assertEqual(source.classes, 2)
+        world.fill_source_mass(source, 0.01)
+        world.feed_source_mass(source, 0.05, 0.1)
+        placed = [feed.placed_mass for feed in source.feed]
+        self.assertAlmostEqual(placed[0], 0.75 * sum(placed), delta=2e-4)
+        self.assertAlmostEqual(sum(placed), 0.015, delta=2e-4)
+        self.assertEqual(feeds[0].placed, 0)  # the source has copies
+        self.assertEqual(world.count, sum(feed.placed for feed in source.feed))
+        source.classes = 3
+        with self.assertRaises(ValueError):
+            world.feed_source(source, 1.0, 1.0)
+        with self.assertRaises(TypeError):
+            source.feed = [dem.one_size(1e-3)]
+        with self.assertRaises((ValueError, dem.Error)):
+            world.feed_source(dem.source(), 1.0, 1.0)
+
+
 class Complete(unittest.TestCase):
     def test_every_public_function_is_there(self):
         declared = set()

@@ -81,7 +81,7 @@ static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__g
 }
 
 /* Steps that a run may owe: half a one, and more after a change of the time step. */
-#define DEM__OWED_STEPS 1e7
+#define DEM__OWED_STEPS 1e5
 
 static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
 
