@@ -2,6 +2,7 @@
 #pragma once
 #include "cone.h"
 #include "cylinder.h"
+#include "disc.h"
 #include "exit.h"
 #include "mesh.h"
 #include "plane.h"
@@ -9,7 +10,7 @@
 #include "sphere.h"
 
 static const dem__wall_kind *const dem__wall_kinds[] = {
-    &dem__plane, &dem__cylinder, &dem__woven_screen, &dem__exit, &dem__sphere, &dem__cone, &dem__triangles,
+    &dem__plane, &dem__cylinder, &dem__woven_screen, &dem__exit, &dem__sphere, &dem__cone, &dem__triangles, &dem__disc,
 };
 
 /* Returns the row of a kind; NULL for an unknown kind. */
