@@ -605,6 +605,8 @@ typedef struct filtration_fluid_def {
     double body_force[3];           /* on the fluid [N/m3]; default 0. Without gravity, because pressure is dynamic */
     filtration_solid solid;         /* default: none */
     double speed_limit;             /* lattice speed [-] above which a run stops as diverged, 1e-15 .. 0.5; default 0.3 */
+    int keep_mass;                  /* 1: filtration_fluid_keep_mass is called every 256 steps of a closed box with spheres that move;
+                                       default 1 */
     int skip;                       /* 1: slabs that are all solid, or fluid at exact rest, are not updated; 0: all are; same bits; default
                                        1 */
     int threads;                    /* number of threads >= 1; default 1; same bits for any number */
@@ -638,6 +640,7 @@ typedef struct filtration_problem {
     int node[3];          /* the first bad node in the order of z, y, x; with FILTRATION_SPHERE: {index of the sphere, 0, 0} */
     int64_t step;         /* step at which it was found */
     double speed;         /* speed there, in lattice units [-] */
+    const char *rule;     /* with FILTRATION_SPHERE: what it must be; static storage; otherwise NULL */
     double cell_reynolds; /* u dx / nu there [-]; above 20 to 30 the flow between two nodes is not resolved */
 } filtration_problem;
 
@@ -712,15 +715,16 @@ FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid);
 typedef int (*filtration_write_fn)(void *user, const void *data, size_t bytes);
 typedef int (*filtration_read_fn)(void *user, void *data, size_t bytes);
 FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write, void *user);
-/* Loads into a fluid that filtration_fluid_init made with the same definition (box, lattice, precision, faces, solid). After BAD_DATA or
-   STREAM the fluid is at rest at time 0. */
+/* Loads into a fluid that filtration_fluid_init made with the same definition (box, lattice, precision, faces, solid, laws); BAD_DATA
+   for another one. After BAD_DATA or STREAM the fluid is at rest at time 0. */
 FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, filtration_read_fn read, void *user);
 
 /* ==== >>motion: spheres moved by a fluid, without another particle code ==== */
 
 typedef struct filtration_motion_def {
     uint32_t cookie;
-    double density;     /* of the spheres [kg/m3] > 0; default 2200 */
+    double density;     /* of the spheres [kg/m3], at least 0.4 of the fluid's: lighter ones are tossed by the liquid that they displace;
+                           default 2200 */
     double gravity[3];  /* [m/s2]; default (0, 0, -9.81); acts as buoyant weight (density - fluid density) V g */
     double modulus;     /* reduced modulus E* of two spheres in contact [Pa] > 0; default 1e8 (softened; docs/filtration.md) */
     double restitution; /* coefficient of restitution of a dry contact [-], above 0 .. 1; default 0.5 */
@@ -736,8 +740,8 @@ FILTRATION_API filtration_status filtration_motion_check_def(const filtration_mo
 
 /* Moves the spheres by one step of the fluid (leapfrog in sub_steps, at constant force and torque of the fluid): changes centre, velocity
    and spin. contact [n][3] (may be NULL): mean contact and lubrication force in the step [N]. Walls and the solid of the fluid are touched
-   where they are. share: factor of the force in a box with symmetry faces (1, 2 or 4). BAD_DEF,
-   BAD_ARGUMENT: nothing has moved; TOO_FAST: a contact gave a sphere an infinite speed (more sub_steps). */
+   where they are. share: factor of the force in a box with symmetry faces (1, 2 or 4). BAD_DEF, BAD_ARGUMENT (also for spheres lighter
+   than 0.4 of the fluid): nothing has moved; TOO_FAST: a contact gave a sphere an infinite speed (more sub_steps). */
 FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid,
                                                  filtration_spheres *spheres, double share, double *contact);
 /* Returns the number of sub-steps in the contact time of two equal spheres (Hertz) [-]; it should be 10 or more. dt: of the fluid [s];
@@ -2670,6 +2674,7 @@ typedef struct filtration__lattice {
     int whole_weight[FILTRATION__Q]; /* 72 w */
     filtration__rates rates;
     int periodic_x, half_way, refill;
+    int left;                   /* 1: spheres have left nodes since the mass was corrected */
     int odd;                    /* which step of the pair comes next */
     int32_t *owner;             /* [nz][ny][nx]: FILTRATION__FLUID, FILTRATION__SOLID or a sphere */
     unsigned char *row_state;   /* [nz][ny]: FILTRATION__ROW_SOLID, FILTRATION__ROW_BAD */
@@ -3547,7 +3552,7 @@ static inline void filtration__chord(const filtration__ball *b, int y, int z, in
     *first = 1, *end = 0;
     if (!(rest > 0.0)) return;
     double half = sqrt(rest);
-    *first = (int)ceil(b->centre[0] - half), *end = (int)floor(b->centre[0] + half);
+    *first = (int)floor(b->centre[0] - half) + 1, *end = (int)ceil(b->centre[0] + half) - 1;
 }
 
 /* Finds the rows that a sphere may cover along an axis. */
@@ -3591,7 +3596,7 @@ static inline void filtration__swap_nodes(filtration__lattice *l, ptrdiff_t inde
                 int p[3] = {x, y, z};
                 if (!filtration__inside(l, p, &mirrored) || mirrored) continue;
                 int32_t *owner = &l->owner[filtration__node(l, p[0], p[1], p[2])];
-                if (leave && *owner == (int32_t)index) *owner = filtration__cover(l, p, index);
+                if (leave && *owner == (int32_t)index) *owner = filtration__cover(l, p, index), l->left = 1;
                 if (!leave && (*owner == FILTRATION__FLUID || *owner == FILTRATION__FRESH)) *owner = (int32_t)index;
             }
         }
@@ -3979,6 +3984,7 @@ FILTRATION_API filtration_fluid_def filtration_fluid_default_def(void) {
     def.bulk_ratio = 2.0 / 3.0;
     def.magic = 3.0 / 16.0;
     def.speed_limit = 0.3;
+    def.keep_mass = 1;
     def.skip = 1;
     def.threads = 1;
     return def;
@@ -4056,6 +4062,7 @@ static inline const char *filtration__bad_field(const filtration_fluid_def *d) {
     if (d->force != FILTRATION_MOMENTUM_EXCHANGE && d->force != FILTRATION_SHEAR_LAYER) return "force";
     if (filtration__bad_face(d)) return filtration__bad_face(d);
     if (!(d->speed_limit >= 1e-15 && d->speed_limit <= 0.5)) return "speed_limit";
+    if (d->keep_mass != 0 && d->keep_mass != 1) return "keep_mass";
     if (d->skip != 0 && d->skip != 1) return "skip";
     if (d->threads < 1) return "threads";
     return filtration__bad_source(d);
@@ -4172,27 +4179,31 @@ FILTRATION_API filtration_status filtration_fluid_init(filtration_fluid *fluid, 
     return FILTRATION_NO_MEMORY;
 }
 
-/* Reads sphere n of the caller in lattice units. Returns 0 if a number is out of range. */
-static inline int filtration__read_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n, filtration__ball *b) {
+/* Reads sphere n of the caller in lattice units. Returns NULL, or what it would have to be. */
+static inline const char *filtration__read_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
+                                                filtration__ball *b) {
     const filtration__lattice *l = fluid->lattice;
     const int nodes[3] = {l->nx, l->ny, l->nz};
-    int good = s->radius[n] >= 0.0;
     b->radius = s->radius[n] / fluid->def.voxel;
-    if (b->radius == 0.0) return good;
+    if (!(s->radius[n] >= 0.0)) return "radius: at least 0";
+    if (b->radius == 0.0) return NULL;
+    if (!(b->radius < (fluid->def.force == FILTRATION_SHEAR_LAYER ? 1e4 : 1e5))) /* points on a sphere are counted in int */
+        return "radius: below 1e5 voxels (1e4 with the shear layer)";
     for (int a = 0; a < 3; a++) {
         double x = s->centre[3 * n + a] / fluid->def.voxel - 0.5;
         b->velocity[a] = s->velocity[3 * n + a] / l->to_velocity;
         b->spin[a] = s->spin[3 * n + a] * fluid->dt;
-        good = good && fabs(x) < 1e6 && fabs(b->velocity[a]) < 0.5 && fabs(b->spin[a]) * b->radius < 0.5;
-        if (!good) return 0;
+        if (!(fabs(x) < 1e6)) return "centre: within 1e6 voxels";
+        if (!(fabs(b->velocity[a]) < 0.5)) return "velocity: below half a voxel a step";
+        if (!(fabs(b->spin[a]) * b->radius < 0.5)) return "spin: a surface below half a voxel a step";
         if (filtration__repeats(l, a)) { /* the image nearest to its last place, or in the box */
             double home = b->steps ? b->centre[a] : 0.5 * (nodes[a] - 1);
             x -= nodes[a] * floor((x - home) / nodes[a] + 0.5);
-            good = 2.0 * b->radius < nodes[a] - 2.0;
+            if (!(2.0 * b->radius <= nodes[a] * (1.0 + 1e-12))) return "radius: at most half a periodic box";
         }
         b->centre[a] = x;
     }
-    return good && b->radius < (fluid->def.force == FILTRATION_SHEAR_LAYER ? 1e4 : 1e5); /* points on a sphere are counted in int */
+    return NULL;
 }
 
 static inline filtration_status filtration__room_for_balls(filtration_fluid *fluid, ptrdiff_t n) {
@@ -4231,35 +4242,37 @@ static inline void filtration__move_ball(filtration__lattice *l, ptrdiff_t n, co
     }
 }
 
-/* Reads sphere n of the caller; none beyond his last. Returns OK, BAD_ARGUMENT or TOO_FAST. */
+/* Reads sphere n of the caller; none beyond his last. Returns OK, BAD_ARGUMENT or TOO_FAST, and the rule that it breaks. */
 static inline filtration_status filtration__next_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
-                                                      filtration__ball *now) {
+                                                      filtration__ball *now, const char **rule) {
     const filtration__ball *before = &fluid->lattice->balls[n];
     *now = *before;
     now->radius = 0.0;
-    if (s && n < s->n && !filtration__read_ball(fluid, s, n, now)) return FILTRATION_BAD_ARGUMENT;
+    *rule = s && n < s->n ? filtration__read_ball(fluid, s, n, now) : NULL;
+    if (*rule) return FILTRATION_BAD_ARGUMENT;
     if (now->radius == 0.0) now->steps = 0;
-    else if (before->radius > 0.0 && !(filtration__moved(now, before) <= 0.5)) return FILTRATION_TOO_FAST;
-    return FILTRATION_OK;
+    else if (before->radius > 0.0 && !(filtration__moved(now, before) <= 0.5)) *rule = "centre: moved by at most half a voxel a step";
+    return *rule ? FILTRATION_TOO_FAST : FILTRATION_OK;
 }
 
 /* Moves the spheres to their present places: all or, if one is refused, none. */
 static inline filtration_status filtration__bring_balls(filtration_fluid *fluid, const filtration_spheres *s) {
     filtration__lattice *l = fluid->lattice;
     filtration__ball now;
+    const char *rule;
     ptrdiff_t n = s ? s->n : 0;
     if (n < 0 || (n > 0 && !(s->centre && s->velocity && s->spin && s->radius && s->force && s->torque))) return FILTRATION_BAD_ARGUMENT;
     if (filtration__room_for_balls(fluid, n) != FILTRATION_OK) return FILTRATION_NO_MEMORY;
     for (ptrdiff_t k = 0; k < l->ball_count; k++) {
-        const filtration_status status = filtration__next_ball(fluid, s, k, &now);
+        const filtration_status status = filtration__next_ball(fluid, s, k, &now, &rule);
         if (status == FILTRATION_OK) continue;
-        fluid->problem.cause = FILTRATION_SPHERE;
+        fluid->problem.cause = FILTRATION_SPHERE, fluid->problem.rule = rule;
         fluid->problem.node[0] = (int)k, fluid->problem.node[1] = fluid->problem.node[2] = 0;
         fluid->problem.step = fluid->steps;
         return status;
     }
     for (ptrdiff_t k = 0; k < l->ball_count; k++) {
-        (void)filtration__next_ball(fluid, s, k, &now);
+        (void)filtration__next_ball(fluid, s, k, &now, &rule);
         filtration__move_ball(l, k, &now);
     }
     return FILTRATION_OK;
@@ -4276,6 +4289,45 @@ static inline void filtration__give_forces(const filtration_fluid *fluid, const 
             s->torque[3 * n + a] = none ? 0.0 : torque * (share * b->torque[0][a] + other * b->torque[1][a]);
         }
     }
+}
+
+static inline int filtration__is_closed(const filtration__lattice *l) {
+    for (int f = 0; f < 6; f++)
+        if (l->face[f]->beyond == FILTRATION__NOTHING && !l->face[f]->is_touched) return 0;
+    return 1;
+}
+
+/* Adds the same density to every fluid node, so that the mean is def.density. */
+static inline filtration_status filtration__level(filtration_fluid *fluid) {
+    filtration__lattice *l = fluid->lattice;
+    double sum = 0.0, u[3];
+    ptrdiff_t count = 0;
+    for (int z = 0; z < l->nz; z++)
+        for (int y = 0; y < l->ny; y++) {
+            double row = 0.0;
+            for (int x = 0; x < l->nx; x++) {
+                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
+                row += filtration__moments(l, x, y, z, u);
+                count++;
+            }
+            sum += row;
+        }
+    if (count == 0 || sum == 0.0) return FILTRATION_OK;
+    const double r = -sum / (double)count;
+    if (!(fabs(r) < HUGE_VAL)) return FILTRATION_DIVERGED;
+    for (int z = 0; z < l->nz; z++)
+        for (int y = 0; y < l->ny; y++)
+            for (int x = 0; x < l->nx; x++) {
+                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
+                for (int i = 0; i < l->q; i++) {
+                    ptrdiff_t place = filtration__incoming(l, x, y, z, i);
+                    filtration__put(l, place, filtration__get(l, place) + l->w[i] * r);
+                }
+            }
+    memset(l->slab_active, 1, (size_t)l->nz);
+    for (ptrdiff_t n = 0; n < l->ball_count; n++) l->balls[n].density += r;
+    fluid->mass_correction += r;
+    return FILTRATION_OK;
 }
 
 FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, const filtration_spheres *spheres) {
@@ -4306,6 +4358,10 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
     }
     if (fluid->def.force == FILTRATION_SHEAR_LAYER) filtration__shear_forces(fluid);
     filtration__give_forces(fluid, spheres);
+    if (fluid->def.keep_mass && l->left && fluid->steps % 256 == 0 && filtration__is_closed(l)) {
+        l->left = 0;
+        return filtration__level(fluid);
+    }
     return FILTRATION_OK;
 }
 
@@ -4553,25 +4609,7 @@ FILTRATION_API filtration_status filtration_fluid_set_flow(
 }
 
 FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fluid) {
-    filtration__lattice *l = fluid ? fluid->lattice : NULL;
-    if (!l) return FILTRATION_BAD_ARGUMENT;
-    double sum[6];
-    filtration__sum_all(l, sum);
-    if (!(sum[4] > 0.0) || sum[0] == 0.0) return FILTRATION_OK;
-    double r = -sum[0] / sum[4];
-    if (!(fabs(r) < HUGE_VAL)) return FILTRATION_DIVERGED;
-    for (int z = 0; z < l->nz; z++)
-        for (int y = 0; y < l->ny; y++)
-            for (int x = 0; x < l->nx; x++) {
-                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
-                for (int i = 0; i < l->q; i++) {
-                    ptrdiff_t place = filtration__incoming(l, x, y, z, i);
-                    filtration__put(l, place, filtration__get(l, place) + l->w[i] * r);
-                }
-            }
-    memset(l->slab_active, 1, (size_t)l->nz);
-    fluid->mass_correction += r;
-    return FILTRATION_OK;
+    return fluid && fluid->lattice ? filtration__level(fluid) : FILTRATION_BAD_ARGUMENT;
 }
 
 /* -------------------------------------------------------------------------------------------------------- >>save.h */
@@ -4583,11 +4621,12 @@ FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fl
 /* Everything but arrays. All fields have eight bytes, so that there is no padding. */
 typedef struct filtration__header {
     uint64_t magic;
-    int64_t nodes[3], directions, single, faces[6], links, solid_nodes, balls, odd, steps, updates;
-    double tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel, density, viscosity;
+    int64_t nodes[3], directions, single, faces[6], boundary, refill, force_mode, keep_mass, links, solid_nodes, balls, odd, left, steps,
+        updates;
+    double bulk_ratio, lambda, tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel, density, viscosity;
 } filtration__header;
 
-#define FILTRATION__MAGIC UINT64_C(0x326c6966656c6472) /* changes with the format */
+#define FILTRATION__MAGIC UINT64_C(0x336c6966656c6472) /* changes with the format */
 
 static inline uint64_t filtration__checksum(uint64_t sum, const void *data, size_t bytes) {
     const unsigned char *p = (const unsigned char *)data;
@@ -4610,6 +4649,8 @@ static inline filtration__header filtration__make_header(const filtration_fluid 
     h.magic = FILTRATION__MAGIC;
     for (int a = 0; a < 3; a++) h.nodes[a] = d->nodes[a];
     for (int f = 0; f < 6; f++) h.faces[f] = (int64_t)d->face[f];
+    h.boundary = (int64_t)d->boundary, h.refill = (int64_t)d->refill, h.force_mode = (int64_t)d->force, h.keep_mass = d->keep_mass;
+    h.bulk_ratio = d->bulk_ratio, h.lambda = d->magic, h.left = l->left;
     h.directions = l->q, h.single = l->single, h.links = l->link_count, h.solid_nodes = l->solid_nodes;
     h.balls = l->ball_count, h.odd = l->odd, h.steps = fluid->steps, h.updates = fluid->updates;
     h.tau = d->tau, h.time = fluid->time, h.mass_correction = fluid->mass_correction;
@@ -4653,7 +4694,7 @@ static inline void filtration__rest(filtration_fluid *fluid) {
     for (size_t k = 0; k < filtration__nodes(l); k++)
         if (l->owner[k] != FILTRATION__SOLID) l->owner[k] = FILTRATION__FLUID;
     l->ball_count = 0;
-    l->odd = 0;
+    l->odd = l->left = 0;
     fluid->time = fluid->mass_correction = 0.0;
     fluid->steps = fluid->updates = 0;
     memset(&fluid->problem, 0, sizeof fluid->problem);
@@ -4664,6 +4705,8 @@ static inline int filtration__fits(const filtration_fluid *fluid, const filtrati
     filtration__header own = filtration__make_header(fluid);
     int same = h->magic == own.magic && h->directions == own.directions && h->single == own.single && h->links == own.links &&
                h->solid_nodes == own.solid_nodes && h->voxel == own.voxel && h->density == own.density && h->viscosity == own.viscosity &&
+               h->boundary == own.boundary && h->refill == own.refill && h->force_mode == own.force_mode && h->keep_mass == own.keep_mass &&
+               h->bulk_ratio == own.bulk_ratio && h->lambda == own.lambda && (h->left == 0 || h->left == 1) &&
                h->balls >= 0 && h->balls < INT32_MAX && (h->odd == 0 || h->odd == 1) && h->time >= 0.0 && h->time < HUGE_VAL &&
                fabs(h->mass_correction) < HUGE_VAL && h->steps >= 0 && h->updates >= 0;
     for (int a = 0; a < 3; a++) same = same && h->nodes[a] == own.nodes[a];
@@ -4715,7 +4758,7 @@ FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, 
         return status;
     }
     (void)filtration__change(fluid, &def);
-    fluid->lattice->odd = (int)h.odd;
+    fluid->lattice->odd = (int)h.odd, fluid->lattice->left = (int)h.left;
     fluid->time = h.time, fluid->mass_correction = h.mass_correction;
     fluid->steps = h.steps, fluid->updates = h.updates;
     return FILTRATION_OK;
@@ -5003,6 +5046,7 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
     if (spheres->n > 0 && !(spheres->centre && spheres->velocity && spheres->spin && spheres->radius &&
                             spheres->force && spheres->torque))
         return FILTRATION_BAD_ARGUMENT;
+    if (!(def->density >= 0.4 * fluid->def.density)) return FILTRATION_BAD_ARGUMENT;
     for (ptrdiff_t n = 0; n < spheres->n; n++)
         if (!filtration__can_move(def, fluid, spheres, n, share)) return FILTRATION_BAD_ARGUMENT;
     double h = fluid->dt / def->sub_steps, damping = filtration__damping(def->restitution);

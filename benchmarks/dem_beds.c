@@ -265,7 +265,7 @@ int main(int argc, char **argv) {
         compare(&self, comparison, references);
         return common_exit_status();
     }
-    if (self.quick && !options[0].given) size_choice = 1;
+    if (self.quick && !is_given(&self, "spheres")) size_choice = 1;
 #ifndef _OPENMP
     self.threads = 1;
 #endif

@@ -352,8 +352,8 @@ int main(int argc, char **argv) {
         program_start("dem_bricks", "dem.h: cost of a bed of bricks or clumps.", options, sizeof options / sizeof *options, argc, argv);
     if (hits > 0) return tell_rebounds(&self, hits);
     if (pairs > 0) return tell_pairs(&self, pairs);
-    if (self.quick && !options[1].given) bodies = 98;
-    if (self.quick && !options[3].given) settle = 0.05;
+    if (self.quick && !is_given(&self, "bodies")) bodies = 98;
+    if (self.quick && !is_given(&self, "settle-s")) settle = 0.05;
     dem_world world;
     int floor_wall;
     memset(&world, 0, sizeof world);

@@ -73,8 +73,8 @@ int main(int argc, char **argv) {
     };
     program self = program_start("dem_container", "dem.h: a bed at rest in planes, a box and triangles.", options,
                                  sizeof options / sizeof *options, argc, argv);
-    if (self.quick && !options[0].given) spheres = 200;
-    if (self.quick && !options[1].given) steps = 200;
+    if (self.quick && !is_given(&self, "spheres")) spheres = 200;
+    if (self.quick && !is_given(&self, "steps")) steps = 200;
     dem_world world[KINDS];
     double best[KINDS];
     dem_status status = DEM_OK;

@@ -158,8 +158,8 @@ int main(int argc, char **argv) {
         for (int k = 0; k < FEATURES; k++) counts[scene][k] = ns[scene][k] = (double)NAN;
     if (counted && read_counts(counted, counts) != 0)
         program_refuse(&self, "instructions", counted, "a CSV with the columns scene, feature, instructions");
-    if (self.quick && !options[0].given) size_choice = 0;
-    if (self.quick && !options[3].given) steps = 100;
+    if (self.quick && !is_given(&self, "spheres")) size_choice = 0;
+    if (self.quick && !is_given(&self, "steps")) steps = 100;
 #ifndef _OPENMP
     self.threads = 1;
 #endif

@@ -109,7 +109,7 @@ int main(int argc, char **argv) {
     program self =
         program_start("dem_links", "dem.h with liquid_bridge.h: how seldom may liquid bridges be evaluated? Impacts of wet pairs.", options,
                       sizeof options / sizeof *options, argc, argv);
-    if (self.quick && !options[0].given) phases = 20;
+    if (self.quick && !is_given(&self, "phases")) phases = 20;
     outcome *exact = calloc((size_t)(ANGLES * phases), sizeof *exact), *out = calloc((size_t)(ANGLES * phases), sizeof *out);
     if (!exact || !out) common_fail("out of memory");
     json *report = json_open(self.json);

@@ -99,8 +99,8 @@ int main(int argc, char **argv) {
     };
     program self = program_start("dem_mesh", "dem.h: cost of a wall of triangles over their number.", options,
                                  sizeof options / sizeof *options, argc, argv);
-    if (self.quick && !options[0].given) most = 100000;
-    if (self.quick && !options[1].given) steps = 200;
+    if (self.quick && !is_given(&self, "triangles")) most = 100000;
+    if (self.quick && !is_given(&self, "steps")) steps = 200;
     point points[POINTS_MAX];
     int n = 0, many = 0; /* many: points of 400 spheres */
     memset(points, 0, sizeof points);

@@ -161,9 +161,9 @@ int main(int argc, char **argv) {
     };
     program self = program_start("dem_scaling", "dem.h: cost of a particle-step over the number of spheres and the range of sizes.",
                                  options, sizeof options / sizeof *options, argc, argv);
-    if (self.quick && !options[0].given) most = BASE;
+    if (self.quick && !is_given(&self, "spheres")) most = BASE;
     program_need_spheres(&self, "spheres", most);
-    if (self.quick && !options[2].given) steps = 100, repeats = options[3].given ? repeats : 1;
+    if (self.quick && !is_given(&self, "steps")) steps = 100, repeats = is_given(&self, "repeats") ? repeats : 1;
     static const int copies[] = {1, 2, 4, 7, 14, 28}; /* 20 000, 80 000, 320 000, 980 000 .. */
     point points[POINTS_MAX];
     int n = 0, gases = 0, by_mass = 0; /* beds, gases of equal spheres, of sizes even by number, by mass: where each begins */

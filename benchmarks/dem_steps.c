@@ -233,8 +233,8 @@ int main(int argc, char **argv) {
     program self = program_start("dem_steps", "dem.h: how large may a time step be? Impacts at all angles, beds, a drum, a screen.",
                                  options, sizeof options / sizeof *options, argc, argv);
     bed b;
-    if (self.quick && !options[0].given) phases = 10;
-    if (self.quick && !options[1].given) share = 0.1;
+    if (self.quick && !is_given(&self, "phases")) phases = 10;
+    if (self.quick && !is_given(&self, "time")) share = 0.1;
     if (bed_read(&b, folder, 2000, message, sizeof message) != 0) program_refuse(&self, "beds", folder, BED_FILES);
     static const double restitutions[2] = {0.78, 0.4351};
     pooled of_impact[2][LEVELS][METHODS];

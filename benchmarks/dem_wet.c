@@ -179,8 +179,8 @@ int main(int argc, char **argv) {
         compare(&self, comparison);
         return common_exit_status();
     }
-    if (self.quick && !options[0].given) size_choice = 0;
-    if (self.quick && !options[2].given) steps = 500;
+    if (self.quick && !is_given(&self, "spheres")) size_choice = 0;
+    if (self.quick && !is_given(&self, "steps")) steps = 500;
     bed b;
     if (bed_read(&b, folder, sizes[size_choice], message, sizeof message) != 0) program_refuse(&self, "beds", folder, BED_FILES);
     json *report = json_open(self.json);

@@ -365,13 +365,13 @@ int main(int argc, char **argv) {
                       options, (int)(sizeof options / sizeof *options), argc, argv);
     const double d = 1e-3 * diameter_mm, row[CASES] = {0.05, 0.1, 0.2, 0.4, 0.8}, extremes[2] = {0.1, 0.8};
     const double funnel_points[3][2] = {{2.8 * d, 0.0}, {2.8 * d, 2.0 * d}, {9.0 * d, 10.0 * d}};
-    const int n = options[0].given ? 1 : (self.quick ? 2 : CASES);
+    const int n = is_given(&self, "friction") ? 1 : (self.quick ? 2 : CASES);
     char path[1000], message[300] = "", allowed[400];
     dem_mesh funnel, made;
     dem_stl_report found;
     size_t size;
-    if (self.quick && !options[2].given) spheres = 500; /* fewer make no heap */
-    if (self.quick && !options[4].given) repeats = 1;
+    if (self.quick && !is_given(&self, "spheres")) spheres = 500; /* fewer make no heap */
+    if (self.quick && !is_given(&self, "heaps")) repeats = 1;
     if (!stl) {
         made = lathe(funnel_points, 3);
         const int failed = write_stl(self.out, "funnel.stl", &made);

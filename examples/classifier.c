@@ -728,7 +728,8 @@ int main(int argc, char **argv) {
     };
     program self = program_start("classifier", "Separation curve of a deflector-wheel classifier, from the rebound of single particles.",
                                  options, (int)(sizeof options / sizeof *options), argc, argv);
-    if (counts && options[5].given) program_refuse(&self, "contacts", NULL, "either --contacts or --contact-counts");
+    if (counts && is_given(&self, "contacts"))
+        program_refuse(&self, "contacts", NULL, "either --contacts or --contact-counts");
     if (sizes && points) program_refuse(&self, "measured", points, "either --measured or --sizes");
     if (calibrate && !sizes && !points) program_refuse(&self, "calibrate", NULL, "only with --measured or --sizes; else --x50-um");
 
@@ -741,8 +742,8 @@ int main(int argc, char **argv) {
         d->basis = basis ? CLASSIFIER_PROJECTED : CLASSIFIER_EQUIVALENT;
         d->law = (classifier_drag_law)law;
         d->seed = self.seed;
-        if (options[5].given) d->contacts.mean = contacts;
-        if (options[6].given) d->radial_factor = factor;
+        if (is_given(&self, "contacts")) d->contacts.mean = contacts;
+        if (is_given(&self, "radial-factor")) d->radial_factor = factor;
         d->points = self.quick ? 256 : 4096; /* T within 1e-4 at every size */
         read_distribution(&self, "sphericity", sphericity, '#', &d->sphericity_2d);
         read_distribution(&self, "restitution", restitution, '#', &d->restitution);

@@ -4,7 +4,7 @@
                              Puderbach, Schmidt & Antonyuk, Processes 9 (2021) 826 ("the paper"), a box of 480 um
    filter_cake --unit-cell   a box of 240 um, the smallest that repeats: a quarter of the spheres
    filter_cake --short       the clean cloth up to its resistance and the first spheres, in less than a minute
-   Your own particles:       --sizes sizes.csv     columns diameter_um and number_share or volume_share
+   Your own particles:       --sizes sizes.csv     columns diameter_um and number_share, volume_share or q3
    Long runs:                --checkpoint FILE --stop-ms 20, then --resume FILE: the same bits as without a stop
 
    series.csv and velocity.svg (filtrate velocity in time), curve.svg (t / V over V, scaled to 20 cm2, with its line), spheres.svg (height
@@ -18,14 +18,16 @@
 #include "filtration.h"
 
 enum { MOST_CLASSES = 64, MOST_SPHERES = 4096, MOST_SAMPLES = 2000, INSERT_TRIES = 50 };
-static const double pi = 3.14159265358979323846, touching = 0.02; /* gap over the diameter up to which two spheres touch */
+static const double pi = 3.14159265358979323846,
+                    touching = 0.02; /* gap over the diameter up to which two spheres touch */
 
 /* ---- what is simulated ---- */
 
 typedef struct duty {
     double wire, opening, pressure, viscosity, density, solid_density, concentration; /* SI */
-    double width, height, centre;                                                     /* of the box; height of the cloth in it [m] */
-    double voxel, tau, fastest_tau, bulk_ratio, time;                                 /* tau at the start and later */
+    double width, height, centre;                     /* of the box; height of the cloth in it [m] */
+    double voxel, tau, fastest_tau, bulk_ratio, time; /* tau at the start and later */
+    double magic, ramp;                               /* [-]; time in which the pressure comes [s] */
     int twill, paper_force, half_way, classes;
     double diameter[MOST_CLASSES], share[MOST_CLASSES]; /* by number, adding up to 1 */
 } duty;
@@ -35,37 +37,67 @@ static duty paper_duty(void) {
     static const double um[] = {55, 63, 72, 83, 95, 109}, share[] = {.030, .119, .327, .379, .135, .010};
     duty d;
     memset(&d, 0, sizeof d);
-    d.wire = 28e-6, d.opening = 32e-6, d.pressure = 1000.0, d.viscosity = 1e-3, d.density = 1000.0, d.solid_density = 2200.0;
+    d.wire = 28e-6, d.opening = 32e-6, d.pressure = 1000.0, d.viscosity = 1e-3, d.density = 1000.0,
+    d.solid_density = 2200.0;
     d.concentration = 1e11, d.width = 480e-6, d.height = 1.1e-3, d.centre = 0.14e-3;
     d.voxel = 2.5e-6, d.tau = 0.6, d.fastest_tau = 0.69, d.bulk_ratio = 10.0, d.time = 98e-3;
+    d.magic = 3.0 / 16.0, d.ramp = 0.5e-3;
     d.twill = 1, d.classes = 6;
     for (int i = 0; i < 6; i++) d.diameter[i] = 1e-6 * um[i], d.share[i] = share[i];
     return d;
 }
 
+/* Classes from the cumulative volume share Q3 of an instrument, in % or as a fraction, at rising sizes: between two sizes q3 is constant, and a
+   class has the diameter of its mean volume. */
+static const char *classes_of_q3(const csv_data *data, duty *d) {
+    double x[MOST_CLASSES + 1], Q3[MOST_CLASSES + 1], Q0[MOST_CLASSES + 1];
+    if (data->rows < 2 || data->rows > MOST_CLASSES + 1) return "Q3 at 2 to 65 sizes";
+    for (int i = 0; i < data->rows; i++) x[i] = csv_value(data, i, "diameter_um"), Q3[i] = csv_value(data, i, "q3");
+    const double whole = Q3[data->rows - 1] > 1.5 ? 100.0 : 1.0;
+    if (!(fabs(Q3[data->rows - 1] / whole - 1.0) <= 0.01)) return "a Q3 that ends at 1 or 100 %";
+    for (int i = 0; i < data->rows; i++) Q3[i] /= Q3[data->rows - 1];
+    if (filtration_number_distribution((size_t)data->rows, x, Q3, Q0) != FILTRATION_OK)
+        return "rising sizes and a Q3 that begins with 0 and does not fall";
+    d->classes = 0;
+    for (int i = 1; i < data->rows; i++) {
+        const double low = 1e6 / x[i - 1], high = 1e6 / x[i];
+        if (!(Q0[i] > Q0[i - 1])) continue;
+        d->diameter[d->classes] = 1.0 / cbrt(0.5 * low * high * (low + high));
+        d->share[d->classes++] = Q0[i] - Q0[i - 1];
+    }
+    return NULL;
+}
+
+static const char *classes_of_shares(const csv_data *data, duty *d) {
+    const bool by_number = csv_column(data, "number_share") >= 0;
+    if (data->rows < 1 || data->rows > MOST_CLASSES) return "1 to 64 rows";
+    d->classes = data->rows;
+    for (int i = 0; i < data->rows; i++) {
+        d->diameter[i] = 1e-6 * csv_value(data, i, "diameter_um");
+        d->share[i] = csv_value(data, i, by_number ? "number_share" : "volume_share");
+    }
+    const double power = by_number ? 0.0 : -3.0;
+    if (filtration_convert_shares((size_t)d->classes, d->diameter, d->share, power, d->share) == FILTRATION_OK)
+        return NULL;
+    return "diameters above 0 and shares of at least 0, not all 0";
+}
+
 static void read_sizes(const program *self, const char *path, duty *d) {
-    static const char *const wanted = "a file with the columns diameter_um and number_share or volume_share, up to 64 rows";
-    sheet_sizes data;
-    char message[600], text[800];
-    if (sheet_read_sizes(path, NULL, 1, &data, message, sizeof message) != 0) {
+    static const char *const wanted =
+        "a file with the columns diameter_um and number_share, volume_share or q3 (cumulative, by volume)";
+    csv_data data;
+    char message[400], text[600];
+    if (csv_read(path, &data, message, sizeof message) != 0) {
         snprintf(text, sizeof text, "%s; this one: %s", wanted, message);
         program_refuse(self, "sizes", path, text);
     }
-    const int below = !data.single; /* of a curve: classes between two sizes, at their geometric mean */
-    const bool by_number = data.by_number == 1;
-    if (data.by_number < 0 && data.single) program_refuse(self, "sizes", path, wanted);
-    if (data.n - below < 1 || data.n - below > MOST_CLASSES) program_refuse(self, "sizes", path, wanted);
-    if (!data.single && (data.amount[0][0] > 1e-3 || data.above[0] > 1e-3))
-        program_refuse(self, "sizes", path, "a curve from 0 to 1: its first size passes nothing, its last one everything");
-    common_print("%s\n", data.how);
-    d->classes = data.n - below;
-    for (int i = 0; i < d->classes; i++) {
-        d->diameter[i] = below ? sqrt(data.size[i] * data.size[i + 1]) : data.size[i];
-        d->share[i] = below ? data.amount[0][i + 1] - data.amount[0][i] : data.amount[0][i];
-    }
-    sheet_free_sizes(&data);
-    if (filtration_convert_shares((size_t)d->classes, d->diameter, d->share, by_number ? 0.0 : -3.0, d->share) != FILTRATION_OK)
-        program_refuse(self, "sizes", path, "diameters above 0 and shares of at least 0, not all 0");
+    const bool cumulative = csv_column(&data, "q3") >= 0;
+    if (csv_column(&data, "diameter_um") < 0 ||
+        (!cumulative && csv_column(&data, "number_share") < 0 && csv_column(&data, "volume_share") < 0))
+        program_refuse(self, "sizes", path, wanted);
+    const char *lacking = cumulative ? classes_of_q3(&data, d) : classes_of_shares(&data, d);
+    csv_free(&data);
+    if (lacking) program_refuse(self, "sizes", path, lacking);
     for (int i = 0; i < d->classes; i++)
         if (!(d->diameter[i] >= 4.0 * d->voxel && d->diameter[i] <= 0.5 * d->width))
             program_refuse(self, "sizes", path, "diameters of at least 4 voxels and at most half the box");
@@ -86,8 +118,8 @@ typedef struct cake {
     double time[MOST_SAMPLES], volume[MOST_SAMPLES], velocity[MOST_SAMPLES]; /* [s] [m3] [m/s] */
     double pressure_noise; /* sum of squared changes of the force on resting spheres [N2] */
     int64_t noise_samples;
-    double centre[3 * MOST_SPHERES], speed[3 * MOST_SPHERES], spin[3 * MOST_SPHERES], radius[MOST_SPHERES], force[3 * MOST_SPHERES],
-        torque[3 * MOST_SPHERES], contact[3 * MOST_SPHERES];
+    double centre[3 * MOST_SPHERES], speed[3 * MOST_SPHERES], spin[3 * MOST_SPHERES], radius[MOST_SPHERES],
+        force[3 * MOST_SPHERES], torque[3 * MOST_SPHERES], contact[3 * MOST_SPHERES];
 } cake;
 
 typedef struct run {
@@ -115,12 +147,11 @@ static double next_due(cake *c, const duty *d) { return -riddle_log(uniform(&c->
 static filtration_fluid_def fluid_def(run *r, int threads) {
     const duty *d = &r->d;
     filtration_fluid_def def = filtration_fluid_default_def();
-    def.voxel = d->voxel, def.tau = d->tau, def.bulk_ratio = d->bulk_ratio, def.threads = threads;
+    def.voxel = d->voxel, def.tau = d->tau, def.bulk_ratio = d->bulk_ratio, def.magic = d->magic, def.threads = threads;
     def.density = d->density, def.viscosity = d->viscosity;
     def.nodes[0] = def.nodes[1] = (int)floor(d->width / d->voxel + 0.5);
     def.nodes[2] = (int)floor(d->height / d->voxel + 0.5);
     def.face[FILTRATION_LOW_Z] = def.face[FILTRATION_HIGH_Z] = FILTRATION_PRESSURE;
-    def.face_pressure[FILTRATION_LOW_Z] = -0.5 * d->pressure, def.face_pressure[FILTRATION_HIGH_Z] = 0.5 * d->pressure;
     if (d->paper_force) def.force = FILTRATION_SHEAR_LAYER;
     if (d->half_way) def.boundary = FILTRATION_HALF_WAY;
     def.solid = filtration_cloth_solid(&r->cloth);
@@ -131,7 +162,8 @@ static filtration_status set_up(run *r, const program *self) {
     const duty *d = &r->d;
     r->c = calloc(1, sizeof *r->c);
     if (!r->c) return FILTRATION_NO_MEMORY;
-    filtration_cloth_make(&r->cloth, d->wire, d->opening, d->twill ? FILTRATION_TWILL_WEAVE : FILTRATION_PLAIN_WEAVE, d->centre);
+    filtration_cloth_make(&r->cloth, d->wire, d->opening, d->twill ? FILTRATION_TWILL_WEAVE : FILTRATION_PLAIN_WEAVE,
+                          d->centre);
     const filtration_fluid_def def = fluid_def(r, self->threads);
     r->motion = filtration_motion_default_def();
     r->motion.density = d->solid_density;
@@ -196,8 +228,8 @@ static int mark_cake(const run *r, char *in_cake) {
     const cake *c = r->c;
     int found = 0, before = -1;
     for (int i = 0; i < c->n; i++) {
-        in_cake[i] =
-            c->radius[i] > 0.0 && filtration_cloth_distance(&r->cloth, c->centre + 3 * i) - c->radius[i] < 2.0 * touching * c->radius[i];
+        in_cake[i] = c->radius[i] > 0.0 && filtration_cloth_distance(&r->cloth, c->centre + 3 * i) - c->radius[i] <
+                                               2.0 * touching * c->radius[i];
         found += in_cake[i];
     }
     while (found != before) {
@@ -241,7 +273,7 @@ static cake_shape measure_cake(const run *r) {
 
 /* ---- checkpoints ---- */
 
-static const char mark[8] = "CAKE0001";
+static const char mark[8] = "CAKE0002";
 
 static int write_bytes(void *user, const void *data, size_t bytes) { return riddle_io_write(user, data, bytes) == 0; }
 static int read_bytes(void *user, void *data, size_t bytes) { return fread(data, 1, bytes, user) == bytes; }
@@ -249,7 +281,8 @@ static int read_bytes(void *user, void *data, size_t bytes) { return fread(data,
 static int save(const run *r, const char *path) {
     riddle_io_file *file = riddle_io_open(NULL, path);
     if (!file) return -1;
-    riddle_io_write(file, mark, sizeof mark), riddle_io_write(file, &r->d, sizeof r->d), riddle_io_write(file, r->c, sizeof *r->c);
+    riddle_io_write(file, mark, sizeof mark), riddle_io_write(file, &r->d, sizeof r->d),
+        riddle_io_write(file, r->c, sizeof *r->c);
     if (filtration_fluid_save(&r->fluid, write_bytes, file) != FILTRATION_OK) {
         riddle_io_discard(file);
         return common_fail("%s could not be written", path);
@@ -279,13 +312,22 @@ static filtration_status resume(const program *self, run *r, const char *path, d
 
 /* ---- the run ---- */
 
-/* A longer time step once the pores are clogged: lattice speed at most 0.1 and density difference at most 0.08. */
+/* The pressure comes in a ramp: at once it would send a wave through the pores. */
+static filtration_status set_pressure(run *r) {
+    const double part = fmin(r->fluid.time / r->d.ramp, 1.0), p = 0.5 * part * r->d.pressure;
+    if (r->fluid.def.face_pressure[FILTRATION_HIGH_Z] == p) return FILTRATION_OK;
+    const filtration_status status = filtration_fluid_set_face_pressure(&r->fluid, FILTRATION_HIGH_Z, p);
+    return status == FILTRATION_OK ? filtration_fluid_set_face_pressure(&r->fluid, FILTRATION_LOW_Z, -p) : status;
+}
+
+/* A longer time step once the pores are clogged, a shorter one for a fast flow: lattice speed at most 0.1 and density difference at most
+   0.08. */
 static filtration_status choose_step(run *r) {
     const double speed = filtration_fluid_max_speed(&r->fluid) * r->fluid.dt / r->d.voxel;
     const double now = r->fluid.def.tau;
     if (!(speed > 0.0)) return FILTRATION_OK;
     double tau = 0.5 + (now - 0.5) * 0.1 / speed;
-    tau = fmin(fmax(tau, r->d.tau), r->d.fastest_tau);
+    tau = fmin(fmax(tau, 0.5 + 0.5 * (r->d.tau - 0.5)), r->fluid.time < 4.0 * r->d.ramp ? r->d.tau : r->d.fastest_tau);
     return tau > 1.1 * (now - 0.5) + 0.5 || tau < now ? filtration_fluid_set_tau(&r->fluid, tau) : FILTRATION_OK;
 }
 
@@ -306,7 +348,8 @@ static filtration_status step(run *r) {
     cake *c = r->c;
     memcpy(before, c->force, sizeof(double) * 3 * (size_t)c->n);
     const int listened = c->n;
-    filtration_status status = filtration_fluid_step(&r->fluid, &r->spheres);
+    filtration_status status = set_pressure(r);
+    if (status == FILTRATION_OK) status = filtration_fluid_step(&r->fluid, &r->spheres);
     if (status == FILTRATION_OK) status = filtration_move(&r->motion, &r->fluid, &r->spheres, 1.0, c->contact);
     if (status != FILTRATION_OK) return status;
     if (listened > 0) listen(c, before);
@@ -315,14 +358,15 @@ static filtration_status step(run *r) {
     c->filtrate += fmax(velocity, 0.0) * area(r) * span;
     feed(r, fmax(velocity, 0.0));
     for (int i = 0; i < c->n && c->first_touch < 0.0; i++)
-        if (c->radius[i] > 0.0 && filtration_cloth_distance(&r->cloth, c->centre + 3 * i) < (1.0 + 2.0 * touching) * c->radius[i])
+        if (c->radius[i] > 0.0 &&
+            filtration_cloth_distance(&r->cloth, c->centre + 3 * i) < (1.0 + 2.0 * touching) * c->radius[i])
             c->first_touch = r->fluid.time;
     if (c->first_touch < 0.0) c->clean_velocity = fmax(c->clean_velocity, velocity);
     if (r->fluid.time >= c->next_sample && c->samples < MOST_SAMPLES) {
         c->time[c->samples] = r->fluid.time, c->volume[c->samples] = c->filtrate, c->velocity[c->samples++] = velocity;
         c->next_sample += r->d.time / MOST_SAMPLES * 1.01;
     }
-    return r->fluid.steps % 512 == 0 ? choose_step(r) : FILTRATION_OK;
+    return r->fluid.steps % (r->fluid.time < 2.0 * r->d.ramp ? 64 : 512) == 0 ? choose_step(r) : FILTRATION_OK;
 }
 
 /* ---- ParaView ---- */
@@ -340,11 +384,12 @@ static void film_particles(const program *self, const run *r, films *f) {
     const cake *c = r->c;
     mark_cake(r, in_cake);
     for (int i = 0; i < c->n; i++) diameter[i] = 2.0 * c->radius[i], deposited[i] = in_cake[i];
-    const riddle_io_array arrays[] = {riddle_io_scalar("diameter_m", diameter),        riddle_io_vector("velocity_m_per_s", c->speed),
-                                      riddle_io_vector("force_n", c->force),           riddle_io_vector("torque_n_m", c->torque),
-                                      riddle_io_vector("contact_force_n", c->contact), riddle_io_ints("deposited", deposited)};
-    riddle_io_points(self->out, riddle_io_series_name(f->particles, r->fluid.time), c->n, riddle_io_vector("position_m", c->centre), arrays,
-                     6);
+    const riddle_io_array arrays[] = {
+        riddle_io_scalar("diameter_m", diameter),        riddle_io_vector("velocity_m_per_s", c->speed),
+        riddle_io_vector("force_n", c->force),           riddle_io_vector("torque_n_m", c->torque),
+        riddle_io_vector("contact_force_n", c->contact), riddle_io_ints("deposited", deposited)};
+    riddle_io_points(self->out, riddle_io_series_name(f->particles, r->fluid.time), c->n,
+                     riddle_io_vector("position_m", c->centre), arrays, 6);
 }
 
 static void film_flow(const program *self, const run *r, films *f) {
@@ -359,9 +404,11 @@ static void film_flow(const program *self, const run *r, films *f) {
         for (size_t i = 0; i < nodes; i++)
             speed[i] = sqrtf(velocity[3 * i] * velocity[3 * i] + velocity[3 * i + 1] * velocity[3 * i + 1] +
                              velocity[3 * i + 2] * velocity[3 * i + 2]);
-        const riddle_io_array arrays[] = {riddle_io_scalar_float("speed_m_per_s", speed), riddle_io_scalar_float("pressure_pa", pressure),
+        const riddle_io_array arrays[] = {riddle_io_scalar_float("speed_m_per_s", speed),
+                                          riddle_io_scalar_float("pressure_pa", pressure),
                                           riddle_io_ints("owner", (const int *)owner)};
-        riddle_io_cells(self->out, riddle_io_series_name_as(f->flow, r->fluid.time, "vti"), n, origin, spacing, arrays, 3);
+        riddle_io_cells(self->out, riddle_io_series_name_as(f->flow, r->fluid.time, "vti"), n, origin, spacing, arrays,
+                        3);
     } else common_fail("out of memory for the flow's file");
     free(velocity), free(owner);
 }
@@ -379,7 +426,7 @@ typedef struct findings {
     filtration_curve curve;
     filtration_status evaluated;
     cake_shape shape;
-    double clean, product, specific, by_filtrate, by_height, kozeny, noise;
+    double clean, product, specific, by_filtrate, by_height, by_end, kozeny, noise;
 } findings;
 
 static const double laboratory = 20e-4; /* area of the paper's filter [m2] */
@@ -397,10 +444,15 @@ static findings evaluate(const run *r) {
     f.evaluated = filtration_evaluate(&def, (size_t)c->samples, c->time, V, &f.curve);
     f.product = f.evaluated == FILTRATION_OK ? f.curve.product.value : (double)NAN;
     double suspended = 0.0; /* share of solid in the suspension */
-    for (int i = 0; i < r->d.classes; i++) suspended += r->d.concentration * r->d.share[i] * pi / 6.0 * pow(r->d.diameter[i], 3.0);
+    for (int i = 0; i < r->d.classes; i++)
+        suspended += r->d.concentration * r->d.share[i] * pi / 6.0 * pow(r->d.diameter[i], 3.0);
     f.by_filtrate = filtration_cake_ratio(suspended, f.shape.porosity);
     f.by_height = filtration_cake_ratio_of_height(f.shape.height, area(r), c->filtrate);
     f.specific = f.product / f.by_height;
+    const double last = c->samples > 0 ? c->velocity[c->samples - 1] : (double)NAN;
+    f.by_end = f.shape.height > 0.0
+                   ? (filtration_resistance(r->d.pressure, r->d.viscosity, last) - f.clean) / f.shape.height
+                   : (double)NAN;
     f.kozeny = filtration_kozeny_carman(f.shape.porosity, f.shape.sauter, FILTRATION_KOZENY_CARMAN);
     f.noise = c->noise_samples > 0 ? sqrt(c->pressure_noise / (double)c->noise_samples) : 0.0;
     return f;
@@ -415,6 +467,7 @@ static void report_run(json *report, const run *r, const findings *f) {
     json_number(report, "r_k_k_s_low_per_m2", f->evaluated == FILTRATION_OK ? f->curve.product.low : (double)NAN);
     json_number(report, "r_k_k_s_high_per_m2", f->evaluated == FILTRATION_OK ? f->curve.product.high : (double)NAN);
     json_number(report, "r_k_per_m2", f->specific);
+    json_number(report, "r_k_end_per_m2", f->by_end);
     json_number(report, "k_s_filtrate", f->by_filtrate);
     json_number(report, "k_s_height", f->by_height);
     json_number(report, "r_k_kozeny_per_m2", f->kozeny);
@@ -457,6 +510,7 @@ static void print_run(const run *r, const findings *f) {
                 {"K_S, from the height", "", "-", f->by_height},
                 {"K_S, from suspension and porosity", "", "-", f->by_filtrate},
                 {"specific cake resistance r_K", "7.8e10", "1/m2", f->specific},
+                {"r_K from the last velocity, less R_M0, over the height", "", "1/m2", f->by_end},
                 {"r_K by Kozeny and Carman", "", "1/m2", f->kozeny},
                 {"cake height (twice its centre of volume)", "0.5", "mm", 1e3 * f->shape.height},
                 {"cake porosity", "", "-", f->shape.porosity},
@@ -470,6 +524,9 @@ static void print_run(const run *r, const findings *f) {
     }
     table_end(&t);
     if (f->evaluated != FILTRATION_OK) common_print("No line: %s\n", filtration_status_text(f->evaluated));
+    else if (line < 0.0)
+        common_print("R_M from the line is below 0, which no medium has: the first spheres clog pores, and the line "
+                     "counts that as cake. Use R_M0.\n");
 }
 
 /* ---- figures ---- */
@@ -477,7 +534,8 @@ static void print_run(const run *r, const findings *f) {
 static void draw_curves(const program *self, const run *r, const findings *f) {
     const cake *c = r->c;
     static double ms[MOST_SAMPLES], V[MOST_SAMPLES], ratio[MOST_SAMPLES], line[MOST_SAMPLES];
-    riddle_io_file *file = csv_open(self->out, "series.csv", "time_s,filtrate_m3,filtrate_velocity_m_per_s,volume_20cm2_m3");
+    riddle_io_file *file =
+        csv_open(self->out, "series.csv", "time_s,filtrate_m3,filtrate_velocity_m_per_s,volume_20cm2_m3");
     for (int i = 0; i < c->samples; i++) {
         ms[i] = 1e3 * c->time[i], V[i] = 1e6 * c->volume[i] * laboratory / area(r), ratio[i] = c->time[i] / V[i];
         line[i] = 1e-6 * (f->curve.intercept.value + f->curve.slope.value * 1e-6 * V[i]);
@@ -553,22 +611,50 @@ typedef struct typed {
     const char *sizes, *checkpoint, *resume;
 } typed;
 
+/* Largest u dx / nu that the lattice resolves, and up to which it is stable with a smaller Lambda. */
+static const double resolved = 18.0, stable = 30.0;
+
+/* Start step and Lambda from the largest speed in the pores: that of a free jet and a fifth more, less what viscosity takes (fitted to the
+   paper's twill from 500 to 5000 Pa). Refuses what cannot be resolved. */
+static void choose_start(const program *self, const typed *t, duty *d) {
+    const double friction = 8.0 * d->viscosity * d->wire / (d->opening * d->opening) / d->density;
+    const double jet = sqrt(friction * friction + 1.44 * 2.0 * d->pressure / d->density) - friction;
+    const double cell = jet * d->voxel * d->density / d->viscosity;
+    char text[300];
+    if (!(cell <= stable)) {
+        snprintf(text, sizeof text,
+                 "at most %.3g with %.3g um voxels, or voxels of %.2g um: the liquid has about %.2g m/s in the pores",
+                 d->pressure * stable * stable / (cell * cell), 1e6 * d->voxel, 1e6 * d->voxel * stable / cell, jet);
+        program_refuse(self, "pressure-pa", NULL, text);
+    }
+    if (cell > resolved) {
+        d->magic = 0.06;
+        common_print("Coarse: u dx / nu is about %.0f in the pores, above %.0f. The resistance of the cloth comes out "
+                     "up to a third too high; voxels "
+                     "of %.2g um resolve it.\n",
+                     cell, resolved, 1e6 * d->voxel * resolved / cell);
+    }
+    d->tau = t->tau > 0.0 ? t->tau : fmin(0.5 + 3.0 * 0.12 / cell, 0.6);
+    d->fastest_tau = fmax(d->voxel > 4e-6 ? 0.6 : 0.69, d->tau);
+}
+
 static duty completed(const program *self, const typed *t) {
     duty d = paper_duty();
     d.twill = t->weave == 0, d.paper_force = t->force, d.half_way = t->boundary;
-    d.wire = 1e-6 * t->wire, d.opening = 1e-6 * t->opening, d.pressure = t->pressure, d.concentration = t->concentration;
-    const double period = (d.wire + d.opening) * (d.twill ? 4.0 : 2.0);
+    d.wire = 1e-6 * t->wire, d.opening = 1e-6 * t->opening, d.pressure = t->pressure,
+    d.concentration = t->concentration;
+    const double period = (d.wire + d.opening) * (d.twill ? 4.0 : 2.0), below = fmax(5.0 * d.wire, 4.375 * d.opening);
+    d.height += below - d.centre, d.centre = below; /* jets must have mixed before they leave the box */
     d.width = (t->unit || t->brief || self->quick ? 1.0 : 2.0) * period;
     d.voxel = t->voxel > 0.0 ? 1e-6 * t->voxel : self->quick ? period / 24.0 : t->brief ? period / 32.0 : 2.5e-6;
     d.time = t->time > 0.0 ? 1e-3 * t->time : self->quick ? 1e-3 : t->brief ? 5e-3 : d.time;
-    d.tau = t->tau > 0.0 ? t->tau : d.voxel > 4e-6 ? 0.55 : 0.6;
-    if (d.voxel > 4e-6) d.fastest_tau = 0.6;
-    if (d.fastest_tau < d.tau) d.fastest_tau = d.tau;
     d.bulk_ratio = t->bulk;
     const double cells = d.width / d.voxel;
     if (!(cells <= 1e5)) program_refuse(self, "voxel-um", NULL, "at least a 100 000th of the box's width");
     if (fabs(cells - floor(cells + 0.5)) > 1e-6 * cells || d.wire < 2.0 * d.voxel)
-        program_refuse(self, "voxel-um", NULL, "a whole part of the box's width (240 or 480 um), and at most half a wire");
+        program_refuse(self, "voxel-um", NULL,
+                       "a whole part of the box's width (one or two periods of the weave), and at most half a wire");
+    choose_start(self, t, &d);
     if (t->sizes) read_sizes(self, t->sizes, &d);
     return d;
 }
@@ -591,7 +677,8 @@ static filtration_status go(const program *self, run *r, const typed *t, double 
     progress_end(&bar);
     r->seconds = machine_seconds() - began;
     if (status != FILTRATION_OK)
-        common_fail("at %.4g ms: %s%s%s", 1e3 * r->fluid.time, filtration_status_text(status), status == FILTRATION_DIVERGED ? ": " : "",
+        common_fail("at %.4g ms: %s%s%s", 1e3 * r->fluid.time, filtration_status_text(status),
+                    status == FILTRATION_DIVERGED ? ": " : "",
                     status == FILTRATION_DIVERGED ? filtration_cause_text(r->fluid.problem.cause) : "");
     else if (t->checkpoint && saved != r->fluid.steps) save(r, t->checkpoint);
     return status;
@@ -607,23 +694,32 @@ int main(int argc, char **argv) {
         option_positive("voxel-um", "L", &t.voxel, 1e3, "edge of a voxel [um]; default 2.5"),
         option_positive("time-ms", "T", &t.time, 1e6, "time to filter [ms]; default 98"),
         option_positive("stop-ms", "T", &t.stop, 1e6, "stop before that [ms], with --checkpoint"),
-        option_string("checkpoint", "FILE", &t.checkpoint, "write the state there with every frame, at the end, and after Ctrl-C"),
-        option_string("resume", "FILE", &t.resume, "go on from there; options of the set-up are then those of the first run"),
-        option_string("sizes", "FILE", &t.sizes, "own particles: CSV with diameter_um and number_share or volume_share"),
+        option_string("checkpoint", "FILE", &t.checkpoint,
+                      "write the state there with every frame, at the end, and after Ctrl-C"),
+        option_string("resume", "FILE", &t.resume,
+                      "go on from there; options of the set-up are then those of the first run"),
+        option_string("sizes", "FILE", &t.sizes,
+                      "own particles: CSV with diameter_um and number_share, volume_share or q3 (cumulative by volume, "
+                      "% or 0 to 1)"),
         option_positive("concentration", "CN", &t.concentration, 1e14, "spheres in the suspension [1/m3]"),
         option_positive("pressure-pa", "DP", &t.pressure, 1e5, "pressure difference [Pa]"),
         option_positive("wire-um", "D", &t.wire, 1e4, "diameter of the wires [um]"),
         option_positive("opening-um", "W", &t.opening, 1e4, "opening between them [um]"),
         option_choice("weave", &t.weave, "twill|plain", "2/2 twill or plain weave"),
-        option_choice("force", &t.force, "momentum-exchange|shear-layer", "as it is, or the paper's shear over one voxel without pressure"),
+        option_choice("force", &t.force, "momentum-exchange|shear-layer",
+                      "as it is, or the paper's shear over one voxel without pressure"),
         option_choice("boundary", &t.boundary, "central-linear|half-way", "surfaces interpolated, or as a staircase"),
-        option_double("bulk-ratio", "B", &t.bulk, 0.0, 100.0, "bulk viscosity over kinematic viscosity [-]: damps sound"),
-        option_positive("tau", "TAU", &t.tau, 2.0, "relaxation time at the start [-], above 0.5; default 0.6, 0.55 with coarse voxels"),
-        option_positive("frame-ms", "T", &t.frame, 1e6, "time between two ParaView files [ms]; default a twentieth of the run"),
+        option_double("bulk-ratio", "B", &t.bulk, 0.0, 100.0,
+                      "bulk viscosity over kinematic viscosity [-]: damps sound"),
+        option_positive("tau", "TAU", &t.tau, 2.0,
+                        "relaxation time at the start [-], above 0.5; default: from pressure, opening and voxel"),
+        option_positive("frame-ms", "T", &t.frame, 1e6,
+                        "time between two ParaView files [ms]; default a twentieth of the run"),
         option_flag("no-flow", &t.no_flow, "ParaView files of the spheres only"),
     };
-    program self = program_start("filter_cake", "A filter cake growing on a woven wire cloth, the flow resolved around wires and spheres.",
-                                 options, (int)(sizeof options / sizeof *options), argc, argv);
+    program self = program_start(
+        "filter_cake", "A filter cake growing on a woven wire cloth, the flow resolved around wires and spheres.",
+        options, (int)(sizeof options / sizeof *options), argc, argv);
     run r;
     films f;
     memset(&r, 0, sizeof r), memset(&f, 0, sizeof f);

@@ -358,7 +358,7 @@ typedef struct typed {
     bool whole, independent;
 } typed;
 
-static settings in_si(const typed *t, const char *data, const option *options, int n) {
+static settings in_si(const program *self, const typed *t, const char *data) {
     settings s;
     memset(&s, 0, sizeof s);
     s.data = data, s.def = filtration_curve_default_def();
@@ -377,13 +377,10 @@ static settings in_si(const typed *t, const char *data, const option *options, i
     s.clean_volume = 1e-6 * t->clean, s.setup = t->setup, s.density = t->density, s.cake_height = 1e-3 * t->height,
     s.sauter = 1e-6 * t->sauter;
     s.new_area = d->area, s.new_pressure = d->pressure, s.new_rate = HUGE_VAL, s.compressibility = t->compressibility;
-    for (int i = 0; i < n; i++) {
-        if (!options[i].given) continue;
-        if (strcmp(options[i].name, "new-area-cm2") == 0) s.new_area = 1e-4 * t->new_area;
-        if (strcmp(options[i].name, "new-pressure-pa") == 0) s.new_pressure = t->new_pressure;
-        if (strcmp(options[i].name, "new-rate-ml-s") == 0) s.new_rate = 1e-6 * t->new_rate;
-        if (strcmp(options[i].name, "new-volume-ml") == 0) s.new_volume = 1e-6 * t->new_volume;
-    }
+    if (is_given(self, "new-area-cm2")) s.new_area = 1e-4 * t->new_area;
+    if (is_given(self, "new-pressure-pa")) s.new_pressure = t->new_pressure;
+    if (is_given(self, "new-rate-ml-s")) s.new_rate = 1e-6 * t->new_rate;
+    if (is_given(self, "new-volume-ml")) s.new_volume = 1e-6 * t->new_volume;
     return s;
 }
 
@@ -570,7 +567,7 @@ int main(int argc, char **argv) {
     program self =
         program_start("filter_curve", "Resistances of filter cake and medium from a filter curve, and a prediction.",
                       options, n, argc, argv);
-    settings s = in_si(&t, data, options, n);
+    settings s = in_si(&self, &t, data);
     if (t.ratio > 0.0 && t.height > 0.0)
         program_refuse(&self, "cake-height-mm", NULL, "either --cake-ratio or --cake-height-mm");
     if (!(t.to > t.from)) program_refuse(&self, "to-ml", NULL, "above --from-ml");
@@ -598,9 +595,7 @@ int main(int argc, char **argv) {
     json *report = json_open(self.json);
     if (all.n > 1) {
         const double exponent = fit_law(&self, report, &s, t.reference, &all, c);
-        bool given = false;
-        for (int i = 0; i < n; i++) given |= options[i].given && strcmp(options[i].name, "compressibility") == 0;
-        if (!given) s.compressibility = exponent;
+        if (!is_given(&self, "compressibility")) s.compressibility = exponent;
         common_print("\nRun %zu:\n", shown + 1);
     }
     common_print("Filter curve: %s, %zu readings; %.4g Pa, %.4g cm2, %.4g Pa s\n",

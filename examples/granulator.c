@@ -1114,31 +1114,36 @@ int main(int argc, char **argv) {
         option_positive("surface-tension", "N_PER_M", &tension, 10.0, "of the binder [N/m]"),
         option_double("consolidation", "PER_S", &rate, 0.0, 100.0, "rate constant [1/s]"),
         option_positive("breakage-stokes", "X", &breakage, 1e6, "critical Stokes deformation number of breakage [-]"),
-        option_double("critical-saturation", "X", &saturation, 0.01, 1.0, "pore saturation at which binder appears on the surface [-]"),
+        option_double("critical-saturation", "X", &saturation, 0.01, 1.0,
+                      "pore saturation at which binder appears on the surface [-]"),
         option_double("rpm", "N", &rpm, 0.0, 1e5, "impeller speed, custom [1/min]"),
-        option_double("binder", "PCT", &binder, 1.0, 80.0, "liquid in the feed, custom [% of the volume]; air 15, the rest solid"),
+        option_double("binder", "PCT", &binder, 1.0, 80.0,
+                      "liquid in the feed, custom [% of the volume]; air 15, the rest solid"),
         option_int("granules", "N", &granules, 2, 100000, "granules, custom; the box keeps the paper's density"),
         option_choice("feed", &feed, "table1|normal", "sizes at the start, custom"),
         option_flag("vtp", &frames, "custom: granules of one run as a series for ParaView"),
-        option_double("stirring", "PER_S", &stirring, 0.0, 1e3, "custom: share of the granules that get a new velocity in a second [1/s]"),
+        option_double("stirring", "PER_S", &stirring, 0.0, 1e3,
+                      "custom: share of the granules that get a new velocity in a second [1/s]"),
     };
-    enum { OPTIONS = sizeof options / sizeof *options };
     program self =
         program_start("granulator",
-                      "High-shear granulation, discrete simulation and population balance: Tables 1 to 3 and figures 5 to 10 of Gantt and "
+                      "High-shear granulation, discrete simulation and population balance: Tables 1 to 3 and figures 5 "
+                      "to 10 of Gantt and "
                       "Gatzke, changes in mid-batch, or a case of your own. Writes SVG figures and CSV tables.",
-                      options, OPTIONS, argc, argv);
-    if (self.quick && !options[1].given) replicates = 10;
-    for (int i = 10; i < OPTIONS; i++)
-        if (options[i].given && study != CUSTOM) program_refuse(&self, options[i].name, NULL, "only with --study custom");
+                      options, sizeof options / sizeof *options, argc, argv);
+    if (self.quick && !is_given(&self, "replicates")) replicates = 10;
+    static const char *const of_custom[] = {"rpm", "binder", "granules", "feed", "vtp", "stirring"};
+    for (size_t k = 0; k < sizeof of_custom / sizeof *of_custom; k++)
+        if (study != CUSTOM && is_given(&self, of_custom[k]))
+            program_refuse(&self, of_custom[k], NULL, "only with --study custom");
     granulation_def def = readings ? sound_def() : granulation_paper_def();
-    if (options[4].given) def.laws.viscosity = viscosity;
-    if (options[5].given) def.laws.yield_ratio = ratio;
-    if (options[6].given) def.laws.surface_tension = tension;
-    if (options[7].given) def.consolidation = rate;
-    if (options[8].given) def.laws.breakage_stokes = breakage;
-    if (options[9].given) def.laws.critical_saturation = saturation;
-    if (options[15].given) def.stirring = stirring;
+    if (is_given(&self, "viscosity")) def.laws.viscosity = viscosity;
+    if (is_given(&self, "yield-ratio")) def.laws.yield_ratio = ratio;
+    if (is_given(&self, "surface-tension")) def.laws.surface_tension = tension;
+    if (is_given(&self, "consolidation")) def.consolidation = rate;
+    if (is_given(&self, "breakage-stokes")) def.laws.breakage_stokes = breakage;
+    if (is_given(&self, "critical-saturation")) def.laws.critical_saturation = saturation;
+    if (is_given(&self, "stirring")) def.stirring = stirring;
     const char *field = NULL;
     if (granulation_check_def(&def, &field) != GRANULATION_OK) program_refuse(&self, "readings", field, "a definition that is allowed");
 

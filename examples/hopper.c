@@ -422,20 +422,21 @@ int main(int argc, char **argv) {
     };
     program self = program_start("hopper", "Discharge of a silo: Beverloo's law, rate and height of fill.", options,
                                  sizeof options / sizeof *options, argc, argv);
-    if (!options[6].given) s.stiffness *= pow(diameter / 5.0, 2.0); /* the same overlaps over d */
+    if (!is_given(&self, "stiffness")) s.stiffness *= pow(diameter / 5.0, 2.0); /* the same overlaps over d */
     s.diameter = 1e-3 * diameter, s.slope = slope * RIDDLE_PI / 180.0;
     if (s.dosta) { /* the angle of the cone is not in the literature at hand: 45 degrees */
-        s.diameter = 0.004, s.spread = 0.0, s.slope = options[5].given ? s.slope : 0.25 * RIDDLE_PI, s.rolling = 0.0;
+        s.diameter = 0.004, s.spread = 0.0, s.slope = is_given(&self, "slope") ? s.slope : 0.25 * RIDDLE_PI,
+        s.rolling = 0.0;
         s.density = s.material == 2 ? 2000.0 : 2500.0, s.restitution = s.material == 2 ? 0.4 : 0.5;
         s.friction = s.material == 2 ? 0.4 : 0.3;
-        s.spheres = self.quick && !options[13].given ? 300 : spheres;
-        s.time = self.quick && !options[14].given ? 0.05 : longest;
+        s.spheres = self.quick && !is_given(&self, "spheres") ? 300 : spheres;
+        s.time = self.quick && !is_given(&self, "time") ? 0.05 : longest;
         st.run[0].orifice = 1e-3 * orifice, st.run[0].radius = 0.1;
         st.runs = st.orifices = 1;
     } else {
         const int n = (int)(sizeof orifices / sizeof *orifices);
         s.time = HUGE_VAL;
-        if (self.quick && !options[9].given) s.passing = 200;
+        if (self.quick && !is_given(&self, "passing")) s.passing = 200;
         for (int r = 0; r < (self.quick ? 2 : n); r++) st.run[st.runs++].orifice = orifices[r] * s.diameter;
         st.orifices = st.runs, st.base = self.quick ? 0 : 1;
         for (int r = 0; r < (self.quick ? 1 : 2); r++) st.run[st.runs++].orifice = orifices[st.base] * s.diameter;

@@ -641,11 +641,11 @@ int main(int argc, char **argv) {
                                  sizeof options / sizeof *options, argc, argv);
     const double ends_of[6] = {0.0, 0.0, -0.5, 0.0, 0.0, 0.5}, two[2] = {1.0, 1.0};
     dem_make_clump(2, ends_of, two, &g.clump);
-    if ((self.quick || brief) && !options[4].given) depth = g.shape == SPHERE ? 0.5 : 0.65;
-    if ((g.shape == BRICK || g.shape == BOTH) && !options[14].given) contact = 30.0;
-    if (self.quick && !options[5].given) smallest = g.shape == BRICK || g.shape == BOTH ? 90.0 : 60.0;
-    if ((self.quick || brief) && !options[8].given) warm = self.quick ? 0.0 : 0.2;
-    if ((self.quick || brief) && !options[7].given) g.particles = self.quick ? 30 : 1000;
+    if ((self.quick || brief) && !is_given(&self, "depth-mm")) depth = g.shape == SPHERE ? 0.5 : 0.65;
+    if ((g.shape == BRICK || g.shape == BOTH) && !is_given(&self, "contact-ns")) contact = 30.0;
+    if (self.quick && !is_given(&self, "x-min-um")) smallest = g.shape == BRICK || g.shape == BOTH ? 90.0 : 60.0;
+    if ((self.quick || brief) && !is_given(&self, "warm-ms")) warm = self.quick ? 0.0 : 0.2;
+    if ((self.quick || brief) && !is_given(&self, "particles")) g.particles = self.quick ? 30 : 1000;
     g.self = &self;
     g.depth = 1e-3 * depth, g.smallest = 1e-6 * smallest, g.longest = 1e-3 * longest, g.median = 1e-6 * median;
     g.warm = 1e-3 * warm, g.contact_time = 1e-9 * contact;

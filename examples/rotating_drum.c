@@ -365,9 +365,9 @@ int main(int argc, char **argv) {
                       options, sizeof options / sizeof *options, argc, argv);
     d.diameter[SMALL] = 1e-3 * small, d.diameter[LARGE] = 1e-3 * large, d.radius = 1e-3 * radius,
     d.width = 1e-3 * width;
-    if (self.quick && !options[9].given) d.turns = 0.2;
-    if (self.quick && !options[7].given) d.width = 0.012;
-    if (self.quick && !options[15].given) time = 0.01;
+    if (self.quick && !is_given(&self, "turns")) d.turns = 0.2;
+    if (self.quick && !is_given(&self, "width")) d.width = 0.012;
+    if (self.quick && !is_given(&self, "time")) time = 0.01;
     if (d.dosta) choose_dosta(&d, scale, time);
     else count_by_fill(&d, &self);
     if (from) read_spheres(&d, &self, from, &given);

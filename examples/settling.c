@@ -593,7 +593,7 @@ int main(int argc, char **argv) {
     static track t;
     run r;
     memset(&r, 0, sizeof r);
-    if (options[5].given && !(chosen.tau > 0.5))
+    if (is_given(&self, "tau") && !(chosen.tau > 0.5))
         program_refuse(&self, "tau", NULL, "a number above 0.5 and at most 10");
     chosen.field = 1e-3 * field, chosen.until_bottom = until == 0, chosen.half_way = boundary,
     chosen.paper_force = force, chosen.float_storage = precision;

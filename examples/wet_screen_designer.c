@@ -566,19 +566,21 @@ typedef struct asked {
     bool own_rates, steady, coarse_given, f0_given; /* own_rates: --k1 and --k2, or --tests */
 } asked;
 
-/* Refuses options that contradict each other. rate: --k1, --k2; steady: the four of a deck that is fed all the time. */
-static void refuse_contradictions(const program *self, const asked *a, const option *rate, const option *steady) {
+/* Refuses options that contradict each other. */
+static void refuse_contradictions(const program *self, const asked *a) {
+    static const char *const of_a_deck[4] = {"feed-kg-s", "deck-width-m", "deck-length-m", "travel-m-s"};
+    const bool k1 = is_given(self, "k1"), k2 = is_given(self, "k2"), steady = is_given(self, of_a_deck[0]);
     const char *feed = a->psd ? "psd" : a->rosin ? "rosin-rammler" : "lognormal";
     if ((a->psd != NULL) + (a->rosin != NULL) + (a->lognormal != NULL) > 1)
         program_refuse(self, feed, NULL, "one of --psd, --rosin-rammler and --lognormal");
     if (!a->parameters && (a->psd || a->rosin || a->lognormal)) program_refuse(self, feed, NULL, "only with --parameters");
-    if (rate[0].given != rate[1].given) program_refuse(self, rate[0].given ? "k1" : "k2", NULL, "both --k1 and --k2, or neither");
-    if (a->tests && rate[0].given) program_refuse(self, "tests", a->tests, "either --tests or --k1 and --k2");
+    if (k1 != k2) program_refuse(self, k1 ? "k1" : "k2", NULL, "both --k1 and --k2, or neither");
+    if (a->tests && k1) program_refuse(self, "tests", a->tests, "either --tests or --k1 and --k2");
     for (int i = 1; i < 4; i++)
-        if (steady[i].given != steady[0].given)
-            program_refuse(self, steady[0].given ? steady[i].name : steady[0].name, NULL,
+        if (is_given(self, of_a_deck[i]) != steady)
+            program_refuse(self, of_a_deck[steady ? i : 0], NULL,
                            "all of --feed-kg-s, --deck-width-m, --deck-length-m and --travel-m-s, or none");
-    if (steady[0].given && !a->parameters) program_refuse(self, "feed-kg-s", NULL, "only with --parameters");
+    if (steady && !a->parameters) program_refuse(self, "feed-kg-s", NULL, "only with --parameters");
 }
 
 /* Takes k1 and k2 from the law of the blocking tests. */
@@ -765,7 +767,6 @@ static int plan_by_published(const program *self, const asked *a, const rates *r
 }
 
 int main(int argc, char **argv) {
-    enum { COARSE = 7, K1 = 13, F0 = 15, FEED = 25 }; /* of the options */
     asked a;
     memset(&a, 0, sizeof a);
     a.diameters = "5,7", a.amplitude = 1.0, a.frequency = 50.6, a.moisture = 0.025;
@@ -807,9 +808,10 @@ int main(int argc, char **argv) {
     program self =
         program_start("wet_screen_designer", "Time to a wanted recovery on a wet screen, with blocking and without, and its uncertainty.",
                       options, (int)(sizeof options / sizeof *options), argc, argv);
-    refuse_contradictions(&self, &a, &options[K1], &options[FEED]);
-    a.own_rates = options[K1].given || a.tests;
-    a.steady = options[FEED].given, a.coarse_given = options[COARSE].given, a.f0_given = options[F0].given;
+    refuse_contradictions(&self, &a);
+    a.own_rates = is_given(&self, "k1") || a.tests;
+    a.steady = is_given(&self, "feed-kg-s"), a.coarse_given = is_given(&self, "coarse-mm"),
+    a.f0_given = is_given(&self, "f0");
     rates r = {a.k1,  a.k2,      a.rate_error, NULL, blocking_toss_indicator(a.frequency, 1e-3 * a.amplitude, 0.5 * pi, 0.0, 9.81),
                a.x_h, a.moisture};
     blocking_law law;

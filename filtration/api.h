@@ -64,6 +64,8 @@ typedef struct filtration_fluid_def {
     double body_force[3];           /* on the fluid [N/m3]; default 0. Without gravity, because pressure is dynamic */
     filtration_solid solid;         /* default: none */
     double speed_limit;             /* lattice speed [-] above which a run stops as diverged, 1e-15 .. 0.5; default 0.3 */
+    int keep_mass;                  /* 1: filtration_fluid_keep_mass is called every 256 steps of a closed box with spheres that move;
+                                       default 1 */
     int skip;                       /* 1: slabs that are all solid, or fluid at exact rest, are not updated; 0: all are; same bits; default
                                        1 */
     int threads;                    /* number of threads >= 1; default 1; same bits for any number */
@@ -97,6 +99,7 @@ typedef struct filtration_problem {
     int node[3];          /* the first bad node in the order of z, y, x; with FILTRATION_SPHERE: {index of the sphere, 0, 0} */
     int64_t step;         /* step at which it was found */
     double speed;         /* speed there, in lattice units [-] */
+    const char *rule;     /* with FILTRATION_SPHERE: what it must be; static storage; otherwise NULL */
     double cell_reynolds; /* u dx / nu there [-]; above 20 to 30 the flow between two nodes is not resolved */
 } filtration_problem;
 
@@ -171,15 +174,16 @@ FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid);
 typedef int (*filtration_write_fn)(void *user, const void *data, size_t bytes);
 typedef int (*filtration_read_fn)(void *user, void *data, size_t bytes);
 FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write, void *user);
-/* Loads into a fluid that filtration_fluid_init made with the same definition (box, lattice, precision, faces, solid). After BAD_DATA or
-   STREAM the fluid is at rest at time 0. */
+/* Loads into a fluid that filtration_fluid_init made with the same definition (box, lattice, precision, faces, solid, laws); BAD_DATA
+   for another one. After BAD_DATA or STREAM the fluid is at rest at time 0. */
 FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, filtration_read_fn read, void *user);
 
 /* ==== >>motion: spheres moved by a fluid, without another particle code ==== */
 
 typedef struct filtration_motion_def {
     uint32_t cookie;
-    double density;     /* of the spheres [kg/m3] > 0; default 2200 */
+    double density;     /* of the spheres [kg/m3], at least 0.4 of the fluid's: lighter ones are tossed by the liquid that they displace;
+                           default 2200 */
     double gravity[3];  /* [m/s2]; default (0, 0, -9.81); acts as buoyant weight (density - fluid density) V g */
     double modulus;     /* reduced modulus E* of two spheres in contact [Pa] > 0; default 1e8 (softened; docs/filtration.md) */
     double restitution; /* coefficient of restitution of a dry contact [-], above 0 .. 1; default 0.5 */
@@ -195,8 +199,8 @@ FILTRATION_API filtration_status filtration_motion_check_def(const filtration_mo
 
 /* Moves the spheres by one step of the fluid (leapfrog in sub_steps, at constant force and torque of the fluid): changes centre, velocity
    and spin. contact [n][3] (may be NULL): mean contact and lubrication force in the step [N]. Walls and the solid of the fluid are touched
-   where they are. share: factor of the force in a box with symmetry faces (1, 2 or 4). BAD_DEF,
-   BAD_ARGUMENT: nothing has moved; TOO_FAST: a contact gave a sphere an infinite speed (more sub_steps). */
+   where they are. share: factor of the force in a box with symmetry faces (1, 2 or 4). BAD_DEF, BAD_ARGUMENT (also for spheres lighter
+   than 0.4 of the fluid): nothing has moved; TOO_FAST: a contact gave a sphere an infinite speed (more sub_steps). */
 FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid,
                                                  filtration_spheres *spheres, double share, double *contact);
 /* Returns the number of sub-steps in the contact time of two equal spheres (Hertz) [-]; it should be 10 or more. dt: of the fluid [s];

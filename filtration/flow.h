@@ -234,23 +234,5 @@ FILTRATION_API filtration_status filtration_fluid_set_flow(
 }
 
 FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fluid) {
-    filtration__lattice *l = fluid ? fluid->lattice : NULL;
-    if (!l) return FILTRATION_BAD_ARGUMENT;
-    double sum[6];
-    filtration__sum_all(l, sum);
-    if (!(sum[4] > 0.0) || sum[0] == 0.0) return FILTRATION_OK;
-    double r = -sum[0] / sum[4];
-    if (!(fabs(r) < HUGE_VAL)) return FILTRATION_DIVERGED;
-    for (int z = 0; z < l->nz; z++)
-        for (int y = 0; y < l->ny; y++)
-            for (int x = 0; x < l->nx; x++) {
-                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
-                for (int i = 0; i < l->q; i++) {
-                    ptrdiff_t place = filtration__incoming(l, x, y, z, i);
-                    filtration__put(l, place, filtration__get(l, place) + l->w[i] * r);
-                }
-            }
-    memset(l->slab_active, 1, (size_t)l->nz);
-    fluid->mass_correction += r;
-    return FILTRATION_OK;
+    return fluid && fluid->lattice ? filtration__level(fluid) : FILTRATION_BAD_ARGUMENT;
 }

@@ -23,6 +23,7 @@ FILTRATION_API filtration_fluid_def filtration_fluid_default_def(void) {
     def.bulk_ratio = 2.0 / 3.0;
     def.magic = 3.0 / 16.0;
     def.speed_limit = 0.3;
+    def.keep_mass = 1;
     def.skip = 1;
     def.threads = 1;
     return def;
@@ -100,6 +101,7 @@ static inline const char *filtration__bad_field(const filtration_fluid_def *d) {
     if (d->force != FILTRATION_MOMENTUM_EXCHANGE && d->force != FILTRATION_SHEAR_LAYER) return "force";
     if (filtration__bad_face(d)) return filtration__bad_face(d);
     if (!(d->speed_limit >= 1e-15 && d->speed_limit <= 0.5)) return "speed_limit";
+    if (d->keep_mass != 0 && d->keep_mass != 1) return "keep_mass";
     if (d->skip != 0 && d->skip != 1) return "skip";
     if (d->threads < 1) return "threads";
     return filtration__bad_source(d);
@@ -216,27 +218,31 @@ FILTRATION_API filtration_status filtration_fluid_init(filtration_fluid *fluid, 
     return FILTRATION_NO_MEMORY;
 }
 
-/* Reads sphere n of the caller in lattice units. Returns 0 if a number is out of range. */
-static inline int filtration__read_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n, filtration__ball *b) {
+/* Reads sphere n of the caller in lattice units. Returns NULL, or what it would have to be. */
+static inline const char *filtration__read_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
+                                                filtration__ball *b) {
     const filtration__lattice *l = fluid->lattice;
     const int nodes[3] = {l->nx, l->ny, l->nz};
-    int good = s->radius[n] >= 0.0;
     b->radius = s->radius[n] / fluid->def.voxel;
-    if (b->radius == 0.0) return good;
+    if (!(s->radius[n] >= 0.0)) return "radius: at least 0";
+    if (b->radius == 0.0) return NULL;
+    if (!(b->radius < (fluid->def.force == FILTRATION_SHEAR_LAYER ? 1e4 : 1e5))) /* points on a sphere are counted in int */
+        return "radius: below 1e5 voxels (1e4 with the shear layer)";
     for (int a = 0; a < 3; a++) {
         double x = s->centre[3 * n + a] / fluid->def.voxel - 0.5;
         b->velocity[a] = s->velocity[3 * n + a] / l->to_velocity;
         b->spin[a] = s->spin[3 * n + a] * fluid->dt;
-        good = good && fabs(x) < 1e6 && fabs(b->velocity[a]) < 0.5 && fabs(b->spin[a]) * b->radius < 0.5;
-        if (!good) return 0;
+        if (!(fabs(x) < 1e6)) return "centre: within 1e6 voxels";
+        if (!(fabs(b->velocity[a]) < 0.5)) return "velocity: below half a voxel a step";
+        if (!(fabs(b->spin[a]) * b->radius < 0.5)) return "spin: a surface below half a voxel a step";
         if (filtration__repeats(l, a)) { /* the image nearest to its last place, or in the box */
             double home = b->steps ? b->centre[a] : 0.5 * (nodes[a] - 1);
             x -= nodes[a] * floor((x - home) / nodes[a] + 0.5);
-            good = 2.0 * b->radius < nodes[a] - 2.0;
+            if (!(2.0 * b->radius <= nodes[a] * (1.0 + 1e-12))) return "radius: at most half a periodic box";
         }
         b->centre[a] = x;
     }
-    return good && b->radius < (fluid->def.force == FILTRATION_SHEAR_LAYER ? 1e4 : 1e5); /* points on a sphere are counted in int */
+    return NULL;
 }
 
 static inline filtration_status filtration__room_for_balls(filtration_fluid *fluid, ptrdiff_t n) {
@@ -275,35 +281,37 @@ static inline void filtration__move_ball(filtration__lattice *l, ptrdiff_t n, co
     }
 }
 
-/* Reads sphere n of the caller; none beyond his last. Returns OK, BAD_ARGUMENT or TOO_FAST. */
+/* Reads sphere n of the caller; none beyond his last. Returns OK, BAD_ARGUMENT or TOO_FAST, and the rule that it breaks. */
 static inline filtration_status filtration__next_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
-                                                      filtration__ball *now) {
+                                                      filtration__ball *now, const char **rule) {
     const filtration__ball *before = &fluid->lattice->balls[n];
     *now = *before;
     now->radius = 0.0;
-    if (s && n < s->n && !filtration__read_ball(fluid, s, n, now)) return FILTRATION_BAD_ARGUMENT;
+    *rule = s && n < s->n ? filtration__read_ball(fluid, s, n, now) : NULL;
+    if (*rule) return FILTRATION_BAD_ARGUMENT;
     if (now->radius == 0.0) now->steps = 0;
-    else if (before->radius > 0.0 && !(filtration__moved(now, before) <= 0.5)) return FILTRATION_TOO_FAST;
-    return FILTRATION_OK;
+    else if (before->radius > 0.0 && !(filtration__moved(now, before) <= 0.5)) *rule = "centre: moved by at most half a voxel a step";
+    return *rule ? FILTRATION_TOO_FAST : FILTRATION_OK;
 }
 
 /* Moves the spheres to their present places: all or, if one is refused, none. */
 static inline filtration_status filtration__bring_balls(filtration_fluid *fluid, const filtration_spheres *s) {
     filtration__lattice *l = fluid->lattice;
     filtration__ball now;
+    const char *rule;
     ptrdiff_t n = s ? s->n : 0;
     if (n < 0 || (n > 0 && !(s->centre && s->velocity && s->spin && s->radius && s->force && s->torque))) return FILTRATION_BAD_ARGUMENT;
     if (filtration__room_for_balls(fluid, n) != FILTRATION_OK) return FILTRATION_NO_MEMORY;
     for (ptrdiff_t k = 0; k < l->ball_count; k++) {
-        const filtration_status status = filtration__next_ball(fluid, s, k, &now);
+        const filtration_status status = filtration__next_ball(fluid, s, k, &now, &rule);
         if (status == FILTRATION_OK) continue;
-        fluid->problem.cause = FILTRATION_SPHERE;
+        fluid->problem.cause = FILTRATION_SPHERE, fluid->problem.rule = rule;
         fluid->problem.node[0] = (int)k, fluid->problem.node[1] = fluid->problem.node[2] = 0;
         fluid->problem.step = fluid->steps;
         return status;
     }
     for (ptrdiff_t k = 0; k < l->ball_count; k++) {
-        (void)filtration__next_ball(fluid, s, k, &now);
+        (void)filtration__next_ball(fluid, s, k, &now, &rule);
         filtration__move_ball(l, k, &now);
     }
     return FILTRATION_OK;
@@ -320,6 +328,45 @@ static inline void filtration__give_forces(const filtration_fluid *fluid, const 
             s->torque[3 * n + a] = none ? 0.0 : torque * (share * b->torque[0][a] + other * b->torque[1][a]);
         }
     }
+}
+
+static inline int filtration__is_closed(const filtration__lattice *l) {
+    for (int f = 0; f < 6; f++)
+        if (l->face[f]->beyond == FILTRATION__NOTHING && !l->face[f]->is_touched) return 0;
+    return 1;
+}
+
+/* Adds the same density to every fluid node, so that the mean is def.density. */
+static inline filtration_status filtration__level(filtration_fluid *fluid) {
+    filtration__lattice *l = fluid->lattice;
+    double sum = 0.0, u[3];
+    ptrdiff_t count = 0;
+    for (int z = 0; z < l->nz; z++)
+        for (int y = 0; y < l->ny; y++) {
+            double row = 0.0;
+            for (int x = 0; x < l->nx; x++) {
+                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
+                row += filtration__moments(l, x, y, z, u);
+                count++;
+            }
+            sum += row;
+        }
+    if (count == 0 || sum == 0.0) return FILTRATION_OK;
+    const double r = -sum / (double)count;
+    if (!(fabs(r) < HUGE_VAL)) return FILTRATION_DIVERGED;
+    for (int z = 0; z < l->nz; z++)
+        for (int y = 0; y < l->ny; y++)
+            for (int x = 0; x < l->nx; x++) {
+                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
+                for (int i = 0; i < l->q; i++) {
+                    ptrdiff_t place = filtration__incoming(l, x, y, z, i);
+                    filtration__put(l, place, filtration__get(l, place) + l->w[i] * r);
+                }
+            }
+    memset(l->slab_active, 1, (size_t)l->nz);
+    for (ptrdiff_t n = 0; n < l->ball_count; n++) l->balls[n].density += r;
+    fluid->mass_correction += r;
+    return FILTRATION_OK;
 }
 
 FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, const filtration_spheres *spheres) {
@@ -350,6 +397,10 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
     }
     if (fluid->def.force == FILTRATION_SHEAR_LAYER) filtration__shear_forces(fluid);
     filtration__give_forces(fluid, spheres);
+    if (fluid->def.keep_mass && l->left && fluid->steps % 256 == 0 && filtration__is_closed(l)) {
+        l->left = 0;
+        return filtration__level(fluid);
+    }
     return FILTRATION_OK;
 }
 

@@ -67,6 +67,7 @@ typedef struct filtration__lattice {
     int whole_weight[FILTRATION__Q]; /* 72 w */
     filtration__rates rates;
     int periodic_x, half_way, refill;
+    int left;                   /* 1: spheres have left nodes since the mass was corrected */
     int odd;                    /* which step of the pair comes next */
     int32_t *owner;             /* [nz][ny][nx]: FILTRATION__FLUID, FILTRATION__SOLID or a sphere */
     unsigned char *row_state;   /* [nz][ny]: FILTRATION__ROW_SOLID, FILTRATION__ROW_BAD */

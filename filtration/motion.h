@@ -279,6 +279,7 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
     if (spheres->n > 0 && !(spheres->centre && spheres->velocity && spheres->spin && spheres->radius &&
                             spheres->force && spheres->torque))
         return FILTRATION_BAD_ARGUMENT;
+    if (!(def->density >= 0.4 * fluid->def.density)) return FILTRATION_BAD_ARGUMENT;
     for (ptrdiff_t n = 0; n < spheres->n; n++)
         if (!filtration__can_move(def, fluid, spheres, n, share)) return FILTRATION_BAD_ARGUMENT;
     double h = fluid->dt / def->sub_steps, damping = filtration__damping(def->restitution);

@@ -6,11 +6,12 @@
 /* Everything but arrays. All fields have eight bytes, so that there is no padding. */
 typedef struct filtration__header {
     uint64_t magic;
-    int64_t nodes[3], directions, single, faces[6], links, solid_nodes, balls, odd, steps, updates;
-    double tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel, density, viscosity;
+    int64_t nodes[3], directions, single, faces[6], boundary, refill, force_mode, keep_mass, links, solid_nodes, balls, odd, left, steps,
+        updates;
+    double bulk_ratio, lambda, tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel, density, viscosity;
 } filtration__header;
 
-#define FILTRATION__MAGIC UINT64_C(0x326c6966656c6472) /* changes with the format */
+#define FILTRATION__MAGIC UINT64_C(0x336c6966656c6472) /* changes with the format */
 
 static inline uint64_t filtration__checksum(uint64_t sum, const void *data, size_t bytes) {
     const unsigned char *p = (const unsigned char *)data;
@@ -33,6 +34,8 @@ static inline filtration__header filtration__make_header(const filtration_fluid 
     h.magic = FILTRATION__MAGIC;
     for (int a = 0; a < 3; a++) h.nodes[a] = d->nodes[a];
     for (int f = 0; f < 6; f++) h.faces[f] = (int64_t)d->face[f];
+    h.boundary = (int64_t)d->boundary, h.refill = (int64_t)d->refill, h.force_mode = (int64_t)d->force, h.keep_mass = d->keep_mass;
+    h.bulk_ratio = d->bulk_ratio, h.lambda = d->magic, h.left = l->left;
     h.directions = l->q, h.single = l->single, h.links = l->link_count, h.solid_nodes = l->solid_nodes;
     h.balls = l->ball_count, h.odd = l->odd, h.steps = fluid->steps, h.updates = fluid->updates;
     h.tau = d->tau, h.time = fluid->time, h.mass_correction = fluid->mass_correction;
@@ -76,7 +79,7 @@ static inline void filtration__rest(filtration_fluid *fluid) {
     for (size_t k = 0; k < filtration__nodes(l); k++)
         if (l->owner[k] != FILTRATION__SOLID) l->owner[k] = FILTRATION__FLUID;
     l->ball_count = 0;
-    l->odd = 0;
+    l->odd = l->left = 0;
     fluid->time = fluid->mass_correction = 0.0;
     fluid->steps = fluid->updates = 0;
     memset(&fluid->problem, 0, sizeof fluid->problem);
@@ -87,6 +90,8 @@ static inline int filtration__fits(const filtration_fluid *fluid, const filtrati
     filtration__header own = filtration__make_header(fluid);
     int same = h->magic == own.magic && h->directions == own.directions && h->single == own.single && h->links == own.links &&
                h->solid_nodes == own.solid_nodes && h->voxel == own.voxel && h->density == own.density && h->viscosity == own.viscosity &&
+               h->boundary == own.boundary && h->refill == own.refill && h->force_mode == own.force_mode && h->keep_mass == own.keep_mass &&
+               h->bulk_ratio == own.bulk_ratio && h->lambda == own.lambda && (h->left == 0 || h->left == 1) &&
                h->balls >= 0 && h->balls < INT32_MAX && (h->odd == 0 || h->odd == 1) && h->time >= 0.0 && h->time < HUGE_VAL &&
                fabs(h->mass_correction) < HUGE_VAL && h->steps >= 0 && h->updates >= 0;
     for (int a = 0; a < 3; a++) same = same && h->nodes[a] == own.nodes[a];
@@ -138,7 +143,7 @@ FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, 
         return status;
     }
     (void)filtration__change(fluid, &def);
-    fluid->lattice->odd = (int)h.odd;
+    fluid->lattice->odd = (int)h.odd, fluid->lattice->left = (int)h.left;
     fluid->time = h.time, fluid->mass_correction = h.mass_correction;
     fluid->steps = h.steps, fluid->updates = h.updates;
     return FILTRATION_OK;

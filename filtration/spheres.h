@@ -10,7 +10,7 @@ static inline void filtration__chord(const filtration__ball *b, int y, int z, in
     *first = 1, *end = 0;
     if (!(rest > 0.0)) return;
     double half = sqrt(rest);
-    *first = (int)ceil(b->centre[0] - half), *end = (int)floor(b->centre[0] + half);
+    *first = (int)floor(b->centre[0] - half) + 1, *end = (int)ceil(b->centre[0] + half) - 1;
 }
 
 /* Finds the rows that a sphere may cover along an axis. */
@@ -54,7 +54,7 @@ static inline void filtration__swap_nodes(filtration__lattice *l, ptrdiff_t inde
                 int p[3] = {x, y, z};
                 if (!filtration__inside(l, p, &mirrored) || mirrored) continue;
                 int32_t *owner = &l->owner[filtration__node(l, p[0], p[1], p[2])];
-                if (leave && *owner == (int32_t)index) *owner = filtration__cover(l, p, index);
+                if (leave && *owner == (int32_t)index) *owner = filtration__cover(l, p, index), l->left = 1;
                 if (!leave && (*owner == FILTRATION__FLUID || *owner == FILTRATION__FRESH)) *owner = (int32_t)index;
             }
         }

@@ -107,7 +107,7 @@ static int parse(line *l, const char *arguments) {
         option_seed("other-seed", "N", &l->seed2, "seed"),
     };
     memcpy(l->options, options, sizeof options);
-    program self = {"prog", "out/prog", NULL, 2, 1, false, false, false, 0.0};
+    program self = {"prog", "out/prog", NULL, 2, 1, false, false, false, 0.0, NULL, 0};
     l->self = self;
     l->message[0] = '\0';
     snprintf(storage, sizeof storage, "%s", arguments);

@@ -1470,6 +1470,108 @@ static void test_records_of_a_save(void **state) {
     dem_free(&w);
 }
 
+/* Copies a save in which materials and pairs have room for n materials, as older versions wrote it. Returns the new size. */
+static size_t with_room_for(const unsigned char *bytes, size_t size, int used, int n, unsigned char *to) {
+    size_t length, written = 16;
+    memcpy(to, bytes, 16);
+    for (size_t at = 16; at + 8 < size; at += length) {
+        const int of_materials = memcmp(bytes + at, "material.", 9) == 0, of_pairs = memcmp(bytes + at, "pair.", 5) == 0;
+        const size_t entry = bytes[at + 24];
+        assert_int_equal(record_of(bytes + at - 16, size - at + 16, (const char *)bytes + at, &length), 16);
+        memcpy(to + written, bytes + at, length);
+        if (of_materials || of_pairs) {
+            const int rows = of_pairs ? n : 1, count = rows * n;
+            assert_int_equal(length, 40 + entry * (size_t)(of_pairs ? used * used : used));
+            to[written + 32] = (unsigned char)count;
+            memset(to + written + 40, 0x55, (size_t)count * entry);
+            for (int a = 0; a < (of_pairs ? used : 1); a++)
+                memcpy(to + written + 40 + (size_t)(a * n) * entry, bytes + at + 40 + (size_t)(a * used) * entry, (size_t)used * entry);
+            written += 40 + (size_t)count * entry;
+        } else written += length;
+    }
+    reseal(to, written + 8);
+    return written + 8;
+}
+
+/* What a save holds does not depend on DEM_MATERIALS_MAX, and saves with a table of 8 x 8 or 12 x 12 pairs load. */
+static void test_saved_materials(void **state) {
+    (void)state;
+    dem_world w, copy;
+    size_t size, length;
+    assert_int_equal(scene_make(&w, SCENE_BED, DEM_SKIP_ALL, 1, NULL), DEM_OK);
+    run(&w, 0.009, scene_features(SCENE_BED));
+    const int used = w.def.materials;
+    assert_in_range(used, 2, 4);
+    unsigned char *bytes = saved(&w, &size), *other = malloc(size + 64 * 12 * 12 * 8), *again = malloc(size);
+    run(&w, 1e-3, scene_features(SCENE_BED));
+    for (int n = used - 1; n <= 14; n++) {
+        if (n < used) memcpy(other, bytes, size), other[record_of(bytes, size, "materials", &length) + 40] = (unsigned char)(used + 1);
+        const size_t other_size = n < used ? size : with_room_for(bytes, size, used, n, other);
+        reseal(other, other_size);
+        const dem_status status = dem_load(&copy, other, other_size, NULL);
+        assert_int_equal(status, n < used ? DEM_BAD_DATA : DEM_OK); /* fewer than the world has: no */
+        if (status != DEM_OK) continue;
+        assert_true(dem_save(&copy, again, size) == size && memcmp(bytes, again, size) == 0);
+        run(&copy, 1e-3, scene_features(SCENE_BED));
+        assert_true(dem_hash(&copy) == dem_hash(&w));
+        dem_free(&copy);
+    }
+    free(bytes), free(other), free(again);
+    dem_free(&w);
+}
+
+/* A save with one number of a record changed. Returns what dem_load says. */
+static dem_status load_with(const dem_world *w, const char *name, const void *value, size_t bytes_of, dem_world *copy) {
+    size_t size, length;
+    unsigned char *bytes = saved(w, &size);
+    const size_t at = record_of(bytes, size, name, &length);
+    assert_true(at > 0 && length >= 40 + bytes_of);
+    const uint16_t order = 1;
+    const int is_little = *(const unsigned char *)&order == 1;
+    for (size_t k = 0; k < bytes_of; k++) bytes[at + 40 + (is_little ? k : bytes_of - 1 - k)] = ((const unsigned char *)value)[k];
+    reseal(bytes, size);
+    const dem_status status = dem_load(copy, bytes, size, NULL);
+    free(bytes);
+    return status;
+}
+
+/* A flag that promises an array, and a loop as long as a number says. tests/fuzz/fuzz_dem.c forges every other record. */
+static void test_saves_that_lie(void **state) {
+    (void)state;
+    static const unsigned char one = 1;
+    dem_world w, copy;
+    dem_convex brick;
+    const double at[3] = {0.0, 0.0, 0.0};
+    const double large[] = {1e9, -1e9, 1e300, -1e300, HUGE_VAL, (double)NAN};
+    dem_def def = one_material(0.5, 0.3, 0.0);
+    on_plane(&w, &def, 0.0);
+    run(&w, 1e-4, DEM_LINEAR | DEM_FRICTION);
+    assert_int_equal(dem_contact_count(&w), 1);
+    assert_int_equal(load_with(&w, "ledger.counts", &one, 1, &copy), DEM_BAD_DATA);
+    assert_int_equal(load_with(&w, "ledger.started", &one, 1, &copy), DEM_BAD_DATA);
+    assert_int_equal(load_with(&w, "link.on", &one, 1, &copy), DEM_BAD_DATA); /* with an interval of 0 */
+    for (size_t k = 0; k < sizeof large / sizeof *large; k++)
+        assert_int_equal(load_with(&w, "owed", &large[k], sizeof large[k], &copy), DEM_BAD_DATA);
+    dem_free(&w);
+    start(&w, &def);
+    assert_int_equal(dem_make_brick(&brick, v3(1e-3, 2e-3, 3e-3), 0.03, NULL), DEM_OK);
+    assert_int_equal(dem_add_convex(&w, dem_add_shape(&w, &brick), 1, at, NULL, 0, 0), DEM_OK);
+    move(&w, 0, zero, v3(1, 2, 3));
+    run(&w, 1e-3, DEM_LINEAR | DEM_FRICTION);
+    static const char *const numbers[] = {"body.torque", "body.momentum", "body.moments", "body.v", "particle.x", "dt"};
+    for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++) {
+        for (size_t k = 0; k < sizeof large / sizeof *large; k++) {
+            const dem_status status = load_with(&w, numbers[n], &large[k], sizeof large[k], &copy);
+            if (status != DEM_OK) continue;
+            dem_energy(&copy), dem_orientation(&copy, 0), dem_get_body(&copy, 0);
+            dem_run(&copy, 0.0, DEM_LINEAR | DEM_FRICTION), dem_run(&copy, 2e-6, DEM_LINEAR | DEM_FRICTION);
+            dem_energy(&copy), dem_orientation(&copy, 0);
+            dem_free(&copy);
+        }
+    }
+    dem_free(&w);
+}
+
 static void test_damaged_saves(void **state) {
     (void)state;
     dem_world w, copy;
@@ -2065,6 +2167,8 @@ int main(void) {
         cmocka_unit_test(test_save_and_load),
         cmocka_unit_test(test_save_after_changes),
         cmocka_unit_test(test_records_of_a_save),
+        cmocka_unit_test(test_saved_materials),
+        cmocka_unit_test(test_saves_that_lie),
         cmocka_unit_test(test_damaged_saves),
         cmocka_unit_test(test_bad_definitions),
         cmocka_unit_test(test_hostile_calls),

@@ -281,6 +281,8 @@ static void test_zick_homsy(void **state) {
                 0.003); /* the staircase's own value */
     assert_true(fabs(array_drag(0.064, 30, 3.5, 0, 0, 0, aside) / 2.8102 - 1.0) < 0.006);
     assert_true(fabs(array_drag(0.216, 20, 3.5, 0, 0, 0, aside) / 7.442 - 1.0) < 0.006);
+    /* touching, as wide as the box: 42.14; coarse, because there are few nodes between them */
+    assert_true(fabs(array_drag(3.14159265358979 / 6.0, 20, 3.5, 0, 0, 0, middle) / 42.14 - 1.0) < 0.03);
 }
 
 /* RIDDLE_FINE (scripts/verify filtration_arrays): three solid fractions at 20 and 40 cells a diameter, four places of the centre within a
@@ -591,6 +593,20 @@ static void test_resume(void **state) {
     tumble_run(b, 20);
     assert_true(tumble_hash(a) == tumble_hash(b));
     assert_int_equal(a->fluid.steps, b->fluid.steps);
+    /* of another boundary law, refill, bulk viscosity or Lambda */
+    filtration_fluid_def def = b->fluid.def;
+    filtration_fluid other;
+    for (int k = 0; k < 4; k++) {
+        filtration_fluid_def changed = def;
+        if (k == 0) changed.boundary = FILTRATION_HALF_WAY;
+        if (k == 1) changed.refill = FILTRATION_REFILL_EQUILIBRIUM;
+        if (k == 2) changed.bulk_ratio = 6.0;
+        if (k == 3) changed.magic = 0.25;
+        saved.at = 0;
+        assert_int_equal(filtration_fluid_init(&other, &changed), FILTRATION_OK);
+        assert_int_equal(filtration_fluid_load(&other, read_bytes, &saved), FILTRATION_BAD_DATA);
+        filtration_fluid_free(&other);
+    }
     /* damaged, cut off, refused */
     saved.at = 0;
     saved.data[saved.size / 2] ^= 1;
@@ -644,6 +660,15 @@ static void test_mass(void **state) {
     assert_int_equal(filtration_fluid_keep_mass(&t->fluid), FILTRATION_OK);
     assert_true(fabs(filtration_fluid_mass(&t->fluid) / nodes - 1.0) < 1e-12);
     filtration_fluid_free(&t->fluid);
+    /* by itself in a closed box, at step 256 */
+    for (int keep = 0; keep < 2; keep++) {
+        tumble_start(t, 1, 1, NULL);
+        t->fluid.def.keep_mass = keep;
+        tumble_run(t, 256);
+        const double liquid = filtration_fluid_porosity(&t->fluid) * 32 * 32 * 32 * 1e-15;
+        assert_true((fabs(filtration_fluid_mass(&t->fluid) / liquid - 1.0) < 1e-12) == (keep == 1));
+        filtration_fluid_free(&t->fluid);
+    }
     free(t);
 }
 
@@ -936,12 +961,16 @@ static void test_refused_spheres(void **state) {
             if (which < 4) {
                 assert_int_equal(filtration_fluid_step(&fluid, &s), FILTRATION_BAD_ARGUMENT);
                 assert_int_equal(fluid.problem.node[0], 1);
+                static const char *const rule[] = {"centre:", "velocity:", "spin:", "radius:"};
+                assert_ptr_equal(strstr(fluid.problem.rule, rule[which]), fluid.problem.rule);
             }
             if (k > 0) assert_int_equal(filtration_move(&motion, &fluid, &s, 1.0, NULL), FILTRATION_BAD_ARGUMENT);
             assert_true(filtration_fluid_porosity(&fluid) == porosity && velocity[0] == 0.0 &&
                         centre[0] == place + 0.3e-6);
             centre[0] = place, *number[which] = kept;
         }
+    motion.density = 390.0; /* lighter than 0.4 of the liquid */
+    assert_int_equal(filtration_move(&motion, &fluid, &s, 1.0, NULL), FILTRATION_BAD_ARGUMENT);
     motion.density = 1e-5, motion.gravity[2] = 1e308;
     assert_int_equal(filtration_move(&motion, &fluid, &s, 1.0, NULL), FILTRATION_BAD_ARGUMENT);
     motion = filtration_motion_default_def(), motion.least_gap = 1e-308;

@@ -15,7 +15,7 @@ typedef struct dem__array {
     void *address; /* of the pointer to it */
     size_t size;   /* of an entry [bytes] */
 } dem__array;
-enum { DEM__ARRAYS_MAX = 96, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
+enum { DEM__ARRAYS_MAX = 64 + DEM_STATE_MAX + DEM_CONSTANTS_MAX, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
 
 /* Lists the arrays of particles in a force field. Returns their number. */
 static inline int dem__field_arrays(dem_world *w, dem__array *list) {

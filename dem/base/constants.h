@@ -1,7 +1,13 @@
-/* Constants that tune the engine, each with its reason. Results change in their last bits with them. */
+/* Constants that tune the engine, each with its reason. With the public ones (DEM_ and one underscore) nothing changes
+   but what fits; with the others results change in their last bits. Saves hold what is there, not what would fit: they
+   load in a program with other public constants, if all of it fits. */
 #pragma once
 
-#define DEM_MATERIALS_MAX 8  /* a pair table of 64 entries stays in the definition */
+/* Materials of a world; -DDEM_MATERIALS_MAX=12 in all files of a program gives more. The default leaves a table of 64
+   pairs in the definition. */
+#ifndef DEM_MATERIALS_MAX
+#define DEM_MATERIALS_MAX 8
+#endif
 #define DEM_WALLS_MAX 32     /* every particle near a wall is tested with it; a mesh counts as one */
 #define DEM_CONSTANTS_MAX 16 /* constants of a law, computed when a contact begins */
 #define DEM_STATE_MAX 16     /* doubles that a law may keep for each contact */

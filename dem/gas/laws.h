@@ -2,36 +2,98 @@
 #pragma once
 #include "../base/vectors.h"
 
-/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], for Re = density |slip|
-   d/viscosity, d the diameter of the sphere of equal volume. The force is (pi/8) viscosity d (c_D Re) slip: finite, and
-   right, at rest. NaN for Re < 0. */
-typedef double (*dem_drag_fn)(double reynolds, const dem_gas *gas);
+/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], of a particle among others. For Re
+   = density porosity |slip| d/viscosity, d the diameter of the sphere of equal volume, slip the velocity of the gas
+   between the particles minus the particle's. The force is (pi/8) viscosity d (c_D Re) slip, apart from the pressure
+   gradient: finite, and right, at rest. porosity: 0 < .. <= 1. NaN outside: Re < 0, another porosity. */
+typedef double (*dem_drag_fn)(double reynolds, double porosity, const dem_gas *gas);
 
-/* Returns c_D Re by Stokes 1851. */
-DEM_INLINE double dem_drag_stokes(double reynolds, const dem_gas *gas) {
-    (void)gas;
-    return reynolds >= 0.0 ? 24.0 : (double)NAN;
+/* Returns x^power of x > 0. */
+DEM_INLINE double dem__drag_power(double x, double power) { return riddle_exp(power * riddle_log(x)); }
+DEM_INLINE int dem__is_drag(double reynolds, double porosity) {
+    return reynolds >= 0.0 && porosity > 0.0 && porosity <= 1.0;
 }
 
-/* Returns c_D Re by Schiller & Naumann 1933, for spheres; beyond Re = 1000 by Newton's 0.44. */
-DEM_INLINE double dem_drag_schiller_naumann(double reynolds, const dem_gas *gas) {
-    (void)gas;
-    if (!(reynolds >= 0.0)) return (double)NAN;
-    if (reynolds > 1000.0) return 0.44 * reynolds;
-    return reynolds > 0.0 ? 24.0 + 3.6 * riddle_exp(0.687 * riddle_log(reynolds)) : 24.0;
-}
-
-/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets. */
-DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, const dem_gas *gas) {
-    return gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
-}
-
-/* Returns the exponent chi of the porosity (Di Felice 1994). The drag on a particle among others is that on a single
-   one, both at the superficial slip, times porosity^-chi. reynolds: at the superficial slip [-] >= 0. */
+/* Returns the exponent chi of the porosity (Di Felice 1994). reynolds: at the superficial slip [-] >= 0. */
 DEM_INLINE double dem_di_felice(double reynolds) {
     if (!(reynolds >= 0.0)) return (double)NAN;
     const double off = 1.5 - riddle_log(reynolds) / 2.302585092994045684; /* infinite at rest, where chi is 3.7 */
     return reynolds > 0.0 ? 3.7 - 0.65 * riddle_exp(-0.5 * off * off) : 3.7;
+}
+/* Returns by what other particles raise c_D Re of a single one (Di Felice 1994): porosity^(1 - chi), where both have the
+   superficial slip, and the force counts on the slip between the particles; 1 alone. A law for single particles is
+   multiplied by it. */
+DEM_INLINE double dem_hindrance_di_felice(double reynolds, double porosity) {
+    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
+    return porosity < 1.0 ? dem__drag_power(porosity, 1.0 - dem_di_felice(reynolds)) : 1.0;
+}
+
+/* Returns c_D Re of single spheres by Schiller & Naumann 1933; beyond Re = 1000 by Newton's 0.44. */
+DEM_INLINE double dem__drag_of_sphere(double reynolds) {
+    if (reynolds > 1000.0) return 0.44 * reynolds;
+    return reynolds > 0.0 ? 24.0 + 3.6 * dem__drag_power(reynolds, 0.687) : 24.0;
+}
+
+/* Returns c_D Re by Stokes 1851, among others by Di Felice. */
+DEM_INLINE double dem_drag_stokes(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    return 24.0 * dem_hindrance_di_felice(reynolds, porosity);
+}
+
+/* Returns c_D Re by Schiller & Naumann 1933, for spheres, beyond Re = 1000 by Newton's 0.44; among others by Di Felice.
+ */
+DEM_INLINE double dem_drag_schiller_naumann(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    const double hindrance = dem_hindrance_di_felice(reynolds, porosity); /* NaN outside the domain */
+    return dem__drag_of_sphere(reynolds) * hindrance;
+}
+
+/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets; among others by Di
+   Felice. */
+DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, double porosity, const dem_gas *gas) {
+    const double alone = gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
+    return alone * dem_hindrance_di_felice(reynolds, porosity);
+}
+
+/* Returns c_D Re by Gidaspow 1994, for spheres: below a porosity of 0.8 by Ergun 1952, from there on by Wen & Yu 1966.
+   It jumps there. */
+DEM_INLINE double dem_drag_gidaspow(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
+    if (porosity < 0.8) return (200.0 * (1.0 - porosity) + 7.0 / 3.0 * reynolds) / porosity;
+    const double alone = dem__drag_of_sphere(reynolds);
+    return porosity < 1.0 ? alone * dem__drag_power(porosity, -2.65) : alone;
+}
+
+/* Returns c_D Re by Beetstra, van der Hoef & Kuipers 2007, eq. 16, for spheres: from lattice-Boltzmann simulations with
+   porosities of 0.4 and more, Re up to 1000. */
+DEM_INLINE double dem_drag_beetstra(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
+    const double solid = 1.0 - porosity, square = porosity * porosity;
+    double force = 10.0 * solid / square + square * (1.0 + 1.5 * sqrt(solid)); /* over 3 pi viscosity d (superficial) */
+    if (reynolds > 0.0) {
+        const double ten = 2.302585092994045684, log_re = riddle_log(reynolds);
+        const double sum = 1.0 / porosity + 3.0 * porosity * solid + 8.4 * riddle_exp(-0.343 * log_re);
+        const double fade = 1.0 + riddle_exp(3.0 * ten * solid - 0.5 * (1.0 + 4.0 * solid) * log_re);
+        force += 0.413 / 24.0 * reynolds / square * sum / fade;
+    }
+    return 24.0 * porosity * force;
+}
+
+/* Returns c_D Re by Hill, Koch & Ladd 2001 (Koch & Hill 2001), for spheres: F0 + F3 Re/2, from lattice-Boltzmann
+   simulations with porosities of 0.36 and more, Re up to 240. Their F contains the pressure gradient's part, 1 -
+   porosity of it. In dilute gas it is only right at small Re. */
+DEM_INLINE double dem_drag_koch_hill(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
+    const double solid = 1.0 - porosity, square = porosity * porosity;
+    const double logarithm = solid > 0.0 ? 135.0 / 64.0 * solid * riddle_log(solid) : 0.0;
+    const double slow = solid < 0.4 ? (1.0 + 3.0 * sqrt(0.5 * solid) + logarithm + 16.14 * solid) /
+                                          (1.0 + solid * (0.681 + solid * (-8.48 + solid * 8.16)))
+                                    : 10.0 * solid / (square * porosity);
+    const double fast = 0.0673 + 0.212 * solid + 0.0232 / (square * square * porosity);
+    return 24.0 * square * (slow + 0.5 * fast * reynolds);
 }
 
 /* The frame of a gas at a time: its centre and its rotation. */
@@ -121,9 +183,7 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
     const dem_vec slip = dem__sub(dem__gas_speed(gas, &f, &cell, at->position), at->velocity);
     const double porosity = gas->porosity ? dem__gas_value(gas->porosity, &cell, 1, 0) : 1.0;
     const double reynolds = gas->density * porosity * dem__length(slip) * d / gas->viscosity;
-    double factor = RIDDLE_PI / 8.0 * gas->viscosity * d * drag(reynolds, gas);
-    if (porosity < 1.0) factor *= riddle_exp((1.0 - dem_di_felice(reynolds)) * riddle_log(porosity));
-    dem_vec force = dem__scale(factor, slip);
+    dem_vec force = dem__scale(RIDDLE_PI / 8.0 * gas->viscosity * d * drag(reynolds, porosity, gas), slip);
     if (gas->pressure_gradient)
         force = dem__plus(force, -volume, dem__gas_vector(gas, &f, gas->pressure_gradient, &cell));
     return gas->buoyancy ? dem__plus(force, -gas->density * volume, at->gravity) : force;

@@ -3,7 +3,7 @@
 #include "../base/engine.h"
 #include "records.h"
 
-enum { DEM__FIELDS_MAX = 64 };
+enum { DEM__FIELDS_MAX = 64 + DEM_STATE_MAX };
 
 /* Fields with the same number of entries. */
 typedef struct dem__group {

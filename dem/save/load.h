@@ -46,15 +46,24 @@ static inline int dem__find_field(const dem__file *file, const dem__group *g, in
     return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
 }
 
-/* Reads a group of n consecutive entries. Returns 0 if the file is not valid. */
-static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
+/* Reads entries first .. end-1 of a group of n into consecutive ones from `to` on. Returns 0 if the file is not valid.
+ */
+static inline int dem__read_some(const dem__file *file, const dem__group *g, ptrdiff_t n, ptrdiff_t first,
+                                 ptrdiff_t end, ptrdiff_t to) {
     for (int q = 0; q < g->fields && n > 0; q++) {
+        const dem__saved_field *f = &g->field[q];
         dem__stream s;
         const int found = dem__find_field(file, g, q, n, &s);
         if (found < 0) return 0;
-        for (ptrdiff_t k = 0; k < n && found; k++) dem__stream_entry(&s, &g->field[q], k);
+        s.at += (size_t)first * (size_t)(f->numbers * f->width);
+        for (ptrdiff_t k = first; k < end && found; k++) dem__stream_entry(&s, f, to + k - first);
     }
     return 1;
+}
+
+/* Reads all n entries of a group. */
+static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
+    return dem__read_some(file, g, n, 0, n, 0);
 }
 
 /* Reads contacts into their slots. Returns 0 if the file is not valid. */
@@ -71,28 +80,44 @@ static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__g
     return 1;
 }
 
+/* Steps that a run may owe: half a one, and more after a change of the time step. */
+#define DEM__OWED_STEPS 1e7
+
 static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
+
+/* Reads materials and their pairs. Files have as many as the world, older ones DEM_MATERIALS_MAX of the program that
+   wrote them. Returns 0 if the file is not valid. */
+static inline int dem__read_materials(const dem__file *file, dem_world *w, dem__group *g) {
+    const ptrdiff_t used = w->def.materials, n = dem__entries_of(file, "material.density");
+    if (used < 1 || used > DEM_MATERIALS_MAX || n < used || n > INT16_MAX) return 0;
+    dem__material_fields(w->def.material, g);
+    if (!dem__read_some(file, g, n, 0, used, 0)) return 0;
+    dem__pair_fields(&w->def.pair[0][0], g);
+    for (ptrdiff_t a = 0; a < used; a++) {
+        for (ptrdiff_t b = 0; b < used; b++) w->def.pair[a][b].given = 1; /* still older ones do not say what was set */
+        if (!dem__read_some(file, g, n * n, a * n, a * n + used, a * DEM_MATERIALS_MAX)) return 0;
+    }
+    return 1;
+}
 
 /* Reads the definition and single numbers. Returns 0 if the file is not valid. */
 static inline int dem__read_world(const dem__file *file, dem_world *w, dem__group *g) {
     dem__engine *e = w->engine;
     dem__world_fields(w, g);
-    if (!dem__read_group(file, g, 1)) return 0;
-    dem__material_fields(w->def.material, g);
-    if (!dem__read_group(file, g, DEM_MATERIALS_MAX)) return 0;
-    /* older files do not say which pairs were set */
-    for (int k = 0; k < DEM_MATERIALS_MAX * DEM_MATERIALS_MAX; k++)
-        w->def.pair[k / DEM_MATERIALS_MAX][k % DEM_MATERIALS_MAX].given = 1;
-    dem__pair_fields(&w->def.pair[0][0], g);
-    if (!dem__read_group(file, g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX)) return 0;
+    if (!dem__read_group(file, g, 1) || !dem__read_materials(file, w, g)) return 0;
     const int64_t counts[] = {w->step,  e->run.start_step, w->particle_steps, w->contact_steps,
                               w->looks, w->rebuilds,       w->passed_total};
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
     }
     if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) ||
-        !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
+        !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts) ||
+        !dem__is_flag(e->contacts.has_history))
         return 0;
+    /* what a flag promises is there */
+    if ((e->ledger.started || e->ledger.counts) && !e->ledger.on) return 0;
+    if (e->links.on ? !dem__positive(e->links.interval) : dem__entries_of(file, "link.i") > 0) return 0;
+    if (!(fabs(w->owed) <= DEM__OWED_STEPS * w->def.dt)) return 0;
     if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 ||
         e->links.states > DEM_STATE_MAX)
         return 0;

@@ -82,14 +82,21 @@ static inline void dem__write_meshes(dem__stream *s, const dem_world *w, dem__gr
     }
 }
 
+static inline void dem__write_materials(dem__stream *s, dem_world *w, dem__group *g) {
+    const int n = w->def.materials;
+    dem_pair_def pair[DEM_MATERIALS_MAX * DEM_MATERIALS_MAX]; /* without gaps: DEM_MATERIALS_MAX may change */
+    for (int k = 0; k < n * n; k++) pair[k] = w->def.pair[k / n][k % n];
+    dem__material_fields(w->def.material, g), dem__write_group(s, w, g, n, 0);
+    dem__pair_fields(pair, g), dem__write_group(s, w, g, n * n, 0);
+}
+
 /* Writes a world, or counts its bytes. */
 static inline void dem__write_world(dem__stream *s, dem_world *w) {
     uint64_t magic = DEM__MAGIC, version = DEM__FORMAT;
     dem__group g;
     dem__stream_u64(s, &magic), dem__stream_u64(s, &version);
     dem__world_fields(w, &g), dem__write_group(s, w, &g, 1, 0);
-    dem__material_fields(w->def.material, &g), dem__write_group(s, w, &g, DEM_MATERIALS_MAX, 0);
-    dem__pair_fields(&w->def.pair[0][0], &g), dem__write_group(s, w, &g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX, 0);
+    dem__write_materials(s, w, &g);
     dem__wall_fields(w->wall, &g), dem__write_group(s, w, &g, w->walls, 0);
     dem__write_meshes(s, w, &g);
     if (w->engine->convex.shapes > 0) {

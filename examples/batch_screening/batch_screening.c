@@ -107,6 +107,23 @@ static void write_averages(const study *st, const averages *a, const char *name)
     riddle_io_close(curves);
 }
 
+/* What the seeds of a variant give together. */
+static void json_numbers(json *j, const study *st, int v) {
+    for (int k = 0; k < NUMBERS; k++) {
+        if (number_join[k] == ALONE || (number_join[k] >= WET_LARGEST && !(st->variants[v].set.moisture > 0.0)))
+            continue;
+        double sum = 0.0, mean = 0.0, most = result_of(st, v, 0)->number[k]; /* NaN stays */
+        if (number_join[k] == WET_EACH) json_array_begin(j, number_name[k]);
+        for (int q = 0; q < st->seeds; q++) {
+            const double x = result_of(st, v, q)->number[k];
+            sum += x, mean += x / st->seeds, most = x > most ? x : most;
+            if (number_join[k] == WET_EACH) json_number(j, NULL, x);
+        }
+        if (number_join[k] == WET_EACH) json_array_end(j);
+        else json_number(j, number_name[k], number_join[k] == SUM ? sum : number_join[k] == WET_MEAN ? mean : most);
+    }
+}
+
 /* Settings and averages of a variant, as members of the object that is open. */
 static void json_variant(json *j, const study *st, int v, const averages *a) {
     static const char *const scene[] = {"screen", "closed-plate", "thin-layer"};
@@ -123,7 +140,7 @@ static void json_variant(json *j, const study *st, int v, const averages *a) {
     json_string(j, "outlet", s->outlet ? "wall" : "delay");
     json_number(j, "outlet_delay_s", s->outlet_delay);
     json_string(j, "side_wall", s->walls ? "pvc" : "steel");
-    json_number(j, "dt_s", first->dt);
+    json_number(j, "dt_s", first->number[TIME_STEP]);
     json_integer(j, "seeds", st->seeds);
     json_array(j, "time_s", a->time, st->samples);
     if (s->scene == SCENE_CLOSED_PLATE) {
@@ -141,26 +158,7 @@ static void json_variant(json *j, const study *st, int v, const averages *a) {
         json_array(j, "free_fraction", a->mean[FREE], st->samples);
         json_array(j, "occupied_fraction", a->mean[OCCUPIED], st->samples);
     }
-    double steps = 0.0, particle_steps = 0.0, contact_steps = 0.0, energy = 0.0, liquid = 0.0, bridges = 0.0, ruptures = 0.0;
-    for (int q = 0; q < st->seeds; q++) {
-        const result *r = result_of(st, v, q);
-        steps += r->steps, particle_steps += r->particle_steps, contact_steps += r->contact_steps;
-        energy = r->energy_error > energy ? r->energy_error : energy;
-        liquid = fmax(liquid, r->liquid_error);
-        bridges += r->bridges_mean / st->seeds, ruptures += r->ruptures / st->seeds;
-    }
-    json_number(j, "steps", steps);
-    json_number(j, "particle_steps", particle_steps);
-    json_number(j, "contact_steps", contact_steps);
-    json_number(j, "energy_error_rel", isnan(first->energy_error) ? (double)NAN : energy);
-    if (s->moisture > 0.0) {
-        json_number(j, "liquid_error_rel", liquid);
-        json_number(j, "bridges_mean", bridges);
-        json_number(j, "ruptures", ruptures);
-        json_array_begin(j, "liquid_passed_kg");
-        for (int q = 0; q < st->seeds; q++) json_number(j, NULL, result_of(st, v, q)->liquid_passed);
-        json_array_end(j);
-    }
+    json_numbers(j, st, v);
 }
 
 static void report_one(const study *st, double wall) {
@@ -185,13 +183,15 @@ static void report_one(const study *st, double wall) {
     if (!plate)
         common_print("mean time in the top layer: small %.2f s, near-mesh %.2f s\n", measure_of(st, 0, top_layer(SMALL)).mean,
                      measure_of(st, 0, top_layer(NEAR_MESH)).mean);
-    common_print("%.3g steps of %.3g us, %.3g particle-steps, %.3g contact-steps a seed; %.1f s in all\n", r->steps, 1e6 * r->dt,
-                 r->particle_steps, r->contact_steps, wall);
+    common_print("%.3g steps of %.3g us, %.3g particle-steps, %.3g contact-steps a seed; %.1f s in all\n",
+                 r->number[STEPS], 1e6 * r->number[TIME_STEP], r->number[PARTICLE_STEPS], r->number[CONTACT_STEPS],
+                 wall);
     if (s->moisture > 0.0)
-        common_print("liquid conserved to %.1e; %.0f bridges on average, %.0f ruptures (first seed)\n", r->liquid_error, r->bridges_mean,
-                     r->ruptures);
-    if (!isnan(r->energy_error))
-        common_print("energy ledger closes to %.1e of work, released potential and initial energy\n", r->energy_error);
+        common_print("liquid conserved to %.1e; %.0f bridges on average, %.0f ruptures (first seed)\n",
+                     r->number[LIQUID_ERROR], r->number[BRIDGES], r->number[RUPTURES]);
+    if (!isnan(r->number[ENERGY_ERROR]))
+        common_print("energy ledger closes to %.1e of work, released potential and initial energy\n",
+                     r->number[ENERGY_ERROR]);
     draw(st, &a);
     write_averages(st, &a, plate ? "h_star.csv" : "retained.csv");
     json *j = json_open(st->self->json);
@@ -756,7 +756,6 @@ typedef struct wish {
     int number, seeds; /* number: of the case */
     bool no_frames, film, no_energy, all_cases, vary, compare, sensitivity, resume;
 } wish;
-enum { CASE, AMPLITUDE, FREQUENCY, MOISTURE, TIME, DROP, OUTLET, MASS }; /* the first of the options */
 
 static wish default_wish(void) {
     wish w = {0};
@@ -772,38 +771,41 @@ static study_kind kind_of(const wish *w) {
 }
 
 /* Refuses what does not go together. */
-static void check_wish(const program *self, const option *options, const wish *w) {
-    const bool motion = options[AMPLITUDE].given || options[FREQUENCY].given, of_screen = w->set.scene == SCENE_SCREEN;
-    if (options[CASE].given && motion) program_refuse(self, "case", NULL, "not together with --amplitude-mm or --frequency-hz");
+static void check_wish(const program *self, const wish *w) {
+    const bool motion = is_given(self, "amplitude-mm") || is_given(self, "frequency-hz"),
+               of_screen = w->set.scene == SCENE_SCREEN;
+    if (is_given(self, "case") && motion)
+        program_refuse(self, "case", NULL, "not together with --amplitude-mm or --frequency-hz");
     if (w->all_cases + w->vary + w->compare + w->sensitivity > 1)
         program_refuse(self, "all-cases, --vary, --compare-moisture, --sensitivity", NULL, "only one of them");
     if (w->resume && kind_of(w) == STUDY_ONE) program_refuse(self, "resume", NULL, "only with a study of several runs");
-    if (w->all_cases && (options[CASE].given || motion || options[MOISTURE].given))
+    if (w->all_cases && (is_given(self, "case") || motion || is_given(self, "moisture")))
         program_refuse(self, "all-cases", NULL, "not together with a case, an amplitude, a frequency or a moisture");
     if (w->set.outlet && !of_screen) program_refuse(self, "outlet", "wall", "only with --scene screen");
-    if (w->set.outlet && options[OUTLET].given) program_refuse(self, "outlet", "wall", "not together with --outlet-delay");
+    if (w->set.outlet && is_given(self, "outlet-delay"))
+        program_refuse(self, "outlet", "wall", "not together with --outlet-delay");
     if (!of_screen && (w->all_cases || w->compare || w->sensitivity)) program_refuse(self, "scene", NULL, "this study is of the screen");
 }
 
 /* Completes the settings: options that were not given get the defaults of their scene and study. */
-static void complete_settings(const program *self, const option *options, wish *w) {
+static void complete_settings(const program *self, wish *w) {
     const study_kind kind = kind_of(w);
     settings *s = &w->set;
     choose_case(s, w->number);
-    if (options[AMPLITUDE].given || options[FREQUENCY].given)
+    if (is_given(self, "amplitude-mm") || is_given(self, "frequency-hz"))
         s->case_number = 0, s->amplitude = 1e-3 * w->amplitude_mm, s->frequency = w->frequency_hz;
-    if (options[MOISTURE].given) s->moisture = w->moisture, s->case_number = 0;
-    if (s->scene != SCENE_SCREEN && !options[DROP].given) w->drop_mm = 0.0;
-    if (s->scene == SCENE_CLOSED_PLATE && !options[TIME].given) s->time = 10.0;
-    if ((s->scene == SCENE_THIN_LAYER || w->compare) && !options[TIME].given) s->time = 5.0;
+    if (is_given(self, "moisture")) s->moisture = w->moisture, s->case_number = 0;
+    if (s->scene != SCENE_SCREEN && !is_given(self, "drop-mm")) w->drop_mm = 0.0;
+    if (s->scene == SCENE_CLOSED_PLATE && !is_given(self, "time")) s->time = 10.0;
+    if ((s->scene == SCENE_THIN_LAYER || w->compare) && !is_given(self, "time")) s->time = 5.0;
     if (s->scene == SCENE_THIN_LAYER) { /* passage counts when a centre is below the mesh plane */
-        if (!options[OUTLET].given) s->outlet_delay = 0.0;
+        if (!is_given(self, "outlet-delay")) s->outlet_delay = 0.0;
         s->exit_depth = 0.0;
         s->mass *= 0.25;
     }
     if (s->outlet) s->outlet_delay = 0.0;
     if (w->sensitivity) s->time = 10.0;
-    if (self->quick && !options[TIME].given && !w->sensitivity)
+    if (self->quick && !is_given(self, "time") && !w->sensitivity)
         s->time = kind == STUDY_ONE ? 1.5 : 1.2; /* long enough that most small ones pass */
     if (self->quick) s->mass = fmin(s->mass, kind == STUDY_ONE ? 0.3 : 0.03);
     s->screen_diameter = 1e-3 * w->diameter_mm;
@@ -875,8 +877,8 @@ int main(int argc, char **argv) {
         program_start("batch_screening",
                       "Glass spheres of 5, 7 and 10 mm on a vibrated sieve with 8 mm apertures, dry or wet (Elskamp & Kruggel-Emden 2019).",
                       options, sizeof options / sizeof *options, argc, argv);
-    check_wish(&self, options, &w);
-    complete_settings(&self, options, &w);
+    check_wish(&self, &w);
+    complete_settings(&self, &w);
     st.kind = kind_of(&w);
     st.seeds = w.seeds;
     st.seed = self.seed * 1000003u;

@@ -36,15 +36,32 @@ typedef struct settings {
     bool energy;
 } settings;
 
-/* What a run depends on, as one row of numbers under names, so that a run that was written can be told from another. */
-enum { SETTINGS = 18 };
-#define SETTINGS_HEADER                                                                                                                    \
-    "amplitude_m,frequency_hz,moisture,laws,scene,time_s,steps_per_contact,mass_kg,screen_diameter_m,drop_m,outlet_delay_s,exit_depth_m,"  \
-    "vertical,sideways,profile,restitution,side_wall,outlet_wall"
+/* What a run depends on, so that a run that was written can be told from another: name in its file, value. */
+#define SETTINGS_OF_A_RUN(X)                                                                                           \
+    X("amplitude_m", s->amplitude)                                                                                     \
+    X("frequency_hz", s->frequency)                                                                                    \
+    X("moisture", s->moisture)                                                                                         \
+    X("laws", s->laws)                                                                                                 \
+    X("scene", s->scene)                                                                                               \
+    X("time_s", s->time)                                                                                               \
+    X("steps_per_contact", s->dt_ratio)                                                                                \
+    X("mass_kg", s->mass)                                                                                              \
+    X("screen_diameter_m", s->screen_diameter)                                                                         \
+    X("drop_m", s->drop)                                                                                               \
+    X("outlet_delay_s", s->outlet_delay)                                                                               \
+    X("exit_depth_m", s->exit_depth)                                                                                   \
+    X("vertical", s->vertical)                                                                                         \
+    X("sideways", s->sideways)                                                                                         \
+    X("profile", s->profile)                                                                                           \
+    X("restitution", s->restitution)                                                                                   \
+    X("side_wall", s->walls)                                                                                           \
+    X("outlet_wall", s->outlet)
+#define SETTING_NAME(name, value) name,
+#define SETTING_VALUE(name, value) (double)(value),
+static const char *const setting_name[] = {SETTINGS_OF_A_RUN(SETTING_NAME)};
+enum { SETTINGS = sizeof setting_name / sizeof *setting_name };
 static void list_settings(const settings *s, double *row) {
-    const double all[SETTINGS] = {s->amplitude, s->frequency, s->moisture,        s->laws,        s->scene,        s->time,
-                                  s->dt_ratio,  s->mass,      s->screen_diameter, s->drop,        s->outlet_delay, s->exit_depth,
-                                  s->vertical,  s->sideways,  s->profile,         s->restitution, s->walls,        s->outlet};
+    const double all[SETTINGS] = {SETTINGS_OF_A_RUN(SETTING_VALUE)};
     memcpy(row, all, sizeof all);
 }
 
@@ -299,20 +316,44 @@ static dem_status build(dem_world *world, const batch *b, const settings *s, int
 
 /* ---- measurement ---- */
 
-enum { CURVES = UNDERSIZE + 3, FREE = UNDERSIZE, OCCUPIED, H_STAR, NUMBERS = 11 };
+enum { CURVES = UNDERSIZE + 3, FREE = UNDERSIZE, OCCUPIED, H_STAR };
 static const char *const curve_name[CURVES] = {"retained_small", "retained_near_mesh", "free_fraction", "occupied_fraction", "h_star_m"};
-#define NUMBERS_HEADER                                                                                                                     \
-    "top_layer_time_small_s,top_layer_time_near_mesh_s,dt_s,energy_error_rel,liquid_error_rel,bridges_mean,ruptures,liquid_passed_kg,"     \
-    "steps,particle_steps,contact_steps"
+
+/* The numbers of a run: index, name in files, what several seeds give together in the JSON object, value at the end of run_scene(). A number
+   more is a row more. */
+typedef enum join {
+    ALONE,
+    SUM,
+    LARGEST,
+    WET_LARGEST,
+    WET_MEAN,
+    WET_EACH
+} join; /* alone: not listed with the others; wet: where there is water */
+#define NUMBERS_OF_A_RUN(X)                                                                                            \
+    X(STEPS, "steps", SUM, world.step)                                                                                 \
+    X(PARTICLE_STEPS, "particle_steps", SUM, world.particle_steps)                                                     \
+    X(CONTACT_STEPS, "contact_steps", SUM, world.contact_steps)                                                        \
+    X(ENERGY_ERROR, "energy_error_rel", LARGEST, ledger_error(&world, has_ledger)) /* NaN without a ledger */          \
+    X(LIQUID_ERROR, "liquid_error_rel", WET_LARGEST, liquid_error)                                                     \
+    X(BRIDGES, "bridges_mean", WET_MEAN, looks ? bridges / looks : 0.0)                                                \
+    X(RUPTURES, "ruptures", WET_MEAN, wet ? wet->ruptures : 0)                                                         \
+    X(LIQUID_PASSED, "liquid_passed_kg", WET_EACH, passed_liquid(&world, wet))                                         \
+    X(TIME_STEP, "dt_s", ALONE, world.def.dt)                                                                          \
+    X(TOP_SMALL, "top_layer_time_small_s", ALONE, top_time[SMALL]) /* mean over the particles */                       \
+    X(TOP_NEAR_MESH, "top_layer_time_near_mesh_s", ALONE, top_time[NEAR_MESH])
+#define NUMBER_INDEX(index, name, join, value) index,
+#define NUMBER_NAME(index, name, join, value) name,
+#define NUMBER_JOIN(index, name, join, value) join,
+#define NUMBER_SET(index, name, join, value) r->number[index] = (double)(value);
+enum { NUMBERS_OF_A_RUN(NUMBER_INDEX) NUMBERS };
+static const char *const number_name[NUMBERS] = {NUMBERS_OF_A_RUN(NUMBER_NAME)};
+static const join number_join[NUMBERS] = {NUMBERS_OF_A_RUN(NUMBER_JOIN)};
 
 typedef struct result {
     dem_status status;
-    int samples;                /* points of the curves */
-    double *curve[CURVES];      /* [samples]: share of the class's mass; shares of the apertures; eq 44 [m] */
-    double top_time[UNDERSIZE]; /* mean time in the top layer [s] */
-    double dt, energy_error;    /* [s]; NaN without a ledger */
-    double liquid_error, bridges_mean, ruptures, liquid_passed; /* [-], numbers, [kg]; 0 if dry */
-    double steps, particle_steps, contact_steps;
+    int samples;           /* points of the curves */
+    double *curve[CURVES]; /* [samples]: share of the class's mass; shares of the apertures; eq 44 [m] */
+    double number[NUMBERS];
     uint64_t hash, failed_id;
     bool done;
 } result;
@@ -440,7 +481,8 @@ static void sample_curves(result *r, int sample, const dem_world *world, const s
 }
 
 /* The bottom layer from the next look on, unless it passed before; never in it: to the end. */
-static void mean_top_times(result *r, const layers *bed, const dem_world *world, const batch *b, double arrival, double end) {
+static void mean_top_times(double *top_time, const layers *bed, const dem_world *world, const batch *b, double arrival,
+                           double end) {
     double sum[UNDERSIZE] = {0.0, 0.0};
     int count[UNDERSIZE] = {0, 0};
     for (int i = 0; i < b->n; i++) {
@@ -452,7 +494,20 @@ static void mean_top_times(result *r, const layers *bed, const dem_world *world,
         const dem_passed *p = &world->passed[k];
         if (p->group < UNDERSIZE && p->time < bed->last_top[p->id] + WATCH) sum[p->group] -= bed->last_top[p->id] + WATCH - p->time;
     }
-    for (int c = 0; c < UNDERSIZE; c++) r->top_time[c] = count[c] ? sum[c] / count[c] : 0.0;
+    for (int c = 0; c < UNDERSIZE; c++) top_time[c] = count[c] ? sum[c] / count[c] : 0.0;
+}
+
+/* Of work, released potential and initial energy [-]. */
+static double ledger_error(const dem_world *world, bool has_ledger) {
+    const dem_energy_ledger e = dem_energy(world);
+    return has_ledger ? fabs(e.error) / (fabs(e.wall_work) + e.released + fabs(e.start)) : (double)NAN;
+}
+
+/* Liquid on what has passed [kg]. */
+static double passed_liquid(const dem_world *world, const wet_scene *wet) {
+    double mass = 0.0;
+    for (ptrdiff_t k = 0; wet && k < world->passed_count; k++) mass += WATER * wet->films.particle[world->passed[k].id];
+    return mass;
 }
 
 /* One mixture, from its making to its end. The curves have room for settings.time / SAMPLE + 1 points. */
@@ -462,6 +517,7 @@ static void run_scene(const settings *s, uint64_t seed, result *r, const observe
     layers bed;
     wet_scene *wet = NULL;
     int deck = 0, looks = 0;
+    double liquid_error = 0.0, bridges = 0.0;
     memset(&b, 0, sizeof b);
     memset(&world, 0, sizeof world);
     memset(&bed, 0, sizeof bed);
@@ -483,10 +539,10 @@ static void run_scene(const settings *s, uint64_t seed, result *r, const observe
         if (k % every == 0) {
             sample_curves(r, k / every, &world, s, wet, deck, time, initial);
             if (wet) {
-                int bridges;
-                const double total = wet_total(wet, &world, &bridges);
-                r->liquid_error = fmax(r->liquid_error, fabs(total / wet->initial - 1.0));
-                r->bridges_mean += bridges;
+                int count;
+                const double total = wet_total(wet, &world, &count);
+                liquid_error = fmax(liquid_error, fabs(total / wet->initial - 1.0));
+                bridges += count;
                 looks++;
             }
             if (watcher->series) dem_io_add(watcher->series, &world);
@@ -496,19 +552,10 @@ static void run_scene(const settings *s, uint64_t seed, result *r, const observe
         if (watcher->bar && k > 0) progress_add(watcher->bar, WATCH);
     }
     if (r->status == DEM_OK && !common_interrupted()) {
-        mean_top_times(r, &bed, &world, &b, arrival, s->time);
-        const dem_energy_ledger e = dem_energy(&world);
-        r->energy_error = has_ledger ? fabs(e.error) / (fabs(e.wall_work) + e.released + fabs(e.start)) : (double)NAN;
-        r->dt = world.def.dt;
-        r->steps = (double)world.step;
-        r->particle_steps = (double)world.particle_steps;
-        r->contact_steps = (double)world.contact_steps;
+        double top_time[UNDERSIZE];
+        mean_top_times(top_time, &bed, &world, &b, arrival, s->time);
+        NUMBERS_OF_A_RUN(NUMBER_SET)
         r->hash = dem_hash(&world);
-        if (wet) {
-            r->bridges_mean /= looks;
-            r->ruptures = (double)wet->ruptures;
-            for (ptrdiff_t k = 0; k < world.passed_count; k++) r->liquid_passed += WATER * wet->films.particle[world.passed[k].id];
-        }
         r->done = true;
     }
     r->failed_id = world.failed_id;

@@ -62,18 +62,18 @@ static const char *run_file(char *buffer, size_t size, const study *st, int v, i
     return buffer;
 }
 
-static void list_numbers(const result *r, double *row) {
-    const double all[NUMBERS] = {r->top_time[SMALL], r->top_time[NEAR_MESH], r->dt,    r->energy_error,   r->liquid_error, r->bridges_mean,
-                                 r->ruptures,        r->liquid_passed,       r->steps, r->particle_steps, r->contact_steps};
-    memcpy(row, all, sizeof all);
+/* Appends ",a,b,c". */
+static void name_columns(char *header, size_t size, const char *const *names, int n) {
+    for (int k = 0; k < n; k++) snprintf(header + strlen(header), size - strlen(header), ",%s", names[k]);
 }
 
 static void write_run(const study *st, int v, int q) {
     const result *r = result_of(st, v, q);
-    char name[100], header[200];
+    char name[100], header[1000] = "time_s", run_header[1000] = "mixture";
     double row[1 + SETTINGS + NUMBERS];
-    int length = snprintf(header, sizeof header, "time_s");
-    for (int c = 0; c < CURVES; c++) length += snprintf(header + length, sizeof header - (size_t)length, ",%s", curve_name[c]);
+    name_columns(header, sizeof header, curve_name, CURVES);
+    name_columns(run_header, sizeof run_header, setting_name, SETTINGS);
+    name_columns(run_header, sizeof run_header, number_name, NUMBERS);
     riddle_io_file *file = csv_open(st->runs, run_file(name, sizeof name, st, v, q, ""), header);
     for (int k = 0; k < r->samples; k++) {
         row[0] = k * SAMPLE;
@@ -83,8 +83,8 @@ static void write_run(const study *st, int v, int q) {
     if (riddle_io_close(file)) return;
     row[0] = (double)(st->seed + (uint64_t)q);
     list_settings(&st->variants[v].set, row + 1);
-    list_numbers(r, row + 1 + SETTINGS);
-    file = csv_open(st->runs, run_file(name, sizeof name, st, v, q, "_run"), "mixture," SETTINGS_HEADER "," NUMBERS_HEADER);
+    memcpy(row + 1 + SETTINGS, r->number, sizeof r->number);
+    file = csv_open(st->runs, run_file(name, sizeof name, st, v, q, "_run"), run_header);
     riddle_io_row(file, row, 1 + SETTINGS + NUMBERS);
     riddle_io_close(file);
 }
@@ -102,11 +102,10 @@ static bool read_run(const study *st, int v, int q) {
         return false;
     bool same = data.rows == 1 && data.columns == 1 + SETTINGS + NUMBERS;
     for (int k = 0; k < 1 + SETTINGS && same; k++) same = data.values[k] == wanted[k];
-    if (same) {
-        const double *n = data.values + 1 + SETTINGS;
-        r->top_time[SMALL] = n[0], r->top_time[NEAR_MESH] = n[1], r->dt = n[2], r->energy_error = n[3], r->liquid_error = n[4];
-        r->bridges_mean = n[5], r->ruptures = n[6], r->liquid_passed = n[7], r->steps = n[8], r->particle_steps = n[9];
-        r->contact_steps = n[10];
+    for (int k = 0; k < NUMBERS && same; k++) {
+        const int column = csv_column(&data, number_name[k]);
+        same = column >= 0;
+        if (same) r->number[k] = data.values[column];
     }
     csv_free(&data);
     if (!same ||
@@ -181,7 +180,7 @@ static measure top_layer(int c) { return over_time(TOP_LAYER + c, 0.0, 0.0); }
 
 static double measured(const study *st, int v, int q, measure m) {
     const result *r = result_of(st, v, q);
-    if (m.curve >= TOP_LAYER) return r->top_time[m.curve - TOP_LAYER];
+    if (m.curve >= TOP_LAYER) return r->number[TOP_SMALL + m.curve - TOP_LAYER];
     const int last = st->samples - 1;
     const int first = (int)fmin(m.from / SAMPLE + 0.5, last), end = (int)fmin(m.to / SAMPLE + 0.5, last);
     double sum = 0.0;

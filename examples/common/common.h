@@ -10,7 +10,7 @@
            option_positive("time", "S", &time, 1e4, "simulated time [s]"),
        };
        program self = program_start("batch_screening", "Dry batch screening.", options, 2, argc, argv);
-       if (self.quick && !options[1].given) time = 1.0;
+       if (self.quick && !is_given(&self, "time")) time = 1.0;
        progress bar;
        progress_begin(&bar, "vibrating", time);
        for (double t = 0.0; t < time && !common_interrupted(); t += 0.01) progress_update(&bar, t);

@@ -299,7 +299,7 @@ static void leave(void) { exit(common_exit_status()); }
 program program_start(const char *name, const char *about, option *options, int n, int argc, char **argv) {
     static char default_out[200];
     char message[600] = "";
-    program self = {name, default_out, NULL, machine_cores(), 1, false, false, false, machine_seconds()};
+    program self = {name, default_out, NULL, machine_cores(), 1, false, false, false, machine_seconds(), options, n};
     snprintf(default_out, sizeof default_out, "out/%s", name);
     program defaults = self;
     int status = 0;
@@ -344,6 +344,13 @@ program program_start(const char *name, const char *about, option *options, int 
     common_set_name(name);
     common_catch_interrupt();
     return self;
+}
+
+bool is_given(const program *self, const char *name) {
+    for (int k = 0; k < self->option_count; k++)
+        if (strcmp(self->options[k].name, name) == 0) return self->options[k].given;
+    fprintf(stderr, "%s: is_given(\"%s\"): there is no such option\n", self->name, name);
+    abort();
 }
 
 void program_refuse(const program *self, const char *option_name, const char *value, const char *allowed_text) {

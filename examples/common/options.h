@@ -37,12 +37,17 @@ typedef struct program {
     uint64_t seed;    /* default 1 */
     bool quiet, quick, version;
     double started; /* machine_seconds() at the start */
+    const option *options;
+    int option_count;
 } program;
 
 /* Reads the command line. Prints the help or the version and leaves with 0, or one line naming option, value and what is allowed and leaves with 2
    (also if the --out folder cannot be made or written to). Installs the Ctrl-C handler of progress.h.
    about: one or more sentences for --help. options may be NULL with n 0. */
 program program_start(const char *name, const char *about, option *options, int n, int argc, char **argv);
+
+/* Was the option --name on the command line? A name that the program has not ends it: the program is wrong. */
+bool is_given(const program *self, const char *name);
 
 /* What --help says of the defaults of --out and --seed where a program has others; NULL: as above. Before program_start. */
 void program_say_defaults(const char *out, const char *seed);

@@ -165,7 +165,7 @@ int main(int argc, char **argv) {
     };
     program self = program_start("wet_scenes", "The scenes of host_lammps in dem.h: a wet vibrated bed, a wet rotating drum.", options,
                                  sizeof options / sizeof *options, argc, argv);
-    if (self.quick && !options[1].given) duration = 0.01;
+    if (self.quick && !is_given(&self, "time")) duration = 0.01;
     start s = {0};
     dem_world world;
     wet_scene books;

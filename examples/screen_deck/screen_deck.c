@@ -240,7 +240,6 @@ int main(int argc, char **argv) {
                 .second = 0.6};
     d->length = 1.2;
     st.window = 0.5, st.measure = 4.0, st.tolerance = 0.05, st.recovery = 0.9;
-    enum { FEED, SECTION, LENGTH, LONGEST, WINDOW, MEASURE, TOLERANCE, STIFFNESS }; /* the first of the options */
     option options[] = {
         option_positive("feed-t-h", "T/H", &in.feed, 1e5, "feed of the whole machine [t/h]"),
         option_positive("section-mm", "MM", &in.section, 1e4, "simulated section of the width, rounded to whole pitches [mm]"),
@@ -288,14 +287,16 @@ int main(int argc, char **argv) {
     program self = program_start("screen_deck", "A vibrating screen under a steady feed, for one's own machine: partition, bed, blocking.",
                                  options, sizeof options / sizeof *options, argc, argv);
     const double window = st.window, measure = st.measure, tolerance = st.tolerance, longest = d->longest;
-    if (in.brief || self.quick) shorten(&st, d, &in, self.quick, options[LENGTH].given, options[SECTION].given, options[FEED].given);
-    if (options[WINDOW].given) st.window = window;
-    if (options[MEASURE].given) st.measure = measure;
-    if (options[TOLERANCE].given) st.tolerance = tolerance;
-    if (options[LONGEST].given) d->longest = longest;
+    if (in.brief || self.quick)
+        shorten(&st, d, &in, self.quick, is_given(&self, "length-m"), is_given(&self, "section-mm"),
+                is_given(&self, "feed-t-h"));
+    if (is_given(&self, "window-s")) st.window = window;
+    if (is_given(&self, "measure-s")) st.measure = measure;
+    if (is_given(&self, "tolerance")) st.tolerance = tolerance;
+    if (is_given(&self, "longest-s")) d->longest = longest;
     d->seed = self.seed;
     define(&self, &in, d, &st.left_out);
-    choose_stiffness(&self, d, options[STIFFNESS].given);
+    choose_stiffness(&self, d, is_given(&self, "stiffness"));
     st.self = &self;
     st.machine_width = in.machine;
     st.frames = !in.no_frames;

@@ -3,6 +3,7 @@
    - both answer the same, with a status that the call documents, and a refused call changes nothing;
    - both end with the same bits: hash, ledger, time, records of exits;
    - readers and saves change nothing;
+   - a save with one number changed is refused, or makes a world that can be read, run, saved and freed;
    - a run within the advised time step closes the ledger; energies are numbers whenever a run says ok;
    - what the world holds is bounded by the spheres and walls that it has had at a time. */
 #include "dem_calls.h"
@@ -259,6 +260,72 @@ static void load_in_place(side *s, const side *of) {
     if (s->links) FUZZ_HOLDS(dem_set_links(&s->w, &spring_kernel, s->interval, s->near) == DEM_OK);
 }
 
+/* Writes what a number of a save should not be: of 1, 4 or 8 bytes, a double or an integer. */
+static void forge_number(fuzz_draws *d, unsigned char *at, int width) {
+    static const int64_t odd[] = {0,  1,           2,          -1,     3,      31,      32,     100,
+                                  -2, -2147483648, 2147483647, 65536, 1 << 29, INT64_MAX, INT64_MIN, 1000000000000};
+    uint64_t bits = (uint64_t)odd[fuzz_one_of(d, (int)(sizeof odd / sizeof *odd))];
+    const double number = fuzz_one_of(d, 3) ? fuzz_hostile_number(d) : (fuzz_uniform(d) - 0.5) * (fuzz_one_of(d, 2) ? 1e9 : 1e-3);
+    if (width == 8 && fuzz_one_of(d, 4)) memcpy(&bits, &number, sizeof bits);
+    for (int k = 0; k < width; k++) at[k] = (unsigned char)(bits >> (8 * k));
+}
+
+/* Changes a number of a save, or takes a record away, whatever its kind. Returns the new size. */
+static size_t forge(fuzz_draws *d, unsigned char *bytes, size_t size) {
+    size_t at = 16, of = 16;
+    dem__record r, chosen = {0, 0, 0};
+    for (int n = 1; at < size - 8; n++) { /* each is as likely, however long */
+        FUZZ_HOLDS(dem__read_head(bytes, size - 8, at, &r));
+        if (r.count > 0 && fuzz_one_of(d, n) == 0) of = at, chosen = r;
+        at = r.at + (size_t)(r.bytes * r.count);
+    }
+    if (fuzz_traces) fprintf(stderr, "forges %.24s\n", (char *)bytes + of);
+    if (fuzz_one_of(d, 12) == 0) {
+        const size_t next = chosen.at + (size_t)(chosen.bytes * chosen.count);
+        memmove(bytes + of, bytes + next, size - next);
+        size -= next - of;
+    } else {
+        const int width = chosen.bytes % 8 == 0 ? 8 : chosen.bytes % 4 == 0 ? 4 : 1, last = (int)chosen.count - 1;
+        const int entry = fuzz_one_of(d, 3) ? fuzz_one_of(d, (int)chosen.count) : fuzz_one_of(d, 2) ? last : 0;
+        forge_number(d, bytes + chosen.at + (size_t)entry * chosen.bytes +
+                            (size_t)(width * fuzz_one_of(d, (int)(chosen.bytes / (uint64_t)width))), width);
+    }
+    uint64_t check = dem__checksum(bytes, size - 8);
+    for (int k = 0; k < 8; k++) bytes[size - 8 + (size_t)k] = (unsigned char)(check >> (8 * k));
+    return size;
+}
+
+/* Loads forged saves of a side, and does with what comes out what one does with a world. */
+static void load_forged(const side *of, const call *c, int times) {
+    fuzz_draws d = {NULL, 0, dem_hash(&of->w)};
+    for (int k = 0; k < times; k++) {
+        size_t size;
+        unsigned char *bytes = saved(&of->w, &size);
+        side s = *of;
+        dem_allocator hook;
+        failing_init(&s.memory);
+        hook.fn = failing_fn, hook.user = &s.memory;
+        for (int n = 1 + fuzz_one_of(&d, 2); n > 0; n--) size = forge(&d, bytes, size);
+        const dem_status status = dem_load(&s.w, bytes, size, &hook);
+        free(bytes);
+        FUZZ_HOLDS(status == DEM_OK || status == DEM_BAD_DATA || status == DEM_OUT_OF_MEMORY);
+        if (status == DEM_OK) {
+            set_threads(&s);
+            for (int q = 0; q < s.w.walls; q++) {
+                if (s.w.wall[q].asked.drive == DEM_PRESCRIBED) dem_prescribe(&s.w, q, s.w.wall[q].asked.spin_centre, swing, NULL);
+            }
+            if (s.field.kernel) hand_over_field(&s);
+            if (s.links) dem_set_links(&s.w, &spring_kernel, s.interval, s.near);
+            read_all(&s, c);
+            const double most = 5.0 * s.w.def.dt;
+            for (int run = 0; run < 2; run++) run_for(&s.w, most, features_of(c), c->kind == RUN_LAW), read_all(&s, c);
+            bytes = saved(&s.w, &size), free(bytes);
+        }
+        dem_free(&s.w);
+        FUZZ_HOLDS(failing_live(&s.memory) == 0);
+    }
+}
+
 /* ---- energy and memory ---- */
 
 /* Is the ledger to be judged? Overlaps and speeds are moderate, the step is short enough, and nobody comes out of a wall on the other
@@ -389,6 +456,7 @@ static int draw_kind(fuzz_draws *d, int calls) {
 }
 
 static uint64_t run_program(fuzz_draws *d) {
+    const int fuzz_forgeries = getenv("FUZZ_FORGERIES") ? atoi(getenv("FUZZ_FORGERIES")) : 2;
     program p;
     uint64_t hash = 0xcbf29ce484222325u;
     memset(&p, 0, sizeof p);
@@ -411,6 +479,7 @@ static uint64_t run_program(fuzz_draws *d) {
         if (p.over) readers_change_nothing(&p.b, &c);
         if (p.over) break;
         if (fuzz_one_of(d, 6) == 0) load_in_place(&p.b, &p.a);
+        if (calls % 8 == 0 && !lasts) load_forged(&p.a, &c, fuzz_forgeries);
         fuzz_mix_bits(&hash, digest(&p.a.w));
     }
     if (!p.over) fuzz_mix_bits(&hash, digest(&p.a.w)); /* what is not a number has other bits elsewhere */

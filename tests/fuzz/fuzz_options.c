@@ -31,7 +31,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
         option_string("input", "FILE", &path, "file"),
         option_seed("other", "N", &other, "seed"),
     };
-    program self = {"prog", "out/prog", NULL, 2, 1, false, false, false, 0.0};
+    program self = {"prog", "out/prog", NULL, 2, 1, false, false, false, 0.0, NULL, 0};
     int status = options_parse(&self, options, 7, argc, argv, message, (int)sizeof message);
     FUZZ_ASSERT(status >= 0 && status <= 2);
     FUZZ_ASSERT((status == 2) == (message[0] != '\0') && !strchr(message, '\n') && strlen(message) < sizeof message);
