@@ -233,7 +233,7 @@ static int run_scene(job *j, bool seed_given) {
 
 /* ---- the command line ---- */
 
-static bool is_given(int argc, char **argv, const char *name) {
+static bool has_word(int argc, char **argv, const char *name) {
     const size_t length = strlen(name);
     for (int k = 1; k < argc; k++)
         if (strncmp(argv[k], name, length) == 0 && (argv[k][length] == '\0' || argv[k][length] == '=')) return true;
@@ -256,7 +256,7 @@ static int place_of_file(int argc, char **argv) {
 static int rest_of(int argc, char **argv, int place, char *out, size_t size, char **rest) {
     int n = 0;
     rest[n++] = argv[0];
-    if (place && !is_given(argc, argv, "--out")) {
+    if (place && !has_word(argc, argv, "--out")) {
         const char *file = argv[place], *slash = strrchr(file, '/'), *stem = slash ? slash + 1 : file, *dot = strrchr(stem, '.');
         snprintf(out, size, "out/%.*s", dot && dot > stem ? (int)(dot - stem) : (int)strlen(stem), stem);
         rest[n++] = (char *)"--out";
@@ -292,9 +292,9 @@ int main(int argc, char **argv) {
     char **rest = malloc(((size_t)argc + 4) * sizeof *rest);
     if (!rest) return 1;
     const int n = help ? argc : rest_of(argc, argv, place, out, sizeof out, rest);
-    if (!help && !j.file && !is_given(argc, argv, "--help") && !is_given(argc, argv, "--version")) {
+    if (!help && !j.file && !has_word(argc, argv, "--help") && !has_word(argc, argv, "--version")) {
         free(rest);
-        return refuse(is_given(argc, argv, "--template") ? "--template NAME stands alone" : usage);
+        return refuse(has_word(argc, argv, "--template") ? "--template NAME stands alone" : usage);
     }
     program_say_defaults("out/<name of the scene>", "the scene's, else 1");
     j.self = program_start("riddle",
@@ -303,7 +303,7 @@ int main(int argc, char **argv) {
                            "       riddle run --template hopper|screen|drum|box|shapes\n"
                            "       riddle keys",
                            options, sizeof options / sizeof *options, n, help ? argv : rest);
-    const int status = pattern ? refuse("--template NAME stands alone") : run_scene(&j, is_given(argc, argv, "--seed"));
+    const int status = pattern ? refuse("--template NAME stands alone") : run_scene(&j, has_word(argc, argv, "--seed"));
     free(rest);
     return status;
 }
