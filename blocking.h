@@ -144,7 +144,7 @@ static inline int blocking_bed_too_thick(double H, double D_z);
 typedef struct blocking_count {
     double free_fraction;  /* f = free / all holes (eq 4), all spots together [-] */
     double blocked;        /* 1 - f [-] */
-    double standard_error; /* of f, holes independent: sqrt(f (1 - f) / holes) [-] */
+    double standard_error; /* of f, holes independent: sqrt(f (1 - f) / holes) [-]; 0 for f 0 or 1. Fit counts by blocking_fit_holes */
     double spot_error; /* of f, from the scatter between spots [-]; NaN for one spot. Much above standard_error: holes block in patches */
     double low, high;  /* Wilson's interval for f (Wilson 1927), holes independent [-] */
 } blocking_count;
@@ -327,6 +327,14 @@ BLOCKING_API blocking_status blocking_check_fit_def(const blocking_fit_def *def,
    IN_PERCENT, NEGATIVE, BAD_DEF, BAD_ARGUMENT with NaN. */
 BLOCKING_API blocking_status blocking_fit(const blocking_fit_def *def, const double *t, const double *f, const double *sigma, size_t n,
                                           blocking_fit_result *out);
+
+/* Fits counted holes: free_holes[n] of holes[n] at t[n] [s], n >= 3. The standard errors are those of the curve, sqrt(f (1 - f) / holes),
+   not of each reading, with one free and one blocked hole more than there are: near f = 1 those of the readings are too small, and the
+   range of f0 then holds the truth in 88 of 100 cases only. f[n], sigma[n]: filled with the readings and their errors, for
+   blocking_fit_range and for plots; the caller's. Statuses as blocking_fit; BAD_COUNT. Holes that block in patches scatter more: fit f
+   without sigma then. */
+BLOCKING_API blocking_status blocking_fit_holes(const blocking_fit_def *def, const double *t, const size_t *free_holes, const size_t *holes,
+                                                size_t n, double *f, double *sigma, blocking_fit_result *out);
 
 /* Computes the ranges, with the confidence of the result's, of f at a time T [s] >= 0 (infinite: f_inf) and of its mean over 0..T, which
    determines the deck's area; both are cut at 0 and 1, and are 0..1 where all curves leave these bounds before the first reading. Any of
@@ -1712,6 +1720,11 @@ static inline blocking__region blocking__region_of(const blocking__data *d, cons
     r.student = dof >= 1.0 ? blocking_student(def->z, dof) : HUGE_VAL;
     r.variance = d->sigma ? 1.0 : dof >= 1.0 ? r.least / dof : HUGE_VAL;
     r.target = r.student < HUGE_VAL ? r.least + r.student * r.student * r.variance : HUGE_VAL;
+    /* Where a constant is within the target, any k fits, and the best one follows the noise more than one parameter does: without the 1.3,
+       found by trials, ranges of readings that do not change hold 90 to 93 of 100 */
+    double constant = 0.0;
+    for (size_t i = 0; i < d->n; i++) constant += blocking__weight(d, i) * blocking__square(d->f[i] - d->f_mean);
+    if (constant <= r.target && r.target < HUGE_VAL) r.target = r.least + 1.3 * r.student * r.student * r.variance;
     return r;
 }
 
@@ -1923,6 +1936,32 @@ BLOCKING_API blocking_status blocking_fit(const blocking_fit_def *def, const dou
     if (end > 0 || best.k * (t[1] - t[0]) > 15.0) return BLOCKING_NOT_RESOLVED;
     if (end < 0 || blocking__straight_line(&s.d) <= best.sse) return BLOCKING_NOT_SATURATING;
     return BLOCKING_OK;
+}
+
+BLOCKING_API blocking_status blocking_fit_holes(const blocking_fit_def *def, const double *t, const size_t *free_holes, const size_t *holes,
+                                                size_t n, double *f, double *sigma, blocking_fit_result *out) {
+    blocking_status status = BLOCKING_OK;
+    double free_all = 0.0, all = 0.0;
+    if (out) blocking__clear_fit(out);
+    if (!out || (n > 0 && !(t && free_holes && holes && f && sigma))) return BLOCKING_BAD_ARGUMENT;
+    for (size_t i = 0; i < n; i++) {
+        if (!(holes[i] > 0 && free_holes[i] <= holes[i])) return BLOCKING_BAD_COUNT;
+        f[i] = (double)free_holes[i] / (double)holes[i];
+        free_all += (double)free_holes[i], all += (double)holes[i];
+    }
+    for (int round = 0; round < 5; round++) { /* the first: one error for all */
+        for (size_t i = 0; i < n; i++) {
+            const double m = (double)holes[i],
+                         curve = round == 0     ? free_all / all
+                                 : out->k > 0.0 ? blocking_curve(out->f0, out->f_inf, out->k, t[i])
+                                                : out->f_inf,
+                         p = (curve * m + 1.0) / (m + 2.0);
+            sigma[i] = sqrt(p * (1.0 - p) / m);
+        }
+        status = blocking_fit(def, t, f, sigma, n, out);
+        if (status > BLOCKING_NOT_RESOLVED) return status;
+    }
+    return status;
 }
 
 BLOCKING_API blocking_status blocking_fit_range(const blocking_fit_def *def, const double *t, const double *f, const double *sigma,

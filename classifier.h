@@ -73,7 +73,8 @@ extern "C" {
     X(CLASSIFIER_OUTSIDE, "the wanted value lies outside the range that can be reached")                                                   \
     X(CLASSIFIER_NO_OUTLET, "a circuit lets nothing out")                                                                                  \
     X(CLASSIFIER_OUT_OF_MEMORY, "out of memory")                                                                                           \
-    X(CLASSIFIER_TOO_FEW, "a fit needs more distinct sizes than free parameters: the points leave the parameters open")
+    X(CLASSIFIER_TOO_FEW, "a fit needs more distinct sizes than free parameters: the points leave the parameters "                         \
+                          "open")
 #define CLASSIFIER__NAME(name, text) name,
 typedef enum { CLASSIFIER_STATUSES(CLASSIFIER__NAME) CLASSIFIER__STATUS_COUNT } classifier_status;
 #undef CLASSIFIER__NAME
@@ -3124,7 +3125,8 @@ CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsign
     classifier__fit_deviations(&best, &d, result);
     const double least = classifier__try_squares(&best, best.p, &d, NULL, NULL), free = n - wanted,
                  t95 = sd ? 1.959963984540054 : classifier__student(n - wanted + 1);
-    classifier__fit_ranges(&best, &d, bypass, hook, least + t95 * t95 * (sd ? 1.0 : least / free), result);
+    /* a hook bends to the noise at any size, which takes more of it than one parameter does: by 1/10, found by trials */
+    classifier__fit_ranges(&best, &d, bypass, hook, least + (hook ? 1.1 : 1.0) * t95 * t95 * (sd ? 1.0 : least / free), result);
     if (hook) result->student = classifier__nan();
     result->rms = sqrt(classifier__fit_squares(&best.like, best.p, best.free, best.n_free, x, t, NULL, n, NULL, NULL) / n);
     result->iterations = best.iterations;

@@ -100,18 +100,27 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__FAST
 #endif
 
+/* Functions that are no part of their callers (DEM__NOINLINE), or of which the compiler decides (DEM__STATIC). Without
+   optimisation both are inline by name: gcc then emits every other static function, whether or not anything calls it. */
+#if !defined(__GNUC__)
+#define DEM__NOINLINE
+#define DEM__STATIC static
+#elif defined(__OPTIMIZE__)
+#define DEM__NOINLINE __attribute__((noinline))
+#define DEM__STATIC static
+#else
+#define DEM__NOINLINE inline
+#define DEM__STATIC static inline
+#endif
 #if defined(__GNUC__)
 #define DEM_INLINE static inline __attribute__((always_inline)) DEM__FAST
 #define DEM_RESTRICT __restrict__
-#define DEM__NOINLINE __attribute__((noinline))
 #elif defined(_MSC_VER)
 #define DEM_INLINE static __forceinline
 #define DEM_RESTRICT __restrict
-#define DEM__NOINLINE
 #else
 #define DEM_INLINE static inline
 #define DEM_RESTRICT
-#define DEM__NOINLINE
 #endif
 
 /* dem_run is compiled where it is called: with constant features, only the kernel that they choose. */
@@ -148,14 +157,14 @@ extern double sqrt(double) __attribute__((const));
    whole program gives the speed. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
 #define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
-    __attribute__((target("avx2"))) DEM__FAST static void name##_wide parameters { call; }                             \
-    DEM__FAST static void name parameters {                                                                            \
+    __attribute__((target("avx2"))) DEM__FAST DEM__STATIC void name##_wide parameters { call; }                        \
+    DEM__FAST DEM__STATIC void name parameters {                                                                       \
         if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                     \
         else call;                                                                                                     \
     }
 #else
 #define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
-    DEM__FAST static void name parameters { call; }
+    DEM__FAST DEM__STATIC void name parameters { call; }
 #endif
 /* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built with. Clang fuses
    only if told to by -ffp-contract=fast. With the address sanitizer the command line decides. */
@@ -2866,7 +2875,7 @@ static inline int dem__is_of_law(uint64_t mark, const dem_law *law) {
 DEM_INLINE int dem__is_thread_count(int threads) { return threads >= 1 && threads <= 4096; }
 
 /* Returns the name of the first bad field, or NULL. */
-static const char *dem__bad_pair(const dem_pair_def *p) {
+DEM__STATIC const char *dem__bad_pair(const dem_pair_def *p) {
     if (!dem__positive(p->stiffness)) return "pair.stiffness";
     if (!(p->tangential_ratio >= 0.0 && p->tangential_ratio <= 1.0)) return "pair.tangential_ratio";
     if (!(p->restitution > 0.0 && p->restitution <= 1.0)) return "pair.restitution";
@@ -2878,7 +2887,7 @@ static const char *dem__bad_pair(const dem_pair_def *p) {
 }
 
 /* Returns the name of the first bad field, or NULL. */
-static const char *dem__bad_field(const dem_def *def) {
+DEM__STATIC const char *dem__bad_field(const dem_def *def) {
     if (!def) return "def";
     if (def->cookie != 0x6d656452u) return "cookie";
     if (def->materials < 1 || def->materials > DEM_MATERIALS_MAX) return "materials";
@@ -3170,21 +3179,24 @@ static inline void dem__cone_edges(const dem_wall *w, dem_vec centre, double rea
                   DEM_CORNERS_MAX + DEM__SEARCH_KEYS + DEM__RIM_POINTS, v);
 }
 
-static const dem__wall_kind dem__cone = {
-    DEM_CONE,                                 /* kind */
-    DEM__KEEPS_CURVATURE | DEM__CURVED_SHEET, /* flags */
-    dem__is_cone,                             /* is_sound */
-    dem__touch_cone,                          /* touch */
-    NULL,                                     /* touch_element */
-    NULL,                                     /* other_elements */
-    NULL,                                     /* reach_round */
-    dem__turn_at_cone,                        /* normal_rate */
-    NULL,                                     /* is_endless */
-    NULL,                                     /* closing */
-    NULL,                                     /* corners */
-    dem__cone_edges,                          /* edges */
-    dem__crosses_cone                         /* crosses */
-};
+static inline const dem__wall_kind *dem__cone(void) {
+    static const dem__wall_kind row = {
+        DEM_CONE,                                 /* kind */
+        DEM__KEEPS_CURVATURE | DEM__CURVED_SHEET, /* flags */
+        dem__is_cone,                             /* is_sound */
+        dem__touch_cone,                          /* touch */
+        NULL,                                     /* touch_element */
+        NULL,                                     /* other_elements */
+        NULL,                                     /* reach_round */
+        dem__turn_at_cone,                        /* normal_rate */
+        NULL,                                     /* is_endless */
+        NULL,                                     /* closing */
+        NULL,                                     /* corners */
+        dem__cone_edges,                          /* edges */
+        dem__crosses_cone                         /* crosses */
+    };
+    return &row;
+}
 
 DEM_API dem_cone dem_default_cone(void) {
     dem_cone c;
@@ -3207,7 +3219,7 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
     wall.high_radius = cone->high_radius;
     wall.length = dem__length(axis);
     if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0)) || !dem__is_cone(&wall)) return -(int)DEM_BAD_ARGUMENT;
-    return dem__add_wall(world, &dem__cone, material, &wall);
+    return dem__add_wall(world, dem__cone(), material, &wall);
 }
 
 /* ------------------------------------------------------------------------------------------------- >>walls/round.h */
@@ -3303,24 +3315,27 @@ static inline void dem__cylinder_edges(const dem_wall *w, dem_vec centre, double
     v->edge(v, &e);
 }
 
-static const dem__wall_kind dem__cylinder = {
-    DEM_CYLINDER,             /* kind */
-    DEM__CONVEX,              /* flags */
-    dem__is_round,            /* is_sound */
-    dem__touch_cylinder,      /* touch */
-    NULL,                     /* touch_element */
-    NULL,                     /* other_elements */
-    dem__reach_cylinder,      /* reach_round */
-    dem__turn_at_cylinder,    /* normal_rate */
-    dem__is_along_cylinder,   /* is_endless */
-    dem__closing_at_cylinder, /* closing */
-    dem__cylinder_corners,    /* corners */
-    dem__cylinder_edges,      /* edges */
-    NULL                      /* crosses */
-};
+static inline const dem__wall_kind *dem__cylinder(void) {
+    static const dem__wall_kind row = {
+        DEM_CYLINDER,             /* kind */
+        DEM__CONVEX,              /* flags */
+        dem__is_round,            /* is_sound */
+        dem__touch_cylinder,      /* touch */
+        NULL,                     /* touch_element */
+        NULL,                     /* other_elements */
+        dem__reach_cylinder,      /* reach_round */
+        dem__turn_at_cylinder,    /* normal_rate */
+        dem__is_along_cylinder,   /* is_endless */
+        dem__closing_at_cylinder, /* closing */
+        dem__cylinder_corners,    /* corners */
+        dem__cylinder_edges,      /* edges */
+        NULL                      /* crosses */
+    };
+    return &row;
+}
 
 DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside) {
-    return dem__add_round(world, &dem__cylinder, material, point, axis, radius, inside);
+    return dem__add_round(world, dem__cylinder(), material, point, axis, radius, inside);
 }
 
 /* -------------------------------------------------------------------------------------------------- >>walls/disc.h */
@@ -3376,21 +3391,24 @@ static inline void dem__disc_edges(const dem_wall *w, dem_vec centre, double rea
     if (w->radius > 0.0) dem__show_rim(w, middle, w->radius, reach, key + DEM__RIM_POINTS, v);
 }
 
-static const dem__wall_kind dem__disc = {
-    DEM_DISC,          /* kind */
-    DEM__CURVED_SHEET, /* flags */
-    dem__is_disc,      /* is_sound */
-    dem__touch_disc,   /* touch */
-    NULL,              /* touch_element */
-    NULL,              /* other_elements */
-    NULL,              /* reach_round */
-    dem__turn_at_disc, /* normal_rate */
-    NULL,              /* is_endless */
-    NULL,              /* closing */
-    NULL,              /* corners */
-    dem__disc_edges,   /* edges */
-    dem__crosses_disc  /* crosses */
-};
+static inline const dem__wall_kind *dem__disc(void) {
+    static const dem__wall_kind row = {
+        DEM_DISC,          /* kind */
+        DEM__CURVED_SHEET, /* flags */
+        dem__is_disc,      /* is_sound */
+        dem__touch_disc,   /* touch */
+        NULL,              /* touch_element */
+        NULL,              /* other_elements */
+        NULL,              /* reach_round */
+        dem__turn_at_disc, /* normal_rate */
+        NULL,              /* is_endless */
+        NULL,              /* closing */
+        NULL,              /* corners */
+        dem__disc_edges,   /* edges */
+        dem__crosses_disc  /* crosses */
+    };
+    return &row;
+}
 
 DEM_API dem_disc dem_default_disc(void) {
     dem_disc d;
@@ -3413,7 +3431,7 @@ DEM_API int dem_add_disc(dem_world *world, int material, const dem_disc *disc) {
     wall.radius = disc->hole_radius;
     wall.high_radius = disc->radius;
     if (!dem__is_disc(&wall)) return -(int)DEM_BAD_ARGUMENT;
-    return dem__add_wall(world, &dem__disc, material, &wall);
+    return dem__add_wall(world, dem__disc(), material, &wall);
 }
 
 /* ------------------------------------------------------------------------------------------------- >>walls/plane.h */
@@ -3434,21 +3452,24 @@ static inline int dem__plane_corners(const dem_wall *w) {
     return DEM__CORNERS_ALL;
 }
 
-static const dem__wall_kind dem__plane = {
-    DEM_PLANE,                     /* kind */
-    DEM__HALF_SPACE | DEM__CONVEX, /* flags */
-    NULL,                          /* is_sound */
-    dem__touch_plane,              /* touch */
-    NULL,                          /* touch_element */
-    NULL,                          /* other_elements */
-    NULL,                          /* reach_round */
-    NULL,                          /* normal_rate */
-    dem__is_along_plane,           /* is_endless */
-    NULL,                          /* closing */
-    dem__plane_corners,            /* corners */
-    NULL,                          /* edges */
-    NULL                           /* crosses */
-};
+static inline const dem__wall_kind *dem__plane(void) {
+    static const dem__wall_kind row = {
+        DEM_PLANE,                     /* kind */
+        DEM__HALF_SPACE | DEM__CONVEX, /* flags */
+        NULL,                          /* is_sound */
+        dem__touch_plane,              /* touch */
+        NULL,                          /* touch_element */
+        NULL,                          /* other_elements */
+        NULL,                          /* reach_round */
+        NULL,                          /* normal_rate */
+        dem__is_along_plane,           /* is_endless */
+        NULL,                          /* closing */
+        dem__plane_corners,            /* corners */
+        NULL,                          /* edges */
+        NULL                           /* crosses */
+    };
+    return &row;
+}
 
 /* Adds a plane or an exit. */
 static inline int dem__add_flat(dem_world *w, const dem__wall_kind *kind, int material, dem_vec point, dem_vec normal) {
@@ -3463,7 +3484,7 @@ static inline int dem__add_flat(dem_world *w, const dem__wall_kind *kind, int ma
 }
 
 DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal) {
-    return dem__add_flat(world, &dem__plane, material, point, normal);
+    return dem__add_flat(world, dem__plane(), material, point, normal);
 }
 
 /* -------------------------------------------------------------------------------------------------- >>walls/exit.h */
@@ -3475,24 +3496,27 @@ static inline int dem__touch_exit(const dem_wall *w, dem_vec d, double radius, d
     return dem__touch_plane(w, d, 0.0, limit, out, least);
 }
 
-static const dem__wall_kind dem__exit = {
-    DEM_EXIT,                      /* kind */
-    DEM__NO_SURFACE | DEM__CONVEX, /* flags */
-    NULL,                          /* is_sound */
-    dem__touch_exit,               /* touch */
-    NULL,                          /* touch_element */
-    NULL,                          /* other_elements */
-    NULL,                          /* reach_round */
-    NULL,                          /* normal_rate */
-    dem__is_along_plane,           /* is_endless */
-    NULL,                          /* closing */
-    NULL,                          /* corners */
-    NULL,                          /* edges */
-    NULL                           /* crosses */
-};
+static inline const dem__wall_kind *dem__exit(void) {
+    static const dem__wall_kind row = {
+        DEM_EXIT,                      /* kind */
+        DEM__NO_SURFACE | DEM__CONVEX, /* flags */
+        NULL,                          /* is_sound */
+        dem__touch_exit,               /* touch */
+        NULL,                          /* touch_element */
+        NULL,                          /* other_elements */
+        NULL,                          /* reach_round */
+        NULL,                          /* normal_rate */
+        dem__is_along_plane,           /* is_endless */
+        NULL,                          /* closing */
+        NULL,                          /* corners */
+        NULL,                          /* edges */
+        NULL                           /* crosses */
+    };
+    return &row;
+}
 
 DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) {
-    return dem__add_flat(world, &dem__exit, 0, point, normal);
+    return dem__add_flat(world, dem__exit(), 0, point, normal);
 }
 
 /* --------------------------------------------------------------------------------------------- >>walls/mesh_tree.h */
@@ -3706,21 +3730,24 @@ static inline void dem__mesh_edges_near(const dem_wall *w, dem_vec centre, doubl
     }
 }
 
-static const dem__wall_kind dem__triangles = {
-    DEM_MESH,             /* kind */
-    DEM__TRIANGULATED,    /* flags */
-    NULL,                 /* is_sound: triangles are checked as they are read */
-    dem__touch_triangles, /* touch */
-    NULL,                 /* touch_element */
-    NULL,                 /* other_elements */
-    NULL,                 /* reach_round */
-    NULL,                 /* normal_rate: a contact knows its normals */
-    NULL,                 /* is_endless */
-    NULL,                 /* closing */
-    NULL,                 /* corners */
-    dem__mesh_edges_near, /* edges */
-    NULL                  /* crosses */
-};
+static inline const dem__wall_kind *dem__triangles(void) {
+    static const dem__wall_kind row = {
+        DEM_MESH,             /* kind */
+        DEM__TRIANGULATED,    /* flags */
+        NULL,                 /* is_sound: triangles are checked as they are read */
+        dem__touch_triangles, /* touch */
+        NULL,                 /* touch_element */
+        NULL,                 /* other_elements */
+        NULL,                 /* reach_round */
+        NULL,                 /* normal_rate: a contact knows its normals */
+        NULL,                 /* is_endless */
+        NULL,                 /* closing */
+        NULL,                 /* corners */
+        dem__mesh_edges_near, /* edges */
+        NULL                  /* crosses */
+    };
+    return &row;
+}
 
 /* ------------------------------------------------------------------------------------------------ >>walls/screen.h */
 /* Woven screens: two families of bars, round or half-round. Each bar is an element. */
@@ -3904,21 +3931,24 @@ static inline int dem__is_deck(const dem_wall *w) {
            dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 && x * y < 2.5e8;
 }
 
-static const dem__wall_kind dem__woven_screen = {
-    DEM_SCREEN,                   /* kind */
-    DEM__CONVEX,                  /* flags: of each bar */
-    dem__is_deck,                 /* is_sound */
-    dem__touch_screen,            /* touch */
-    dem__touch_element_of_screen, /* touch_element */
-    dem__third_bar,               /* other_elements */
-    dem__reach_screen,            /* reach_round */
-    dem__turn_at_screen,          /* normal_rate */
-    NULL,                         /* is_endless */
-    NULL,                         /* closing */
-    NULL,                         /* corners */
-    dem__screen_edges,            /* edges */
-    NULL                          /* crosses */
-};
+static inline const dem__wall_kind *dem__woven_screen(void) {
+    static const dem__wall_kind row = {
+        DEM_SCREEN,                   /* kind */
+        DEM__CONVEX,                  /* flags: of each bar */
+        dem__is_deck,                 /* is_sound */
+        dem__touch_screen,            /* touch */
+        dem__touch_element_of_screen, /* touch_element */
+        dem__third_bar,               /* other_elements */
+        dem__reach_screen,            /* reach_round */
+        dem__turn_at_screen,          /* normal_rate */
+        NULL,                         /* is_endless */
+        NULL,                         /* closing */
+        NULL,                         /* corners */
+        dem__screen_edges,            /* edges */
+        NULL                          /* crosses */
+    };
+    return &row;
+}
 
 DEM_API dem_screen dem_default_screen(void) {
     dem_screen s;
@@ -3949,7 +3979,7 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
     wall.half_x = screen->half_x;
     wall.half_y = screen->circular ? screen->half_x : screen->half_y;
     if (!dem__is_deck(&wall)) return -(int)DEM_BAD_ARGUMENT;
-    return dem__add_wall(world, &dem__woven_screen, material, &wall);
+    return dem__add_wall(world, dem__woven_screen(), material, &wall);
 }
 
 /* ------------------------------------------------------------------------------------------------ >>walls/sphere.h */
@@ -3978,37 +4008,40 @@ static inline void dem__sphere_edges(const dem_wall *w, dem_vec centre, double r
     if (!w->inside) v->corner(v, dem__sub(w->position, centre), w->radius, dem_vec3(0.0, 0.0, 0.0), 0);
 }
 
-static const dem__wall_kind dem__sphere = {
-    DEM_SPHERE,          /* kind */
-    0,                   /* flags */
-    dem__is_round,       /* is_sound */
-    dem__touch_sphere,   /* touch */
-    NULL,                /* touch_element */
-    NULL,                /* other_elements */
-    dem__reach_sphere,   /* reach_round */
-    dem__turn_at_sphere, /* normal_rate */
-    NULL,                /* is_endless */
-    NULL,                /* closing */
-    dem__sphere_corners, /* corners */
-    dem__sphere_edges,   /* edges */
-    NULL                 /* crosses */
-};
+static inline const dem__wall_kind *dem__sphere(void) {
+    static const dem__wall_kind row = {
+        DEM_SPHERE,          /* kind */
+        0,                   /* flags */
+        dem__is_round,       /* is_sound */
+        dem__touch_sphere,   /* touch */
+        NULL,                /* touch_element */
+        NULL,                /* other_elements */
+        dem__reach_sphere,   /* reach_round */
+        dem__turn_at_sphere, /* normal_rate */
+        NULL,                /* is_endless */
+        NULL,                /* closing */
+        dem__sphere_corners, /* corners */
+        dem__sphere_edges,   /* edges */
+        NULL                 /* crosses */
+    };
+    return &row;
+}
 
 DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside) {
-    return dem__add_round(world, &dem__sphere, material, centre, dem_vec3(0, 0, 1), radius, inside);
+    return dem__add_round(world, dem__sphere(), material, centre, dem_vec3(0, 0, 1), radius, inside);
 }
 
 /* ------------------------------------------------------------------------------------------------- >>walls/kinds.h */
-/* All kinds of walls. A new kind is a file like these and a row here; its name is in base/types.h. */
-
-static const dem__wall_kind *const dem__wall_kinds[] = {
-    &dem__plane, &dem__cylinder, &dem__woven_screen, &dem__exit, &dem__sphere, &dem__cone, &dem__triangles, &dem__disc,
-};
+/* All kinds of walls. A new kind is a file like these and its row in the list; its name is in base/types.h. */
 
 /* Returns the row of a kind; NULL for an unknown kind. */
 static inline const dem__wall_kind *dem__find_kind(int kind) {
-    for (size_t k = 0; k < sizeof dem__wall_kinds / sizeof *dem__wall_kinds; k++) {
-        if (dem__wall_kinds[k]->kind == kind) return dem__wall_kinds[k];
+    const dem__wall_kind *const row[] = {
+        dem__plane(),  dem__cylinder(), dem__woven_screen(), dem__exit(),
+        dem__sphere(), dem__cone(),     dem__triangles(),    dem__disc(),
+    };
+    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
+        if (row[k]->kind == kind) return row[k];
     }
     return NULL;
 }
@@ -8052,13 +8085,23 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
 #define DEM__LOOP(name, call)                                                                                          \
     DEM__AVX2_CLONE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end, int part), (world, first, end, part),    \
                     call)
-#define DEM_KERNEL(name, law, features)                                                                                \
+#define DEM__KERNEL_LOOPS(name, law, features)                                                                         \
     DEM__FAST static DEM__NOINLINE void name##_edge(dem_world *world, ptrdiff_t c, dem_contact *q,                     \
                                                     const dem__edge *was) {                                            \
         dem__correct_edge(world, c, q, was, &(law), features);                                                         \
     }                                                                                                                  \
-    DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))                        \
+    DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))
+#define DEM_KERNEL(name, law, features)                                                                                \
+    DEM__KERNEL_LOOPS(name, law, features)                                                                             \
     static const dem_kernel name = {&(law), features, name##_loop};
+/* A kernel that compilers leave out where nothing calls name(), gcc at -O0 too: it keeps constants that nobody reads,
+   and what they point to, but not those in an inline function. Tables of functions are written so as well. */
+#define DEM__KERNEL_OF(name, law, features)                                                                            \
+    DEM__KERNEL_LOOPS(name, law, features)                                                                             \
+    static inline const dem_kernel *name(void) {                                                                       \
+        static const dem_kernel kernel = {&(law), features, name##_loop};                                              \
+        return &kernel;                                                                                                \
+    }
 #define DEM_LINK_KERNEL(name, law)                                                                                     \
     DEM__LOOP(name##_loop, dem__link_kernel(world, first, end, part, &(law)))                                          \
     static const dem_link_kernel name = {&(law), name##_loop};
@@ -10183,35 +10226,35 @@ static const dem_law dem_law_hertz_friction = {
 static const dem_law dem_law_hertz_rolling = {
     "Hertz-Mindlin, rolling", 1, 4, 4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz_rolling, NULL, NULL};
 
-DEM_KERNEL(dem__kernel_linear, dem_law_linear, DEM_LINEAR)
-DEM_KERNEL(dem__kernel_linear_friction, dem_law_linear_friction, DEM_LINEAR | DEM_FRICTION)
-DEM_KERNEL(dem__kernel_linear_rolling, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
-DEM_KERNEL(dem__kernel_linear_energy, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
-DEM_KERNEL(dem__kernel_hertz, dem_law_hertz, DEM_HERTZ)
-DEM_KERNEL(dem__kernel_hertz_friction, dem_law_hertz_friction, DEM_HERTZ | DEM_FRICTION)
-DEM_KERNEL(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING)
-DEM_KERNEL(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
+DEM__KERNEL_OF(dem__kernel_linear, dem_law_linear, DEM_LINEAR)
+DEM__KERNEL_OF(dem__kernel_linear_friction, dem_law_linear_friction, DEM_LINEAR | DEM_FRICTION)
+DEM__KERNEL_OF(dem__kernel_linear_rolling, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
+DEM__KERNEL_OF(dem__kernel_linear_energy, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
+DEM__KERNEL_OF(dem__kernel_hertz, dem_law_hertz, DEM_HERTZ)
+DEM__KERNEL_OF(dem__kernel_hertz_friction, dem_law_hertz_friction, DEM_HERTZ | DEM_FRICTION)
+DEM__KERNEL_OF(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING)
+DEM__KERNEL_OF(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
 
 DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
     /* kernels with a ledger always compute friction and rolling; constants of zero take out what the caller did not
        name */
     switch (features) {
-    case DEM_LINEAR: return dem__run_kernel(world, duration, &dem__kernel_linear, features);
-    case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_linear_friction, features);
+    case DEM_LINEAR: return dem__run_kernel(world, duration, dem__kernel_linear(), features);
+    case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, dem__kernel_linear_friction(), features);
     case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING:
-        return dem__run_kernel(world, duration, &dem__kernel_linear_rolling, features);
-    case DEM_HERTZ: return dem__run_kernel(world, duration, &dem__kernel_hertz, features);
-    case DEM_HERTZ | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_hertz_friction, features);
+        return dem__run_kernel(world, duration, dem__kernel_linear_rolling(), features);
+    case DEM_HERTZ: return dem__run_kernel(world, duration, dem__kernel_hertz(), features);
+    case DEM_HERTZ | DEM_FRICTION: return dem__run_kernel(world, duration, dem__kernel_hertz_friction(), features);
     case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING:
-        return dem__run_kernel(world, duration, &dem__kernel_hertz_rolling, features);
+        return dem__run_kernel(world, duration, dem__kernel_hertz_rolling(), features);
     case DEM_LINEAR | DEM_ENERGY:
     case DEM_LINEAR | DEM_FRICTION | DEM_ENERGY:
     case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
-        return dem__run_kernel(world, duration, &dem__kernel_linear_energy, features);
+        return dem__run_kernel(world, duration, dem__kernel_linear_energy(), features);
     case DEM_HERTZ | DEM_ENERGY:
     case DEM_HERTZ | DEM_FRICTION | DEM_ENERGY:
     case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
-        return dem__run_kernel(world, duration, &dem__kernel_hertz_energy, features);
+        return dem__run_kernel(world, duration, dem__kernel_hertz_energy(), features);
     default: return DEM_BAD_ARGUMENT;
     }
 }
@@ -10750,21 +10793,24 @@ static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *
            (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
 }
 
-static const dem__body_calls dem__rigid_bodies = {dem__find_posture,
-                                                  dem__set_body_origin,
-                                                  dem__set_body_motion,
-                                                  dem__wrap_body,
-                                                  dem__place_pieces,
-                                                  dem__free_body,
-                                                  dem__test_due_with_bodies,
-                                                  dem__advance_with_bodies,
-                                                  dem__kick_bodies_range,
-                                                  dem__push_bodies,
-                                                  dem__shift_bodies,
-                                                  dem__kick_linked_body,
-                                                  dem__swing,
-                                                  dem__body_link_drift,
-                                                  dem__note_strides};
+static inline const dem__body_calls *dem__rigid_bodies(void) {
+    static const dem__body_calls row = {dem__find_posture,
+                                                      dem__set_body_origin,
+                                                      dem__set_body_motion,
+                                                      dem__wrap_body,
+                                                      dem__place_pieces,
+                                                      dem__free_body,
+                                                      dem__test_due_with_bodies,
+                                                      dem__advance_with_bodies,
+                                                      dem__kick_bodies_range,
+                                                      dem__push_bodies,
+                                                      dem__shift_bodies,
+                                                      dem__kick_linked_body,
+                                                      dem__swing,
+                                                      dem__body_link_drift,
+                                                      dem__note_strides};
+    return &row;
+}
 
 /* Definition of a rigid body: see bodies/rigid.h. */
 typedef struct dem__body_def {
@@ -10791,7 +10837,7 @@ static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t piece
     dem__rigid *fresh =
         (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
     if (!fresh) return 0;
-    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = &dem__rigid_bodies;
+    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = dem__rigid_bodies();
     if (old > 0) return dem__reserve_particles(w, pieces);
     if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
                         w->count + pieces + 1))
@@ -11110,7 +11156,7 @@ static inline int dem__is_grid(const dem_gas *gas) {
 }
 
 /* Returns the name of the first bad field, or NULL. */
-static const char *dem__bad_gas(const dem_gas *gas) {
+DEM__STATIC const char *dem__bad_gas(const dem_gas *gas) {
     if (!gas) return "gas";
     if (!dem__positive(gas->density)) return "density";
     if (!dem__positive(gas->viscosity)) return "viscosity";
@@ -12543,7 +12589,7 @@ static inline dem_status dem__make_inside(dem_wall *inside, const dem_world *w, 
     const dem_mesh *m = region->mesh;
     dem_status status = DEM_OK;
     if (region->kind != DEM_REGION_MESH) return DEM_OK;
-    inside->kind__ = &dem__triangles, inside->solid = 1;
+    inside->kind__ = dem__triangles(), inside->solid = 1;
     dem__frame(inside, dem_vec3(0.0, 0.0, 1.0), dem_vec3(1.0, 0.0, 0.0));
     inside->tree = dem__make_tree(&w->def.allocator, m->vertices, (const dem_vec *)(const void *)m->vertex,
                                   m->triangles, m->triangle, &status);
@@ -14426,7 +14472,7 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
     wall.tree = dem__make_tree(a, mesh->vertices, local, mesh->triangles, mesh->triangle, &status);
     a->fn(a->user, local, bytes, 0);
     if (!wall.tree) return -(int)status;
-    const int index = dem__add_wall(world, &dem__triangles, material, &wall);
+    const int index = dem__add_wall(world, dem__triangles(), material, &wall);
     if (index < 0) dem__release(a, wall.tree, wall.tree->bytes);
     else dem__count_mesh(world);
     return index;
@@ -16715,9 +16761,12 @@ static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birt
 /* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them
    (dem__convex_calls). Reads shapes; writes the world through dem__add_body. */
 
-static const dem__convex_calls dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
-                                                 dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
-                                                 dem__leave_convex_edges};
+static inline const dem__convex_calls *dem__polyhedra(void) {
+    static const dem__convex_calls row = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
+                                                     dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
+                                                     dem__leave_convex_edges};
+    return &row;
+}
 
 /* Returns whether the tables of a shape agree with each other, and its numbers are such as the code relies on. */
 static inline int dem__is_sound_shape(const dem_convex *c) {
@@ -16748,7 +16797,7 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
     dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
     if (!fresh) return -(int)DEM_OUT_OF_MEMORY;
-    convex->shape = fresh, convex->calls = &dem__polyhedra;
+    convex->shape = fresh, convex->calls = dem__polyhedra();
     convex->shape[convex->shapes++] = *shape;
     if (convex->shapes > 1) return convex->shapes - 1;
     dem__bodies *bodies = &w->engine->bodies;
@@ -17046,7 +17095,7 @@ static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, d
         (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
     if (!convex->shape) return DEM_OUT_OF_MEMORY;
     memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
-    convex->shapes = (int)n, convex->calls = &dem__polyhedra;
+    convex->shapes = (int)n, convex->calls = dem__polyhedra();
     w->engine->walls.touch_keepers++;
     g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
     if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;

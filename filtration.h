@@ -96,6 +96,14 @@
 #define FILTRATION__INDEPENDENT
 #endif
 
+/* Functions of which the compiler decides. Without optimisation they are inline by name: gcc then emits every other static function,
+   whether or not anything calls it. */
+#if defined(__OPTIMIZE__) || !defined(__GNUC__)
+#define FILTRATION__STATIC static
+#else
+#define FILTRATION__STATIC static inline
+#endif
+
 /* x86-64: the kernels are compiled three times, with AVX-512, with AVX2 and without. The bits are the same, because none fuses. AVX2 has
    too few registers for a node's populations. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412): there
    -mavx2 for the whole program gives the speed. */
@@ -106,16 +114,16 @@
 #define FILTRATION__AVX512 "avx512vl,avx512dq,prefer-vector-width=512"
 #endif
 #define FILTRATION__CLONES(name, parameters, arguments, call)                                                                              \
-    __attribute__((target(FILTRATION__AVX512))) FILTRATION__FAST static void name##_512 parameters { call; }                               \
-    __attribute__((target("avx2"))) FILTRATION__FAST static void name##_256 parameters { call; }                                           \
-    FILTRATION__FAST static void name parameters {                                                                                         \
+    __attribute__((target(FILTRATION__AVX512))) FILTRATION__FAST FILTRATION__STATIC void name##_512 parameters { call; }                   \
+    __attribute__((target("avx2"))) FILTRATION__FAST FILTRATION__STATIC void name##_256 parameters { call; }                               \
+    FILTRATION__FAST FILTRATION__STATIC void name parameters {                                                                             \
         if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) name##_512 arguments;                                \
         else if (__builtin_cpu_supports("avx2")) name##_256 arguments;                                                                     \
         else call;                                                                                                                         \
     }
 #else
 #define FILTRATION__CLONES(name, parameters, arguments, call)                                                                              \
-    FILTRATION__FAST static void name parameters { call; }
+    FILTRATION__FAST FILTRATION__STATIC void name parameters { call; }
 #endif
 
 #ifdef __cplusplus
@@ -3146,7 +3154,7 @@ static inline void filtration__task_range(ptrdiff_t n, int task, ptrdiff_t *firs
     *end = n * (task + 1) / FILTRATION__TASKS;
 }
 
-static void filtration__collide_task(void *context, int task) {
+FILTRATION__STATIC void filtration__collide_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     ptrdiff_t first, end;
     filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
@@ -3270,8 +3278,8 @@ typedef struct filtration__face_kind {
 } filtration__face_kind;
 
 /* Bounce-back half way from a surface that moves. */
-static void filtration__enter_wall(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK],
-                                   double *h) {
+FILTRATION__STATIC void filtration__enter_wall(const filtration__lattice *l, const filtration__entry *e, int n,
+                                               double u[3][FILTRATION__BLOCK], double *h) {
     const signed char *c = l->c[e->i];
     const double *v = l->face_velocity[e->face], push = 6.0 * l->w[e->i] * (c[0] * v[0] + c[1] * v[1] + c[2] * v[2]);
     (void)u;
@@ -3279,8 +3287,8 @@ static void filtration__enter_wall(const filtration__lattice *l, const filtratio
 }
 
 /* A given pressure by anti-bounce-back (Ginzburg et al. 2008). */
-static void filtration__enter_open(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK],
-                                   double *h) {
+FILTRATION__STATIC void filtration__enter_open(const filtration__lattice *l, const filtration__entry *e, int n,
+                                               double u[3][FILTRATION__BLOCK], double *h) {
     const signed char *c = l->c[e->i];
     const double r = l->face_density[e->face];
     for (int k = 0; k < n; k++) {
@@ -3420,7 +3428,7 @@ static inline void filtration__face_row(filtration__lattice *l, int y, int z) {
     if (l->nx > 1) filtration__face_block(l, l->nx - 1, 1, y, z);
 }
 
-static void filtration__face_task(void *context, int task) {
+FILTRATION__STATIC void filtration__face_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     ptrdiff_t first, end;
     filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
@@ -3473,7 +3481,7 @@ static inline filtration__cut filtration__link_cut(const filtration__link *link)
     return k;
 }
 
-static void filtration__link_task(void *context, int task) {
+FILTRATION__STATIC void filtration__link_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     ptrdiff_t first, end;
     double back;
@@ -3714,7 +3722,7 @@ FILTRATION__INLINE void filtration__ball_links(filtration__lattice *l, int32_t i
         }
 }
 
-static void filtration__ball_task(void *context, int task) {
+FILTRATION__STATIC void filtration__ball_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     filtration__surface sum;
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
@@ -3841,7 +3849,7 @@ static inline void filtration__film_link(filtration__lattice *l, int32_t index, 
 
 /* Adds the pressure of films. What leaves the surface open (mirrors, spheres that overlap) has the density at the centre, so that a
    constant pressure moves no sphere. */
-static void filtration__film_task(void *context, int task) {
+FILTRATION__STATIC void filtration__film_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
         filtration__ball *b = &l->balls[n];
@@ -4538,7 +4546,7 @@ static inline int filtration__set_nodes(filtration_fluid *fluid, const filtratio
 
 /* Rescales a node: velocity by s, pressure and force by s^2, the non-equilibrium part as stress: by s and the ratio of relaxation times.
    Before a collision, half of the force is missing in the momentum. */
-static void filtration__rescale(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
+FILTRATION__STATIC void filtration__rescale(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
                                 double h[FILTRATION__Q]) {
     const filtration__lattice *l = fluid->lattice;
     double u[3], v[3], s = flow->speed, stress = flow->stress, r = filtration__moments(l, x, y, z, u);
@@ -4572,7 +4580,7 @@ FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *flui
 
 /* Computes a node's equilibrium plus the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) : grad u to first
    order. */
-static void filtration__start_node(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
+FILTRATION__STATIC void filtration__start_node(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
                                    double h[FILTRATION__Q]) {
     const filtration__lattice *l = fluid->lattice;
     double point[3], u[3] = {0, 0, 0}, p = 0.0, grad[3][3], trace = 0.0, aside = 0.0;

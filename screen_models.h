@@ -344,6 +344,10 @@ typedef struct screen_fit_options {
                               the curves themselves is larger, 8 times that scatter */
     const screen_def *decks; /* [cases] a deck and a feed for each case (aperture, wire, classes, masses ...): all but the numerics and the
                                 memory, which are those of the def given; not owned; null (default): the def given for all */
+    const double *class_weights; /* [classes], with decks those of all cases one after the other: how well each class is known, as 1 /
+                                    (standard error)^2 in any unit, >= 0, in each case one > 0. A residual counts with the root of it, in
+                                    the fit and in all that is said of it. 0: the class is left out (models 2, 3: not of the feed). Not
+                                    owned; null (default): all alike */
     uint32_t cookie;
 } screen_fit_options;
 
@@ -353,7 +357,7 @@ typedef struct screen_fit_result {
     int parameters;
     double parameter[SCREEN_MAX_PARAMETERS];
     double deviation;                    /* mean over cases of the deviation of a case [-] */
-    double rms;                          /* root mean square of model - data [-] */
+    double rms;                          /* root mean square of model - data [-]; both weighted, where there are class_weights */
     double error[SCREEN_MAX_PARAMETERS]; /* standard error; infinite: no influence; NaN: at its bound, see its range. Residuals that
                                             correlate with their neighbours count as fewer points */
     double dof;                          /* degrees of freedom of the errors: points that count, less the free parameters; at least 1 */
@@ -1957,6 +1961,7 @@ typedef struct screen__problem {
     int parameters, cases, points; /* points: classes x times of the longest case */
     const screen_case *data;
     const screen_def *decks; /* [cases] or null */
+    const double *weights;   /* of the classes, or null */
     screen_loss loss;
     double shrink;
     double low[SCREEN_MAX_PARAMETERS], high[SCREEN_MAX_PARAMETERS];         /* in q; equal where a parameter is held */
@@ -2092,9 +2097,33 @@ static inline double screen__point_loss(const screen__problem *p, double r, doub
     return r * r / (round + rounding);
 }
 
+/* Weights of the classes of one case: their mean is 1 over those that count. */
+typedef struct screen__classes {
+    const double *weights; /* or null */
+    double count, scale;
+} screen__classes;
+
+static inline screen__classes screen__classes_of(const screen_def *def, const screen_def *decks, const double *weights, int s) {
+    screen__classes of;
+    const int n = decks ? decks[s].classes : def->classes;
+    double sum = 0.0;
+    of.weights = weights;
+    of.count = n;
+    of.scale = 1.0;
+    if (!weights) return of;
+    for (int k = 0; decks && k < s; k++) of.weights += decks[k].classes;
+    of.count = 0.0;
+    for (int i = 0; i < n; i++) sum += of.weights[i], of.count += of.weights[i] > 0.0;
+    of.scale = of.count / sum;
+    return of;
+}
+
+/* Returns what a residual of class i is multiplied by; 0: the class does not count. */
+static inline double screen__root(const screen__classes *of, int i) { return of->weights ? sqrt(of->weights[i] * of->scale) : 1.0; }
+
 /* Sums of one class of a case, derivatives from p->slopes: by c, or by the two rates, which become c once the curve is done. */
 typedef struct screen__call {
-    double rounding, weight;
+    double rounding, weight, root; /* root: of the weight of the class */
     int derivatives, weigh, numeric;
 } screen__call;
 
@@ -2103,12 +2132,12 @@ static inline void screen__add_class(const screen__problem *p, const screen_def 
     double sum[2] = {0.0, 0.0}, product[2][2] = {{0.0, 0.0}, {0.0, 0.0}}, pull;
     int n = p->parameters;
     for (int k = i * data->times; k < (i + 1) * data->times; k++) {
-        double r = p->retained[k] - data->retained[k];
+        double r = call.root * (p->retained[k] - data->retained[k]);
         out->deviation += call.weight * fabs(r);
         out->squares += call.weight * r * r;
         out->loss += call.weight * screen__point_loss(p, r, call.rounding, call.weigh, &pull);
         if (!call.derivatives) continue;
-        double gain = call.weight * pull * r, bend = call.weight * pull;
+        double gain = call.weight * pull * r * call.root, bend = call.weight * pull * call.root * call.root;
         if (call.numeric) {
             for (int a = 0; a < n; a++) {
                 double j_a = p->slopes[(size_t)a * (size_t)p->points + (size_t)k];
@@ -2182,7 +2211,8 @@ static inline void screen__evaluate(screen__problem *p, const double *c, double 
         const screen_def deck = screen__deck_of(p, s);
         screen__call call;
         call.rounding = rounding;
-        call.weight = 1.0 / ((double)p->cases * deck.classes * data->times);
+        const screen__classes classes = screen__classes_of(&p->def, p->decks, p->weights, s);
+        call.weight = 1.0 / ((double)p->cases * classes.count * data->times);
         call.derivatives = derivatives;
         call.weigh = weigh;
         call.numeric = screen__is_numeric(&deck, p->model);
@@ -2194,7 +2224,10 @@ static inline void screen__evaluate(screen__problem *p, const double *c, double 
             out->loss = out->deviation = out->squares = HUGE_VAL;
             return;
         }
-        for (int i = 0; i < deck.classes; i++) screen__add_class(p, &deck, data, i, call, out);
+        for (int i = 0; i < deck.classes; i++) {
+            call.root = screen__root(&classes, i);
+            if (call.root > 0.0) screen__add_class(p, &deck, data, i, call, out);
+        }
     }
     screen__add_shrink(p, c, out);
 }
@@ -2399,20 +2432,23 @@ SCREEN_API screen_fit_options screen_default_fit_options(screen_model model) {
     options.shrink = 0.0;
     options.data_tolerance = 0.01;
     options.decks = NULL;
+    options.class_weights = NULL;
     options.cookie = SCREEN__FIT_COOKIE;
     return options;
 }
 
 /* Returns the scatter of single points: the median of their distances from the straight line between their neighbours in time, over all
    curves with three points or more; 0 without such. It is found by bisection, so nothing is stored. */
-static inline double screen__scatter(const screen_def *def, const screen_def *decks, int cases, const screen_case *data) {
+static inline double screen__scatter(const screen_def *def, const screen_fit_options *options, int cases, const screen_case *data) {
+    const screen_def *decks = options->decks;
     double low = 0.0, high = 2.0;
     for (int it = 0; it < 40; it++) {
         double middle = 0.5 * (low + high), below = 0.0, all = 0.0;
         for (int s = 0; s < cases; s++) {
+            const screen__classes of = screen__classes_of(def, decks, options->class_weights, s);
             int classes = decks ? decks[s].classes : def->classes, times = data[s].times;
             for (int i = 0; i < classes; i++)
-                for (int j = 1; j + 1 < times; j++) {
+                for (int j = 1; j + 1 < times && screen__root(&of, i) > 0.0; j++) {
                     const double *y = data[s].retained + (size_t)i * (size_t)times + (size_t)j, *t = data[s].time + j;
                     double w = (t[0] - t[-1]) / (t[1] - t[-1]), off = y[0] - (1.0 - w) * y[-1] - w * y[1];
                     all += 1.0;
@@ -2481,6 +2517,17 @@ SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, co
 }
 
 /* Checks the data of a fit, each case with its deck; rises are noted in *out. */
+/* Checks the weights of one case and leads on to those of the next: the same again without decks. */
+static inline screen_status screen__check_weights(const double **weights, int classes) {
+    double sum = 0.0;
+    for (int i = 0; i < classes; i++) {
+        if (!((*weights)[i] >= 0.0)) return SCREEN_BAD_OPTION;
+        sum += (*weights)[i];
+    }
+    *weights += classes;
+    return screen__positive(sum) && sum < 1e300 && sum > 1e-300 ? SCREEN_OK : SCREEN_BAD_OPTION;
+}
+
 static inline screen_status screen__check_data(const screen_def *def, int cases, const screen_case *data, const screen_fit_options *options,
                                                screen_fit_result *out) {
     screen_where where;
@@ -2489,11 +2536,14 @@ static inline screen_status screen__check_data(const screen_def *def, int cases,
     if (!(options->data_tolerance >= 0.0 && options->data_tolerance < HUGE_VAL)) return SCREEN_BAD_OPTION;
     double tolerance = HUGE_VAL; /* first the pointers and the times, then the scatter, then the values */
     for (int pass = 0; pass < 2; pass++) {
+        const double *weights = options->class_weights;
         for (int s = 0; s < cases; s++) {
             const screen_def *deck = options->decks ? &options->decks[s] : def;
             where.index = s;
             screen_status status = options->decks ? screen_check_def(deck, NULL) : SCREEN_OK;
             if (!status && deck->continuous != def->continuous) status = SCREEN_BAD_DEF;
+            if (!options->decks) weights = options->class_weights;
+            if (!status && weights) status = screen__check_weights(&weights, deck->classes);
             if (!status) status = screen__check_case(deck, &data[s], tolerance, &where, pass ? out : NULL);
             if (status) {
                 out->where = where;
@@ -2502,7 +2552,7 @@ static inline screen_status screen__check_data(const screen_def *def, int cases,
             where.klass = where.time = -1;
         }
         if (pass) break;
-        out->scatter = screen__scatter(def, options->decks, cases, data);
+        out->scatter = screen__scatter(def, options, cases, data);
         tolerance = 8.0 * out->scatter > options->data_tolerance ? 8.0 * out->scatter : options->data_tolerance;
     }
     return SCREEN_OK;
@@ -2525,7 +2575,9 @@ static inline void screen__survey(screen__problem *p, double range[2][2][2], dou
         int points = deck.classes * p->data[s].times;
         p->points = points > p->points ? points : p->points;
         p->most = deck.classes > p->most ? deck.classes : p->most;
-        for (int i = 0; i < deck.classes; i++, terms++) {
+        const screen__classes classes = screen__classes_of(&p->def, p->decks, p->weights, s);
+        for (int i = 0; i < deck.classes; i++) {
+            if (!(screen__root(&classes, i) > 0.0)) continue;
             screen__terms t = screen__terms_of(&deck, p->model, screen__average(&deck), &p->data[s].operation, deck.diameters[i]);
             for (int r = 0; r < 2; r++) {
                 screen__widen(range[r][0], t.speed[r], terms == 0);
@@ -2534,6 +2586,7 @@ static inline void screen__survey(screen__problem *p, double range[2][2][2], dou
                 p->centre[2 * r + 1] += t.wet;
             }
             screen__widen(slope, t.slope, terms == 0);
+            terms++;
         }
     }
     for (int k = 0; k < 4; k++) p->centre[k] /= terms, p->width[k] = range[k / 2][k % 2][1] - range[k / 2][k % 2][0];
@@ -2578,6 +2631,7 @@ static inline screen_status screen__pose(screen__problem *p, const screen_def *d
     p->cases = cases;
     p->data = data;
     p->decks = options->decks;
+    p->weights = options->class_weights;
     p->loss = options->loss;
     p->shrink = options->shrink;
     p->evaluations = 0;
@@ -2715,18 +2769,21 @@ static inline screen__residuals screen__look_at_residuals(screen__problem *p, co
         const screen_case *data = &p->data[s];
         const screen_def deck = screen__deck_of(p, s);
         screen__out curve = screen__out_of(data->times, data->time, p->retained);
-        double before = sum.squares, points = (double)deck.classes * data->times;
+        const screen__classes classes = screen__classes_of(&p->def, p->decks, p->weights, s);
+        double before = sum.squares, points = classes.count * data->times;
         sum.points += points;
         if (screen__curves(&deck, p->model, plain, &data->operation, &curve, p->bed)) continue;
-        for (int i = 0; i < deck.classes; i++)
-            for (int j = 0; j < data->times; j++) {
+        for (int i = 0; i < deck.classes; i++) {
+            const double root = screen__root(&classes, i);
+            for (int j = 0; j < data->times && root > 0.0; j++) {
                 int k = i * data->times + j;
-                double r = p->retained[k] - data->retained[k];
+                double r = root * (p->retained[k] - data->retained[k]);
                 sum.squares += r * r;
                 if (j == 0) continue;
-                sum.lag += r * (p->retained[k - 1] - data->retained[k - 1]);
+                sum.lag += r * root * (p->retained[k - 1] - data->retained[k - 1]);
                 sum.pairs += 1.0;
             }
+        }
         sum.case_squares += (sum.squares - before) / (points * p->cases);
     }
     return sum;
@@ -2855,6 +2912,7 @@ static inline void screen__judge(screen__problem *p, const screen_fit_options *o
 /* Returns the range of what was fitted. */
 static inline screen_domain screen__domain_of(const screen__problem *p) {
     screen_domain d;
+    int any = 0;
     for (int s = 0; s < p->cases; s++) {
         const screen_def deck = screen__deck_of(p, s);
         const screen_case *data = &p->data[s];
@@ -2866,7 +2924,12 @@ static inline screen_domain screen__domain_of(const screen__problem *p) {
         screen__widen(d.load, screen__load_of(&deck), s == 0);
         screen__widen(d.time, data->time[0], s == 0);
         screen__widen(d.time, data->time[data->times - 1], 0);
-        for (int i = 0; i < deck.classes; i++) screen__widen(d.diameter, deck.diameters[i], s == 0 && i == 0);
+        const screen__classes classes = screen__classes_of(&p->def, p->decks, p->weights, s);
+        for (int i = 0; i < deck.classes; i++) {
+            if (!(screen__root(&classes, i) > 0.0)) continue;
+            screen__widen(d.diameter, deck.diameters[i], !any);
+            any = 1;
+        }
         d.classes[0] = s == 0 || deck.classes < d.classes[0] ? deck.classes : d.classes[0];
         d.classes[1] = s == 0 || deck.classes > d.classes[1] ? deck.classes : d.classes[1];
     }
@@ -2900,7 +2963,7 @@ static inline screen_status screen__check_fit(const screen_def *def, screen_mode
     for (int j = 0; j < n; j++) free_ones += !(options->low[j] == options->high[j]);
     double points = 0.0;
     for (int s = 0; s < cases; s++) {
-        points += (double)(options->decks ? options->decks[s].classes : def->classes) * data[s].times;
+        points += screen__classes_of(def, options->decks, options->class_weights, s).count * data[s].times;
         if (model == SCREEN_DONG && def->continuous && !(data[s].operation.inclination > 0.0)) {
             out->where.index = s;
             return SCREEN_BAD_OPERATION;

@@ -75,7 +75,7 @@ static inline void filtration__task_range(ptrdiff_t n, int task, ptrdiff_t *firs
     *end = n * (task + 1) / FILTRATION__TASKS;
 }
 
-static void filtration__collide_task(void *context, int task) {
+FILTRATION__STATIC void filtration__collide_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     ptrdiff_t first, end;
     filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);

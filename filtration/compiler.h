@@ -56,6 +56,14 @@
 #define FILTRATION__INDEPENDENT
 #endif
 
+/* Functions of which the compiler decides. Without optimisation they are inline by name: gcc then emits every other static function,
+   whether or not anything calls it. */
+#if defined(__OPTIMIZE__) || !defined(__GNUC__)
+#define FILTRATION__STATIC static
+#else
+#define FILTRATION__STATIC static inline
+#endif
+
 /* x86-64: the kernels are compiled three times, with AVX-512, with AVX2 and without. The bits are the same, because none fuses. AVX2 has
    too few registers for a node's populations. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412): there
    -mavx2 for the whole program gives the speed. */
@@ -66,16 +74,16 @@
 #define FILTRATION__AVX512 "avx512vl,avx512dq,prefer-vector-width=512"
 #endif
 #define FILTRATION__CLONES(name, parameters, arguments, call)                                                                              \
-    __attribute__((target(FILTRATION__AVX512))) FILTRATION__FAST static void name##_512 parameters { call; }                               \
-    __attribute__((target("avx2"))) FILTRATION__FAST static void name##_256 parameters { call; }                                           \
-    FILTRATION__FAST static void name parameters {                                                                                         \
+    __attribute__((target(FILTRATION__AVX512))) FILTRATION__FAST FILTRATION__STATIC void name##_512 parameters { call; }                   \
+    __attribute__((target("avx2"))) FILTRATION__FAST FILTRATION__STATIC void name##_256 parameters { call; }                               \
+    FILTRATION__FAST FILTRATION__STATIC void name parameters {                                                                             \
         if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) name##_512 arguments;                                \
         else if (__builtin_cpu_supports("avx2")) name##_256 arguments;                                                                     \
         else call;                                                                                                                         \
     }
 #else
 #define FILTRATION__CLONES(name, parameters, arguments, call)                                                                              \
-    FILTRATION__FAST static void name parameters { call; }
+    FILTRATION__FAST FILTRATION__STATIC void name parameters { call; }
 #endif
 
 #ifdef __cplusplus

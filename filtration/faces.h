@@ -23,8 +23,8 @@ typedef struct filtration__face_kind {
 } filtration__face_kind;
 
 /* Bounce-back half way from a surface that moves. */
-static void filtration__enter_wall(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK],
-                                   double *h) {
+FILTRATION__STATIC void filtration__enter_wall(const filtration__lattice *l, const filtration__entry *e, int n,
+                                               double u[3][FILTRATION__BLOCK], double *h) {
     const signed char *c = l->c[e->i];
     const double *v = l->face_velocity[e->face], push = 6.0 * l->w[e->i] * (c[0] * v[0] + c[1] * v[1] + c[2] * v[2]);
     (void)u;
@@ -32,8 +32,8 @@ static void filtration__enter_wall(const filtration__lattice *l, const filtratio
 }
 
 /* A given pressure by anti-bounce-back (Ginzburg et al. 2008). */
-static void filtration__enter_open(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK],
-                                   double *h) {
+FILTRATION__STATIC void filtration__enter_open(const filtration__lattice *l, const filtration__entry *e, int n,
+                                               double u[3][FILTRATION__BLOCK], double *h) {
     const signed char *c = l->c[e->i];
     const double r = l->face_density[e->face];
     for (int k = 0; k < n; k++) {
@@ -173,7 +173,7 @@ static inline void filtration__face_row(filtration__lattice *l, int y, int z) {
     if (l->nx > 1) filtration__face_block(l, l->nx - 1, 1, y, z);
 }
 
-static void filtration__face_task(void *context, int task) {
+FILTRATION__STATIC void filtration__face_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     ptrdiff_t first, end;
     filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);

@@ -38,7 +38,7 @@ static inline void filtration__film_link(filtration__lattice *l, int32_t index, 
 
 /* Adds the pressure of films. What leaves the surface open (mirrors, spheres that overlap) has the density at the centre, so that a
    constant pressure moves no sphere. */
-static void filtration__film_task(void *context, int task) {
+FILTRATION__STATIC void filtration__film_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
         filtration__ball *b = &l->balls[n];

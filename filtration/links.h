@@ -40,7 +40,7 @@ static inline filtration__cut filtration__link_cut(const filtration__link *link)
     return k;
 }
 
-static void filtration__link_task(void *context, int task) {
+FILTRATION__STATIC void filtration__link_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     ptrdiff_t first, end;
     double back;

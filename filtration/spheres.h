@@ -172,7 +172,7 @@ FILTRATION__INLINE void filtration__ball_links(filtration__lattice *l, int32_t i
         }
 }
 
-static void filtration__ball_task(void *context, int task) {
+FILTRATION__STATIC void filtration__ball_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     filtration__surface sum;
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {

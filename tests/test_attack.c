@@ -686,7 +686,7 @@ static void test_late_clock(void **state) {
 static int accepted, hook_calls, may_add_links; /* by the hooks below */
 static void try_to_change(dem_world *w) {
     const double weak[SPRING_STATES] = {0.05, 1.0, 0.0};
-    const int k = dem_first_accepted(w, &dem__kernel_linear, &spring_kernel);
+    const int k = dem_first_accepted(w, dem__kernel_linear(), &spring_kernel);
     if (k >= 0) print_message("    call %d was not refused\n", k), accepted++;
     if (dem_save(w, NULL, 0) != 0) print_message("    a step half done was saved\n"), accepted++;
     if (!may_add_links && dem_add_link(w, 0, 1, 0, weak) == DEM_OK) print_message("    a link was added\n"), accepted++;

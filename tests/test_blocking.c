@@ -927,6 +927,47 @@ static void ranges_cover(void **state) {
     }
 }
 
+/* Counts near 1: the range of f0 holds where errors of the single readings, zero for a clean sieve, do not (thousands: scripts/verify
+   blocking_counts). */
+static void fits_of_counted_holes(void **state) {
+    (void)state;
+    enum { N = 6, TRIALS = 400 };
+    const blocking_fit_def def = blocking_default_fit_def();
+    const double t[N] = {0, 10, 25, 50, 90, 160};
+    const size_t more[3] = {3, 11, 4}, ten[3] = {10, 10, 10}, none[3] = {0, 0, 0}, rising[3] = {1, 5, 9};
+    blocking_fit_result fit;
+    double f[N], sigma[N];
+    int held[2] = {0, 0};
+    uint64_t seed = 5;
+    for (int i = 0; i < TRIALS; i++) {
+        size_t free_holes[N], holes[N];
+        for (int j = 0; j < N; j++) {
+            const double p = blocking_curve(0.985, 0.8, 0.02, t[j]);
+            free_holes[j] = 0, holes[j] = 200;
+            for (int k = 0; k < 200; k++) {
+                seed = seed * 6364136223846793005u + 1442695040888963407u;
+                free_holes[j] += (double)(seed >> 11) * 0x1p-53 < p;
+            }
+        }
+        assert_true(blocking_fit_holes(&def, t, free_holes, holes, N, f, sigma, &fit) <= BLOCKING_NOT_RESOLVED);
+        held[0] += fit.f0_lowest <= 0.985 && 0.985 <= fit.f0_highest, held[1] += fit.f_inf_lowest <= 0.8 && 0.8 <= fit.f_inf_highest;
+        for (int j = 0; j < N; j++) assert_true(f[j] == (double)free_holes[j] / 200.0 && sigma[j] > 0.0 && sigma[j] < 0.05);
+    }
+    print_message("counted holes: ranges of f0, f_inf hold %d, %d of %d\n", held[0], held[1], TRIALS);
+    for (int k = 0; k < 2; k++) assert_true(held[k] >= 0.92 * TRIALS && held[k] <= 0.985 * TRIALS);
+    /* clean throughout: no change, with a range; what is refused */
+    assert_int_equal(blocking_fit_holes(&def, t, ten, ten, 3, f, sigma, &fit), BLOCKING_NO_CHANGE);
+    assert_true(fit.f_inf == 1.0 && fit.f_inf_lowest < 0.95 && fit.f_inf_highest == 1.0);
+    assert_int_equal(blocking_fit_holes(&def, t, more, ten, 3, f, sigma, &fit), BLOCKING_BAD_COUNT);
+    assert_int_equal(blocking_fit_holes(&def, t, none, none, 3, f, sigma, &fit), BLOCKING_BAD_COUNT);
+    assert_int_equal(blocking_fit_holes(&def, t, ten, ten, 2, f, sigma, &fit), BLOCKING_TOO_FEW);
+    assert_int_equal(blocking_fit_holes(&def, t, ten, ten, 0, f, sigma, &fit), BLOCKING_TOO_FEW);
+    assert_int_equal(blocking_fit_holes(NULL, t, ten, ten, 3, f, sigma, &fit), BLOCKING_BAD_DEF);
+    assert_int_equal(blocking_fit_holes(&def, t, NULL, ten, 3, f, sigma, &fit), BLOCKING_BAD_ARGUMENT);
+    assert_int_equal(blocking_fit_holes(&def, t, ten, ten, 3, f, sigma, NULL), BLOCKING_BAD_ARGUMENT);
+    assert_true(blocking_fit_holes(&def, t, rising, ten, 3, f, sigma, &fit) <= BLOCKING_NOT_RESOLVED);
+}
+
 static void what_four_readings_say(void **state) {
     (void)state;
     /* the header's example: drawn from f_inf = 0.714 */
@@ -1731,6 +1772,7 @@ int main(void) {
         cmocka_unit_test(fit_intervals_cover),
         cmocka_unit_test(student),
         cmocka_unit_test(ranges_cover),
+        cmocka_unit_test(fits_of_counted_holes),
         cmocka_unit_test(what_four_readings_say),
         cmocka_unit_test(equal_readings_with_sigma),
         cmocka_unit_test(ranges_at_a_late_clock),

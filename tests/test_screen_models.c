@@ -1245,6 +1245,89 @@ static void screening_ranges_cover(void **state) {
     }
 }
 
+/* Weights of size classes: only their ratios count; a class of weight 0 is a class that is not there; ranges hold where the classes are
+   measured unequally well, and are narrower than without weights. */
+static void class_weights_are_obeyed(void **state) {
+    (void)state;
+    enum { N = 4, T = 8, C = 3, TRIALS = 60 };
+    const double diameters[C] = {0.004, 0.0055, 0.007}, truth[3] = {1.3, 1.7, 3.0}, sd[C] = {0.003, 0.01, 0.05};
+    const double weights[C] = {1.0 / (0.003 * 0.003), 1.0 / (0.01 * 0.01), 1.0 / (0.05 * 0.05)};
+    static double time[T], y[N][C * T];
+    screen_case cases[N];
+    screen_def def = batch();
+    uint64_t seed = 77;
+    int inside = 0, all = 0;
+    double width = 0.0, plain_width = 0.0;
+    def.classes = C, def.diameters = diameters, def.shares = NULL;
+    for (int j = 0; j < T; j++) time[j] = 0.5 + 0.7 * j;
+    for (int trial = 0; trial < TRIALS; trial++) {
+        for (int k = 0; k < N; k++) {
+            cases[k].operation = running(0.0008 + 0.0002 * (k % 3), 45.8 + 4.8 * (k / 2), 0.025 * (k % 3));
+            cases[k].times = T, cases[k].time = time, cases[k].retained = y[k];
+            assert_int_equal(screen_predict(&def, SCREEN_FIRST_ORDER, truth, &cases[k].operation, T, time, y[k], NULL, NULL), SCREEN_OK);
+            for (int j = 0; j < C * T; j++) y[k][j] += sd[j / T] * screen__normal(&seed);
+        }
+        screen_fit_options options = screen_default_fit_options(SCREEN_FIRST_ORDER);
+        screen_fit_result fit, other;
+        options.starts = 1, options.loss = trial % 2 ? SCREEN_LOSS_SQUARES : SCREEN_LOSS_DEVIATION, options.data_tolerance = 1.0;
+        assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, N, cases, &options, &other), SCREEN_OK);
+        plain_width += log(other.high[0] / other.low[0]) / TRIALS;
+        options.class_weights = weights;
+        assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, N, cases, &options, &fit), SCREEN_OK);
+        width += log(fit.high[0] / fit.low[0]) / TRIALS;
+        for (int j = 0; j < 3; j++, all++) inside += fit.low[j] <= truth[j] && truth[j] <= fit.high[j];
+        if (trial > 3) continue;
+        const double scaled[C] = {1e3 * weights[0], 1e3 * weights[1], 1e3 * weights[2]}, equal[C] = {7.0, 7.0, 7.0};
+        options.class_weights = scaled;
+        assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, N, cases, &options, &other), SCREEN_OK);
+        for (int j = 0; j < 3; j++) {
+            assert_true(fabs(other.parameter[j] - fit.parameter[j]) <= 1e-6 * fabs(fit.parameter[j]));
+            assert_true(fabs(other.high[j] - fit.high[j]) <= 1e-5 * fabs(fit.high[j]));
+        }
+        assert_true(fabs(other.case_error - fit.case_error) <= 1e-6 * fit.case_error);
+        options.class_weights = NULL;
+        assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, N, cases, &options, &fit), SCREEN_OK);
+        options.class_weights = equal;
+        assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, N, cases, &options, &other), SCREEN_OK);
+        assert_true(other.parameter[0] == fit.parameter[0] && other.low[1] == fit.low[1] && other.case_error == fit.case_error);
+        /* the middle class with weight 0, and really without it */
+        const double hole[C] = {2.0, 0.0, 5.0}, rest[2] = {2.0, 5.0}, two[2] = {diameters[0], diameters[2]};
+        double z[N][2 * T], low[2], high[2];
+        screen_def fewer = def;
+        screen_case without[N];
+        fewer.classes = 2, fewer.diameters = two;
+        for (int k = 0; k < N; k++) {
+            without[k] = cases[k], without[k].retained = z[k];
+            for (int j = 0; j < T; j++) z[k][j] = y[k][j], z[k][T + j] = y[k][2 * T + j];
+        }
+        options.class_weights = hole;
+        assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, N, cases, &options, &fit), SCREEN_OK);
+        assert_int_equal(screen_profile(&def, N, cases, &options, &fit, 0, 1e-3, &low[0], &high[0]), SCREEN_OK);
+        options.class_weights = rest;
+        assert_int_equal(screen_fit(&fewer, SCREEN_FIRST_ORDER, N, without, &options, &other), SCREEN_OK);
+        assert_int_equal(screen_profile(&fewer, N, without, &options, &other, 0, 1e-3, &low[1], &high[1]), SCREEN_OK);
+        assert_true(low[0] == low[1] && high[0] == high[1] && fit.deviation == other.deviation && fit.case_error == other.case_error);
+        for (int j = 0; j < 3; j++)
+            assert_true(fit.parameter[j] == other.parameter[j] && fit.low[j] == other.low[j] && fit.high[j] == other.high[j]);
+        assert_true(fit.domain.diameter[0] == other.domain.diameter[0] && fit.dof == other.dof);
+        /* decks of their own: the weights of all cases one after the other */
+        screen_def decks[N] = {def, fewer, def, fewer};
+        screen_case mixed[N] = {cases[0], without[1], cases[2], without[3]};
+        const double all_weights[2 * C + 4] = {2.0, 0.0, 5.0, 2.0, 5.0, 4.0, 0.0, 10.0, 0.2, 0.5};
+        options.decks = decks, options.class_weights = all_weights;
+        assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, N, mixed, &options, &fit), SCREEN_OK);
+        for (int j = 0; j < 3; j++) assert_true(fabs(fit.parameter[j] - other.parameter[j]) <= 1e-6 * fabs(other.parameter[j]));
+        const double bad[4][C] = {{-1.0, 1.0, 1.0}, {(double)NAN, 1.0, 1.0}, {0.0, 0.0, 0.0}, {HUGE_VAL, 1.0, 1.0}};
+        options.decks = NULL;
+        for (int b = 0; b < 4; b++) {
+            options.class_weights = bad[b];
+            assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, N, cases, &options, &fit), SCREEN_BAD_OPTION);
+        }
+    }
+    print_message("class weights: %.3f of the ranges hold; of k %.3f wide, without weights %.3f\n", (double)inside / all, width, plain_width);
+    assert_true(inside >= 0.9 * all && inside <= 0.995 * all && width < 0.7 * plain_width);
+}
+
 /* Synthetic sets of model 3, 9 cases, 5 starts: none ends worse than the truth. RIDDLE_TRIALS: as many (scripts/verify screen_model_3). */
 static void model_3_finds_its_minimum(void **state) {
     (void)state;
@@ -2008,6 +2091,7 @@ int main(void) {
         cmocka_unit_test(options_of_a_plant),
         cmocka_unit_test(classes_of_a_feed),
         cmocka_unit_test(screening_ranges_cover),
+        cmocka_unit_test(class_weights_are_obeyed),
         cmocka_unit_test(model_3_finds_its_minimum),
         cmocka_unit_test(a_steady_deck),
         cmocka_unit_test(cases_with_decks_of_their_own),

@@ -45,18 +45,27 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__FAST
 #endif
 
+/* Functions that are no part of their callers (DEM__NOINLINE), or of which the compiler decides (DEM__STATIC). Without
+   optimisation both are inline by name: gcc then emits every other static function, whether or not anything calls it. */
+#if !defined(__GNUC__)
+#define DEM__NOINLINE
+#define DEM__STATIC static
+#elif defined(__OPTIMIZE__)
+#define DEM__NOINLINE __attribute__((noinline))
+#define DEM__STATIC static
+#else
+#define DEM__NOINLINE inline
+#define DEM__STATIC static inline
+#endif
 #if defined(__GNUC__)
 #define DEM_INLINE static inline __attribute__((always_inline)) DEM__FAST
 #define DEM_RESTRICT __restrict__
-#define DEM__NOINLINE __attribute__((noinline))
 #elif defined(_MSC_VER)
 #define DEM_INLINE static __forceinline
 #define DEM_RESTRICT __restrict
-#define DEM__NOINLINE
 #else
 #define DEM_INLINE static inline
 #define DEM_RESTRICT
-#define DEM__NOINLINE
 #endif
 
 /* dem_run is compiled where it is called: with constant features, only the kernel that they choose. */
@@ -93,12 +102,12 @@ extern double sqrt(double) __attribute__((const));
    whole program gives the speed. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
 #define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
-    __attribute__((target("avx2"))) DEM__FAST static void name##_wide parameters { call; }                             \
-    DEM__FAST static void name parameters {                                                                            \
+    __attribute__((target("avx2"))) DEM__FAST DEM__STATIC void name##_wide parameters { call; }                        \
+    DEM__FAST DEM__STATIC void name parameters {                                                                       \
         if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                     \
         else call;                                                                                                     \
     }
 #else
 #define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
-    DEM__FAST static void name parameters { call; }
+    DEM__FAST DEM__STATIC void name parameters { call; }
 #endif

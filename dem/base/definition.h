@@ -104,7 +104,7 @@ static inline int dem__is_of_law(uint64_t mark, const dem_law *law) {
 DEM_INLINE int dem__is_thread_count(int threads) { return threads >= 1 && threads <= 4096; }
 
 /* Returns the name of the first bad field, or NULL. */
-static const char *dem__bad_pair(const dem_pair_def *p) {
+DEM__STATIC const char *dem__bad_pair(const dem_pair_def *p) {
     if (!dem__positive(p->stiffness)) return "pair.stiffness";
     if (!(p->tangential_ratio >= 0.0 && p->tangential_ratio <= 1.0)) return "pair.tangential_ratio";
     if (!(p->restitution > 0.0 && p->restitution <= 1.0)) return "pair.restitution";
@@ -116,7 +116,7 @@ static const char *dem__bad_pair(const dem_pair_def *p) {
 }
 
 /* Returns the name of the first bad field, or NULL. */
-static const char *dem__bad_field(const dem_def *def) {
+DEM__STATIC const char *dem__bad_field(const dem_def *def) {
     if (!def) return "def";
     if (def->cookie != 0x6d656452u) return "cookie";
     if (def->materials < 1 || def->materials > DEM_MATERIALS_MAX) return "materials";

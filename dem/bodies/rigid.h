@@ -360,21 +360,24 @@ static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *
            (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
 }
 
-static const dem__body_calls dem__rigid_bodies = {dem__find_posture,
-                                                  dem__set_body_origin,
-                                                  dem__set_body_motion,
-                                                  dem__wrap_body,
-                                                  dem__place_pieces,
-                                                  dem__free_body,
-                                                  dem__test_due_with_bodies,
-                                                  dem__advance_with_bodies,
-                                                  dem__kick_bodies_range,
-                                                  dem__push_bodies,
-                                                  dem__shift_bodies,
-                                                  dem__kick_linked_body,
-                                                  dem__swing,
-                                                  dem__body_link_drift,
-                                                  dem__note_strides};
+static inline const dem__body_calls *dem__rigid_bodies(void) {
+    static const dem__body_calls row = {dem__find_posture,
+                                                      dem__set_body_origin,
+                                                      dem__set_body_motion,
+                                                      dem__wrap_body,
+                                                      dem__place_pieces,
+                                                      dem__free_body,
+                                                      dem__test_due_with_bodies,
+                                                      dem__advance_with_bodies,
+                                                      dem__kick_bodies_range,
+                                                      dem__push_bodies,
+                                                      dem__shift_bodies,
+                                                      dem__kick_linked_body,
+                                                      dem__swing,
+                                                      dem__body_link_drift,
+                                                      dem__note_strides};
+    return &row;
+}
 
 /* Definition of a rigid body: see bodies/rigid.h. */
 typedef struct dem__body_def {
@@ -401,7 +404,7 @@ static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t piece
     dem__rigid *fresh =
         (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
     if (!fresh) return 0;
-    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = &dem__rigid_bodies;
+    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = dem__rigid_bodies();
     if (old > 0) return dem__reserve_particles(w, pieces);
     if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
                         w->count + pieces + 1))

@@ -389,13 +389,23 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
 #define DEM__LOOP(name, call)                                                                                          \
     DEM__AVX2_CLONE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end, int part), (world, first, end, part),    \
                     call)
-#define DEM_KERNEL(name, law, features)                                                                                \
+#define DEM__KERNEL_LOOPS(name, law, features)                                                                         \
     DEM__FAST static DEM__NOINLINE void name##_edge(dem_world *world, ptrdiff_t c, dem_contact *q,                     \
                                                     const dem__edge *was) {                                            \
         dem__correct_edge(world, c, q, was, &(law), features);                                                         \
     }                                                                                                                  \
-    DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))                        \
+    DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))
+#define DEM_KERNEL(name, law, features)                                                                                \
+    DEM__KERNEL_LOOPS(name, law, features)                                                                             \
     static const dem_kernel name = {&(law), features, name##_loop};
+/* A kernel that compilers leave out where nothing calls name(), gcc at -O0 too: it keeps constants that nobody reads,
+   and what they point to, but not those in an inline function. Tables of functions are written so as well. */
+#define DEM__KERNEL_OF(name, law, features)                                                                            \
+    DEM__KERNEL_LOOPS(name, law, features)                                                                             \
+    static inline const dem_kernel *name(void) {                                                                       \
+        static const dem_kernel kernel = {&(law), features, name##_loop};                                              \
+        return &kernel;                                                                                                \
+    }
 #define DEM_LINK_KERNEL(name, law)                                                                                     \
     DEM__LOOP(name##_loop, dem__link_kernel(world, first, end, part, &(law)))                                          \
     static const dem_link_kernel name = {&(law), name##_loop};

@@ -55,7 +55,7 @@ static inline dem_status dem__make_inside(dem_wall *inside, const dem_world *w, 
     const dem_mesh *m = region->mesh;
     dem_status status = DEM_OK;
     if (region->kind != DEM_REGION_MESH) return DEM_OK;
-    inside->kind__ = &dem__triangles, inside->solid = 1;
+    inside->kind__ = dem__triangles(), inside->solid = 1;
     dem__frame(inside, dem_vec3(0.0, 0.0, 1.0), dem_vec3(1.0, 0.0, 0.0));
     inside->tree = dem__make_tree(&w->def.allocator, m->vertices, (const dem_vec *)(const void *)m->vertex,
                                   m->triangles, m->triangle, &status);

@@ -25,7 +25,7 @@ static inline int dem__is_grid(const dem_gas *gas) {
 }
 
 /* Returns the name of the first bad field, or NULL. */
-static const char *dem__bad_gas(const dem_gas *gas) {
+DEM__STATIC const char *dem__bad_gas(const dem_gas *gas) {
     if (!gas) return "gas";
     if (!dem__positive(gas->density)) return "density";
     if (!dem__positive(gas->viscosity)) return "viscosity";

@@ -30,7 +30,7 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
     wall.tree = dem__make_tree(a, mesh->vertices, local, mesh->triangles, mesh->triangle, &status);
     a->fn(a->user, local, bytes, 0);
     if (!wall.tree) return -(int)status;
-    const int index = dem__add_wall(world, &dem__triangles, material, &wall);
+    const int index = dem__add_wall(world, dem__triangles(), material, &wall);
     if (index < 0) dem__release(a, wall.tree, wall.tree->bytes);
     else dem__count_mesh(world);
     return index;

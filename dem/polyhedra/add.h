@@ -5,9 +5,12 @@
 #include "pairs.h"
 #include "block.h"
 
-static const dem__convex_calls dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
-                                                 dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
-                                                 dem__leave_convex_edges};
+static inline const dem__convex_calls *dem__polyhedra(void) {
+    static const dem__convex_calls row = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
+                                                     dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
+                                                     dem__leave_convex_edges};
+    return &row;
+}
 
 /* Returns whether the tables of a shape agree with each other, and its numbers are such as the code relies on. */
 static inline int dem__is_sound_shape(const dem_convex *c) {
@@ -38,7 +41,7 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
     dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
     if (!fresh) return -(int)DEM_OUT_OF_MEMORY;
-    convex->shape = fresh, convex->calls = &dem__polyhedra;
+    convex->shape = fresh, convex->calls = dem__polyhedra();
     convex->shape[convex->shapes++] = *shape;
     if (convex->shapes > 1) return convex->shapes - 1;
     dem__bodies *bodies = &w->engine->bodies;

@@ -221,7 +221,7 @@ static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, d
         (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
     if (!convex->shape) return DEM_OUT_OF_MEMORY;
     memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
-    convex->shapes = (int)n, convex->calls = &dem__polyhedra;
+    convex->shapes = (int)n, convex->calls = dem__polyhedra();
     w->engine->walls.touch_keepers++;
     g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
     if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;

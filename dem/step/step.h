@@ -368,35 +368,35 @@ static const dem_law dem_law_hertz_friction = {
 static const dem_law dem_law_hertz_rolling = {
     "Hertz-Mindlin, rolling", 1, 4, 4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz_rolling, NULL, NULL};
 
-DEM_KERNEL(dem__kernel_linear, dem_law_linear, DEM_LINEAR)
-DEM_KERNEL(dem__kernel_linear_friction, dem_law_linear_friction, DEM_LINEAR | DEM_FRICTION)
-DEM_KERNEL(dem__kernel_linear_rolling, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
-DEM_KERNEL(dem__kernel_linear_energy, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
-DEM_KERNEL(dem__kernel_hertz, dem_law_hertz, DEM_HERTZ)
-DEM_KERNEL(dem__kernel_hertz_friction, dem_law_hertz_friction, DEM_HERTZ | DEM_FRICTION)
-DEM_KERNEL(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING)
-DEM_KERNEL(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
+DEM__KERNEL_OF(dem__kernel_linear, dem_law_linear, DEM_LINEAR)
+DEM__KERNEL_OF(dem__kernel_linear_friction, dem_law_linear_friction, DEM_LINEAR | DEM_FRICTION)
+DEM__KERNEL_OF(dem__kernel_linear_rolling, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
+DEM__KERNEL_OF(dem__kernel_linear_energy, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
+DEM__KERNEL_OF(dem__kernel_hertz, dem_law_hertz, DEM_HERTZ)
+DEM__KERNEL_OF(dem__kernel_hertz_friction, dem_law_hertz_friction, DEM_HERTZ | DEM_FRICTION)
+DEM__KERNEL_OF(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING)
+DEM__KERNEL_OF(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
 
 DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
     /* kernels with a ledger always compute friction and rolling; constants of zero take out what the caller did not
        name */
     switch (features) {
-    case DEM_LINEAR: return dem__run_kernel(world, duration, &dem__kernel_linear, features);
-    case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_linear_friction, features);
+    case DEM_LINEAR: return dem__run_kernel(world, duration, dem__kernel_linear(), features);
+    case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, dem__kernel_linear_friction(), features);
     case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING:
-        return dem__run_kernel(world, duration, &dem__kernel_linear_rolling, features);
-    case DEM_HERTZ: return dem__run_kernel(world, duration, &dem__kernel_hertz, features);
-    case DEM_HERTZ | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_hertz_friction, features);
+        return dem__run_kernel(world, duration, dem__kernel_linear_rolling(), features);
+    case DEM_HERTZ: return dem__run_kernel(world, duration, dem__kernel_hertz(), features);
+    case DEM_HERTZ | DEM_FRICTION: return dem__run_kernel(world, duration, dem__kernel_hertz_friction(), features);
     case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING:
-        return dem__run_kernel(world, duration, &dem__kernel_hertz_rolling, features);
+        return dem__run_kernel(world, duration, dem__kernel_hertz_rolling(), features);
     case DEM_LINEAR | DEM_ENERGY:
     case DEM_LINEAR | DEM_FRICTION | DEM_ENERGY:
     case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
-        return dem__run_kernel(world, duration, &dem__kernel_linear_energy, features);
+        return dem__run_kernel(world, duration, dem__kernel_linear_energy(), features);
     case DEM_HERTZ | DEM_ENERGY:
     case DEM_HERTZ | DEM_FRICTION | DEM_ENERGY:
     case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
-        return dem__run_kernel(world, duration, &dem__kernel_hertz_energy, features);
+        return dem__run_kernel(world, duration, dem__kernel_hertz_energy(), features);
     default: return DEM_BAD_ARGUMENT;
     }
 }

@@ -71,21 +71,24 @@ static inline void dem__cone_edges(const dem_wall *w, dem_vec centre, double rea
                   DEM_CORNERS_MAX + DEM__SEARCH_KEYS + DEM__RIM_POINTS, v);
 }
 
-static const dem__wall_kind dem__cone = {
-    DEM_CONE,                                 /* kind */
-    DEM__KEEPS_CURVATURE | DEM__CURVED_SHEET, /* flags */
-    dem__is_cone,                             /* is_sound */
-    dem__touch_cone,                          /* touch */
-    NULL,                                     /* touch_element */
-    NULL,                                     /* other_elements */
-    NULL,                                     /* reach_round */
-    dem__turn_at_cone,                        /* normal_rate */
-    NULL,                                     /* is_endless */
-    NULL,                                     /* closing */
-    NULL,                                     /* corners */
-    dem__cone_edges,                          /* edges */
-    dem__crosses_cone                         /* crosses */
-};
+static inline const dem__wall_kind *dem__cone(void) {
+    static const dem__wall_kind row = {
+        DEM_CONE,                                 /* kind */
+        DEM__KEEPS_CURVATURE | DEM__CURVED_SHEET, /* flags */
+        dem__is_cone,                             /* is_sound */
+        dem__touch_cone,                          /* touch */
+        NULL,                                     /* touch_element */
+        NULL,                                     /* other_elements */
+        NULL,                                     /* reach_round */
+        dem__turn_at_cone,                        /* normal_rate */
+        NULL,                                     /* is_endless */
+        NULL,                                     /* closing */
+        NULL,                                     /* corners */
+        dem__cone_edges,                          /* edges */
+        dem__crosses_cone                         /* crosses */
+    };
+    return &row;
+}
 
 DEM_API dem_cone dem_default_cone(void) {
     dem_cone c;
@@ -108,5 +111,5 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
     wall.high_radius = cone->high_radius;
     wall.length = dem__length(axis);
     if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0)) || !dem__is_cone(&wall)) return -(int)DEM_BAD_ARGUMENT;
-    return dem__add_wall(world, &dem__cone, material, &wall);
+    return dem__add_wall(world, dem__cone(), material, &wall);
 }

@@ -53,22 +53,25 @@ static inline void dem__cylinder_edges(const dem_wall *w, dem_vec centre, double
     v->edge(v, &e);
 }
 
-static const dem__wall_kind dem__cylinder = {
-    DEM_CYLINDER,             /* kind */
-    DEM__CONVEX,              /* flags */
-    dem__is_round,            /* is_sound */
-    dem__touch_cylinder,      /* touch */
-    NULL,                     /* touch_element */
-    NULL,                     /* other_elements */
-    dem__reach_cylinder,      /* reach_round */
-    dem__turn_at_cylinder,    /* normal_rate */
-    dem__is_along_cylinder,   /* is_endless */
-    dem__closing_at_cylinder, /* closing */
-    dem__cylinder_corners,    /* corners */
-    dem__cylinder_edges,      /* edges */
-    NULL                      /* crosses */
-};
+static inline const dem__wall_kind *dem__cylinder(void) {
+    static const dem__wall_kind row = {
+        DEM_CYLINDER,             /* kind */
+        DEM__CONVEX,              /* flags */
+        dem__is_round,            /* is_sound */
+        dem__touch_cylinder,      /* touch */
+        NULL,                     /* touch_element */
+        NULL,                     /* other_elements */
+        dem__reach_cylinder,      /* reach_round */
+        dem__turn_at_cylinder,    /* normal_rate */
+        dem__is_along_cylinder,   /* is_endless */
+        dem__closing_at_cylinder, /* closing */
+        dem__cylinder_corners,    /* corners */
+        dem__cylinder_edges,      /* edges */
+        NULL                      /* crosses */
+    };
+    return &row;
+}
 
 DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside) {
-    return dem__add_round(world, &dem__cylinder, material, point, axis, radius, inside);
+    return dem__add_round(world, dem__cylinder(), material, point, axis, radius, inside);
 }

@@ -52,21 +52,24 @@ static inline void dem__disc_edges(const dem_wall *w, dem_vec centre, double rea
     if (w->radius > 0.0) dem__show_rim(w, middle, w->radius, reach, key + DEM__RIM_POINTS, v);
 }
 
-static const dem__wall_kind dem__disc = {
-    DEM_DISC,          /* kind */
-    DEM__CURVED_SHEET, /* flags */
-    dem__is_disc,      /* is_sound */
-    dem__touch_disc,   /* touch */
-    NULL,              /* touch_element */
-    NULL,              /* other_elements */
-    NULL,              /* reach_round */
-    dem__turn_at_disc, /* normal_rate */
-    NULL,              /* is_endless */
-    NULL,              /* closing */
-    NULL,              /* corners */
-    dem__disc_edges,   /* edges */
-    dem__crosses_disc  /* crosses */
-};
+static inline const dem__wall_kind *dem__disc(void) {
+    static const dem__wall_kind row = {
+        DEM_DISC,          /* kind */
+        DEM__CURVED_SHEET, /* flags */
+        dem__is_disc,      /* is_sound */
+        dem__touch_disc,   /* touch */
+        NULL,              /* touch_element */
+        NULL,              /* other_elements */
+        NULL,              /* reach_round */
+        dem__turn_at_disc, /* normal_rate */
+        NULL,              /* is_endless */
+        NULL,              /* closing */
+        NULL,              /* corners */
+        dem__disc_edges,   /* edges */
+        dem__crosses_disc  /* crosses */
+    };
+    return &row;
+}
 
 DEM_API dem_disc dem_default_disc(void) {
     dem_disc d;
@@ -89,5 +92,5 @@ DEM_API int dem_add_disc(dem_world *world, int material, const dem_disc *disc) {
     wall.radius = disc->hole_radius;
     wall.high_radius = disc->radius;
     if (!dem__is_disc(&wall)) return -(int)DEM_BAD_ARGUMENT;
-    return dem__add_wall(world, &dem__disc, material, &wall);
+    return dem__add_wall(world, dem__disc(), material, &wall);
 }

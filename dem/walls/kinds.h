@@ -1,4 +1,4 @@
-/* All kinds of walls. A new kind is a file like these and a row here; its name is in base/types.h. */
+/* All kinds of walls. A new kind is a file like these and its row in the list; its name is in base/types.h. */
 #pragma once
 #include "cone.h"
 #include "cylinder.h"
@@ -9,14 +9,14 @@
 #include "screen.h"
 #include "sphere.h"
 
-static const dem__wall_kind *const dem__wall_kinds[] = {
-    &dem__plane, &dem__cylinder, &dem__woven_screen, &dem__exit, &dem__sphere, &dem__cone, &dem__triangles, &dem__disc,
-};
-
 /* Returns the row of a kind; NULL for an unknown kind. */
 static inline const dem__wall_kind *dem__find_kind(int kind) {
-    for (size_t k = 0; k < sizeof dem__wall_kinds / sizeof *dem__wall_kinds; k++) {
-        if (dem__wall_kinds[k]->kind == kind) return dem__wall_kinds[k];
+    const dem__wall_kind *const row[] = {
+        dem__plane(),  dem__cylinder(), dem__woven_screen(), dem__exit(),
+        dem__sphere(), dem__cone(),     dem__triangles(),    dem__disc(),
+    };
+    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
+        if (row[k]->kind == kind) return row[k];
     }
     return NULL;
 }

@@ -49,18 +49,21 @@ static inline void dem__mesh_edges_near(const dem_wall *w, dem_vec centre, doubl
     }
 }
 
-static const dem__wall_kind dem__triangles = {
-    DEM_MESH,             /* kind */
-    DEM__TRIANGULATED,    /* flags */
-    NULL,                 /* is_sound: triangles are checked as they are read */
-    dem__touch_triangles, /* touch */
-    NULL,                 /* touch_element */
-    NULL,                 /* other_elements */
-    NULL,                 /* reach_round */
-    NULL,                 /* normal_rate: a contact knows its normals */
-    NULL,                 /* is_endless */
-    NULL,                 /* closing */
-    NULL,                 /* corners */
-    dem__mesh_edges_near, /* edges */
-    NULL                  /* crosses */
-};
+static inline const dem__wall_kind *dem__triangles(void) {
+    static const dem__wall_kind row = {
+        DEM_MESH,             /* kind */
+        DEM__TRIANGULATED,    /* flags */
+        NULL,                 /* is_sound: triangles are checked as they are read */
+        dem__touch_triangles, /* touch */
+        NULL,                 /* touch_element */
+        NULL,                 /* other_elements */
+        NULL,                 /* reach_round */
+        NULL,                 /* normal_rate: a contact knows its normals */
+        NULL,                 /* is_endless */
+        NULL,                 /* closing */
+        NULL,                 /* corners */
+        dem__mesh_edges_near, /* edges */
+        NULL                  /* crosses */
+    };
+    return &row;
+}

@@ -17,21 +17,24 @@ static inline int dem__plane_corners(const dem_wall *w) {
     return DEM__CORNERS_ALL;
 }
 
-static const dem__wall_kind dem__plane = {
-    DEM_PLANE,                     /* kind */
-    DEM__HALF_SPACE | DEM__CONVEX, /* flags */
-    NULL,                          /* is_sound */
-    dem__touch_plane,              /* touch */
-    NULL,                          /* touch_element */
-    NULL,                          /* other_elements */
-    NULL,                          /* reach_round */
-    NULL,                          /* normal_rate */
-    dem__is_along_plane,           /* is_endless */
-    NULL,                          /* closing */
-    dem__plane_corners,            /* corners */
-    NULL,                          /* edges */
-    NULL                           /* crosses */
-};
+static inline const dem__wall_kind *dem__plane(void) {
+    static const dem__wall_kind row = {
+        DEM_PLANE,                     /* kind */
+        DEM__HALF_SPACE | DEM__CONVEX, /* flags */
+        NULL,                          /* is_sound */
+        dem__touch_plane,              /* touch */
+        NULL,                          /* touch_element */
+        NULL,                          /* other_elements */
+        NULL,                          /* reach_round */
+        NULL,                          /* normal_rate */
+        dem__is_along_plane,           /* is_endless */
+        NULL,                          /* closing */
+        dem__plane_corners,            /* corners */
+        NULL,                          /* edges */
+        NULL                           /* crosses */
+    };
+    return &row;
+}
 
 /* Adds a plane or an exit. */
 static inline int dem__add_flat(dem_world *w, const dem__wall_kind *kind, int material, dem_vec point, dem_vec normal) {
@@ -46,5 +49,5 @@ static inline int dem__add_flat(dem_world *w, const dem__wall_kind *kind, int ma
 }
 
 DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal) {
-    return dem__add_flat(world, &dem__plane, material, point, normal);
+    return dem__add_flat(world, dem__plane(), material, point, normal);
 }

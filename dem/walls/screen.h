@@ -181,21 +181,24 @@ static inline int dem__is_deck(const dem_wall *w) {
            dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 && x * y < 2.5e8;
 }
 
-static const dem__wall_kind dem__woven_screen = {
-    DEM_SCREEN,                   /* kind */
-    DEM__CONVEX,                  /* flags: of each bar */
-    dem__is_deck,                 /* is_sound */
-    dem__touch_screen,            /* touch */
-    dem__touch_element_of_screen, /* touch_element */
-    dem__third_bar,               /* other_elements */
-    dem__reach_screen,            /* reach_round */
-    dem__turn_at_screen,          /* normal_rate */
-    NULL,                         /* is_endless */
-    NULL,                         /* closing */
-    NULL,                         /* corners */
-    dem__screen_edges,            /* edges */
-    NULL                          /* crosses */
-};
+static inline const dem__wall_kind *dem__woven_screen(void) {
+    static const dem__wall_kind row = {
+        DEM_SCREEN,                   /* kind */
+        DEM__CONVEX,                  /* flags: of each bar */
+        dem__is_deck,                 /* is_sound */
+        dem__touch_screen,            /* touch */
+        dem__touch_element_of_screen, /* touch_element */
+        dem__third_bar,               /* other_elements */
+        dem__reach_screen,            /* reach_round */
+        dem__turn_at_screen,          /* normal_rate */
+        NULL,                         /* is_endless */
+        NULL,                         /* closing */
+        NULL,                         /* corners */
+        dem__screen_edges,            /* edges */
+        NULL                          /* crosses */
+    };
+    return &row;
+}
 
 DEM_API dem_screen dem_default_screen(void) {
     dem_screen s;
@@ -226,5 +229,5 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
     wall.half_x = screen->half_x;
     wall.half_y = screen->circular ? screen->half_x : screen->half_y;
     if (!dem__is_deck(&wall)) return -(int)DEM_BAD_ARGUMENT;
-    return dem__add_wall(world, &dem__woven_screen, material, &wall);
+    return dem__add_wall(world, dem__woven_screen(), material, &wall);
 }

@@ -25,22 +25,25 @@ static inline void dem__sphere_edges(const dem_wall *w, dem_vec centre, double r
     if (!w->inside) v->corner(v, dem__sub(w->position, centre), w->radius, dem_vec3(0.0, 0.0, 0.0), 0);
 }
 
-static const dem__wall_kind dem__sphere = {
-    DEM_SPHERE,          /* kind */
-    0,                   /* flags */
-    dem__is_round,       /* is_sound */
-    dem__touch_sphere,   /* touch */
-    NULL,                /* touch_element */
-    NULL,                /* other_elements */
-    dem__reach_sphere,   /* reach_round */
-    dem__turn_at_sphere, /* normal_rate */
-    NULL,                /* is_endless */
-    NULL,                /* closing */
-    dem__sphere_corners, /* corners */
-    dem__sphere_edges,   /* edges */
-    NULL                 /* crosses */
-};
+static inline const dem__wall_kind *dem__sphere(void) {
+    static const dem__wall_kind row = {
+        DEM_SPHERE,          /* kind */
+        0,                   /* flags */
+        dem__is_round,       /* is_sound */
+        dem__touch_sphere,   /* touch */
+        NULL,                /* touch_element */
+        NULL,                /* other_elements */
+        dem__reach_sphere,   /* reach_round */
+        dem__turn_at_sphere, /* normal_rate */
+        NULL,                /* is_endless */
+        NULL,                /* closing */
+        dem__sphere_corners, /* corners */
+        dem__sphere_edges,   /* edges */
+        NULL                 /* crosses */
+    };
+    return &row;
+}
 
 DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside) {
-    return dem__add_round(world, &dem__sphere, material, centre, dem_vec3(0, 0, 1), radius, inside);
+    return dem__add_round(world, dem__sphere(), material, centre, dem_vec3(0, 0, 1), radius, inside);
 }

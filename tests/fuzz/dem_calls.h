@@ -18,7 +18,7 @@ static const dem_law spring = {"spring", 1, SPRING_STATES, 0, 0, 0, NULL, scene_
 DEM_LINK_KERNEL(spring_kernel, spring)
 
 static void try_to_change(dem_world *w) {
-    const int accepted = dem_first_accepted(w, &dem__kernel_linear, &spring_kernel);
+    const int accepted = dem_first_accepted(w, dem__kernel_linear(), &spring_kernel);
     if (fuzz_traces && accepted >= 0) fprintf(stderr, "call %d of a hook is not refused\n", accepted);
     FUZZ_HOLDS(accepted < 0);
 }
