@@ -236,7 +236,7 @@ static void test_disc_distance(void **state) {
     for (int n = 0; n < 12; n++) {
         dem_disc disc = dem_default_disc();
         dem_cone cone = dem_default_cone();
-        disc.centre = scene_vector(&r, 1.0), disc.normal = scene_vector(&r, 2.0);
+        disc.centre = n % 3 ? scene_vector(&r, 1.0) : zero, disc.normal = scene_vector(&r, 2.0);
         disc.radius = scene_between(&r, 0.3, 0.6), disc.hole_radius = n % 2 ? 0.0 : scene_between(&r, 0.01, 0.29);
         const int k = wall_index(dem_add_disc(&w, 0, &disc));
         cone.low = disc.centre, cone.high = dem__plus(disc.centre, 1e-9, w.wall[k].axis[2]);
@@ -257,6 +257,7 @@ static void test_disc_distance(void **state) {
             assert_true(dem__length(f) < disc.radius + 1e-13 && dem__length(f) > disc.hole_radius - 1e-13);
             assert_int_equal(dem__touch_wall(wall, p, 0.01, touch.gap, &other, &least), 0);
             assert_true(least == touch.gap);
+            if (n % 3) continue; /* elsewhere its ends are too near each other to have a direction */
             dem__touch_wall(flat, p, 0.01, 10.0, &other, &least);
             worst = fabs(other.gap - touch.gap) > worst ? fabs(other.gap - touch.gap) : worst;
             if (touch.gap + 0.01 > 1e-3) turned = fmax(turned, dem__length(dem__sub(other.normal, touch.normal)));
