@@ -22,6 +22,7 @@
      classifier_init ...        the separation model of Weers et al., Minerals 12 (2022) 480, "the paper": T(x) with an error bar
      classifier_trajectory ...  the same rebound followed along its path: the check of the balance at the instant of the hit
      classifier_calibrate       one measured cut size
+     classifier_for             speed and air for a wanted size and yield of the fine product
      classifier_fit             a curve to measured T(x)
      classifier_reconcile       T(x) from measured size distributions of feed, coarse and fine
      classifier_circuit         several stages with recycle
@@ -400,6 +401,30 @@ CLASSIFIER_API classifier_status classifier_calibrate(const classifier_def *def,
 CLASSIFIER_API classifier_status classifier_air_flow_for(const classifier_def *def, double x50, const classifier_memory *memory,
                                                          double *air_flow);
 CLASSIFIER_API classifier_status classifier_rpm_for(const classifier_def *def, double x50, const classifier_memory *memory, double *rpm);
+
+/* What a mill's owner wants: a fine product of this size from this feed, on a machine with these limits. Owns no memory. */
+typedef struct classifier_wish {
+    int classes;               /* of the feed, >= 1 */
+    const double *edge, *feed; /* [classes + 1] sizes [m] rising from >= 0, [classes] mass shares >= 0 that add up to 1 within 1e-3 */
+    double size;               /* [m] > 0: this share of the fine product is finer, */
+    double share;              /* (0, 1): 0.97 for a d97, 0.5 for a d50 */
+    double yield;              /* wanted mass of fine product / feed, (0, 1); NaN: as it comes with the air flow of def */
+    double rpm_low, rpm_high;  /* limits of the machine [1/min], 0 < low <= high <= 1e9 */
+    double air_low, air_high;  /* [m3/s], 0 < low <= high */
+} classifier_wish;
+typedef struct classifier_setting {
+    double rpm, air_flow;              /* [1/min] [m3/s] */
+    double size, yield;                /* reached [m] [-] */
+    double x50;                        /* cut size there [m]; NaN if there is none */
+    double yield_low, yield_high;      /* what can be had of that size within the limits; equal to yield where none is wanted */
+    double size_by_rpm, size_by_air;   /* relative change of size by the relative change of speed, of air [-] */
+    double yield_by_rpm, yield_by_air; /* change of yield by the relative change of speed, of air [-] */
+} classifier_setting;
+/* Finds speed and air flow that give the wanted size, and of all that do the one with the wanted yield; everything else as in def.
+   CLASSIFIER_OUTSIDE if the limits do not allow the size (all NaN) or the yield (setting has the nearest). CLASSIFIER_BAD_ARGUMENT, _EMPTY,
+   _NOT_NORMALISED, _NOT_SORTED for a bad wish. About 1 s; fewer def->points take less. */
+CLASSIFIER_API classifier_status classifier_for(const classifier_def *def, const classifier_wish *wish, const classifier_memory *memory,
+                                                classifier_setting *setting);
 
 /* ---- the path after the hit ---- */
 typedef enum { CLASSIFIER_RADIAL_SLIP, CLASSIFIER_FULL_SLIP } classifier_slip;
@@ -2293,6 +2318,177 @@ CLASSIFIER_API classifier_status classifier_rpm_for(const classifier_def *def, d
     return classifier__leave(status, 1, rpm);
 }
 
+typedef struct classifier__fines {
+    const classifier_def *def;
+    const classifier_wish *wish;
+    const classifier_memory *memory;
+    classifier_status status;
+} classifier__fines;
+
+/* Computes ln(size / wanted size) and the yield of the fine product, with the air flow times `factor`. Classes are cut into four, evenly in
+   ln x (the first one from 0 in x), and are uniform within a piece. */
+static inline double classifier__fines_of(const classifier_model *m, const classifier_wish *wish, double factor, double *yield) {
+    const int pieces = 4;
+    double sum = 0.0, target = 0.0, size = 0.0;
+    for (int pass = 0; pass < 2; pass++) { /* the yield, then the size with the wanted share below it */
+        double below = 0.0;
+        for (int i = 0; i < wish->classes; i++) {
+            const double low = wish->edge[i], high = wish->edge[i + 1];
+            double from = low;
+            for (int k = 1; k <= pieces && wish->feed[i] > 0.0; k++) {
+                const double to = low > 0.0 ? low * riddle_exp(riddle_log(high / low) * k / pieces) : high * k / pieces,
+                             middle = from > 0.0 ? sqrt(from * to) : 0.5 * to,
+                             mass = wish->feed[i] / pieces * (1.0 - classifier__weighted(m, middle, factor, NULL));
+                if (pass == 1 && below + mass >= target) {
+                    size = from + (to - from) * (mass > 0.0 ? (target - below) / mass : 0.0);
+                    return riddle_log(size / wish->size);
+                }
+                below += mass;
+                from = to;
+            }
+        }
+        if (pass == 0) sum = below, target = wish->share * sum, *yield = sum;
+    }
+    return HUGE_VAL; /* by rounding, or without any fines */
+}
+
+/* Returns ln(size / wanted size) at a speed [1/min] and air flow [m3/s]; NaN if the model cannot be made. */
+static inline double classifier__fines_at(classifier__fines *f, double rpm, double air_flow, double *yield, double *x50) {
+    classifier_def def = *f->def;
+    classifier_model model;
+    *yield = classifier__nan();
+    def.rpm = rpm, def.air_flow = air_flow;
+    if (f->status == CLASSIFIER_OK) f->status = classifier_init(&model, &def, f->memory);
+    if (f->status != CLASSIFIER_OK) return classifier__nan();
+    const double miss = classifier__fines_of(&model, f->wish, 1.0, yield);
+    if (x50) *x50 = classifier_quantile(&model, 0.5);
+    classifier_free(&model);
+    return miss;
+}
+
+/* Finds the air flow that gives the wanted size at a speed; more air makes coarser fines. The nearest limit where there is none. */
+static inline double classifier__air_at(classifier__fines *f, double rpm, double *yield) {
+    const classifier_wish *wish = f->wish;
+    classifier_def def = *f->def;
+    classifier_model model;
+    double low = riddle_log(wish->air_low), high = riddle_log(wish->air_high), found = low;
+    *yield = classifier__nan();
+    def.rpm = rpm, def.air_flow = wish->air_low;
+    if (f->status == CLASSIFIER_OK) f->status = classifier_init(&model, &def, f->memory);
+    if (f->status != CLASSIFIER_OK) return classifier__nan();
+    double at_low = classifier__fines_of(&model, wish, 1.0, yield),
+           at_high = classifier__fines_of(&model, wish, riddle_exp(high - low), yield);
+    if (!(at_low < 0.0)) high = low;
+    else if (!(at_high > 0.0)) low = high;
+    for (int k = 0; k < 60 && high - low > 1e-9; k++) { /* false position, every third time by halves */
+        const double share = at_high < HUGE_VAL && k % 3 != 2 ? at_low / (at_low - at_high) : 0.5,
+                     at = low + (share > 0.02 ? (share < 0.98 ? share : 0.98) : 0.02) * (high - low),
+                     miss = classifier__fines_of(&model, wish, riddle_exp(at - riddle_log(wish->air_low)), yield);
+        if (miss < 0.0) low = at, at_low = miss;
+        else high = at, at_high = miss;
+        if (fabs(miss) < 1e-10) low = high = at;
+    }
+    found = 0.5 * (low + high);
+    (void)classifier__fines_of(&model, wish, riddle_exp(found - riddle_log(wish->air_low)), yield);
+    classifier_free(&model);
+    return riddle_exp(found);
+}
+
+/* Finds the speed that gives the wanted size with an air flow; a higher one makes finer fines. The nearest limit where there is none. */
+static inline double classifier__speed_at(classifier__fines *f, double air_flow) {
+    double low = riddle_log(f->wish->rpm_low), high = riddle_log(f->wish->rpm_high), yield;
+    if (!(classifier__fines_at(f, riddle_exp(low), air_flow, &yield, NULL) > 0.0)) high = low;
+    else if (!(classifier__fines_at(f, riddle_exp(high), air_flow, &yield, NULL) < 0.0)) low = high;
+    for (int k = 0; k < 40 && high - low > 1e-9; k++) {
+        const double middle = 0.5 * (low + high);
+        if (classifier__fines_at(f, riddle_exp(middle), air_flow, &yield, NULL) > 0.0) low = middle;
+        else high = middle;
+    }
+    return riddle_exp(0.5 * (low + high));
+}
+
+static inline classifier_status classifier__check_wish(const classifier_wish *w) {
+    double sum = 0.0;
+    if (!(w && w->edge && w->feed)) return CLASSIFIER_BAD_ARGUMENT;
+    if (w->classes < 1) return CLASSIFIER_EMPTY;
+    if (!(classifier__positive(w->size) && w->share > 0.0 && w->share < 1.0)) return CLASSIFIER_BAD_ARGUMENT;
+    if (!(w->rpm_low > 0.0 && w->rpm_low <= w->rpm_high && w->rpm_high <= 1e9)) return CLASSIFIER_BAD_ARGUMENT;
+    if (!(w->air_low > 0.0 && w->air_low <= w->air_high && w->air_high < HUGE_VAL)) return CLASSIFIER_BAD_ARGUMENT;
+    if (w->yield == w->yield && !(w->yield > 0.0 && w->yield < 1.0)) return CLASSIFIER_BAD_ARGUMENT;
+    if (!(w->edge[0] >= 0.0)) return CLASSIFIER_BAD_ARGUMENT;
+    for (int i = 0; i < w->classes; i++) {
+        if (!(w->edge[i + 1] < HUGE_VAL && w->feed[i] >= 0.0 && w->feed[i] < HUGE_VAL)) return CLASSIFIER_BAD_ARGUMENT;
+        if (!(w->edge[i + 1] > w->edge[i])) return CLASSIFIER_NOT_SORTED;
+        sum += w->feed[i];
+    }
+    return fabs(sum - 1.0) <= 1e-3 ? CLASSIFIER_OK : CLASSIFIER_NOT_NORMALISED;
+}
+
+/* Fills a setting at a speed and an air flow, with its sensitivities. */
+static inline void classifier__set(classifier__fines *f, double rpm, double air_flow, classifier_setting *s) {
+    const double step = 0.01;
+    double yield[2], miss[2];
+    s->rpm = rpm, s->air_flow = air_flow;
+    s->size = f->wish->size * riddle_exp(classifier__fines_at(f, rpm, air_flow, &s->yield, &s->x50));
+    for (int by = 0; by < 2; by++) {
+        for (int k = 0; k < 2; k++) {
+            const double change = riddle_exp(k ? step : -step);
+            miss[k] = classifier__fines_at(f, by ? rpm : rpm * change, by ? air_flow * change : air_flow, &yield[k], NULL);
+        }
+        *(by ? &s->size_by_air : &s->size_by_rpm) = (miss[1] - miss[0]) / (2.0 * step);
+        *(by ? &s->yield_by_air : &s->yield_by_rpm) = (yield[1] - yield[0]) / (2.0 * step);
+    }
+}
+
+static inline void classifier__clear_setting(classifier_setting *s) {
+    s->rpm = s->air_flow = s->size = s->yield = s->x50 = s->yield_low = s->yield_high = classifier__nan();
+    s->size_by_rpm = s->size_by_air = s->yield_by_rpm = s->yield_by_air = classifier__nan();
+}
+
+CLASSIFIER_API classifier_status classifier_for(const classifier_def *def, const classifier_wish *wish, const classifier_memory *memory,
+                                                classifier_setting *setting) {
+    if (!setting) return CLASSIFIER_BAD_ARGUMENT;
+    classifier__clear_setting(setting);
+    classifier__fines f = {def, wish, memory, classifier_check_def(def, NULL)};
+    if (f.status == CLASSIFIER_OK) f.status = classifier__check_wish(wish);
+    if (f.status != CLASSIFIER_OK) return f.status;
+    const bool any_yield = wish->yield != wish->yield; /* NaN */
+    const double wanted_air = def->air_flow < wish->air_low    ? wish->air_low
+                              : def->air_flow > wish->air_high ? wish->air_high
+                                                               : def->air_flow;
+    double yield, at[2], yields[2], missed = 0.0;
+    classifier_status answer = CLASSIFIER_OK;
+    if (any_yield) {
+        classifier__set(&f, classifier__speed_at(&f, wanted_air), wanted_air, setting);
+        setting->yield_low = setting->yield_high = setting->yield;
+        missed = setting->size / wish->size - 1.0;
+    } else { /* the slowest and the fastest speed that give the size, then between them */
+        for (int k = 0; k < 2; k++) {
+            const double rpm = classifier__speed_at(&f, k ? wish->air_high : wish->air_low), air = classifier__air_at(&f, rpm, &yields[k]);
+            const double miss = classifier__fines_at(&f, rpm, air, &yield, NULL);
+            at[k] = rpm, missed = fabs(miss) > fabs(missed) ? miss : missed;
+        }
+        setting->yield_low = yields[0] < yields[1] ? yields[0] : yields[1];
+        setting->yield_high = yields[0] < yields[1] ? yields[1] : yields[0];
+        double low = riddle_log(at[0]), high = riddle_log(at[1]);
+        const double rises = yields[1] >= yields[0] ? 1.0 : -1.0;
+        if (!(rises * (wish->yield - yields[0]) > 0.0)) high = low, answer = wish->yield == yields[0] ? CLASSIFIER_OK : CLASSIFIER_OUTSIDE;
+        else if (!(rises * (yields[1] - wish->yield) > 0.0))
+            low = high, answer = wish->yield == yields[1] ? CLASSIFIER_OK : CLASSIFIER_OUTSIDE;
+        for (int k = 0; k < 30 && high - low > 1e-6 && f.status == CLASSIFIER_OK; k++) {
+            const double middle = 0.5 * (low + high);
+            (void)classifier__air_at(&f, riddle_exp(middle), &yield);
+            if (rises * (wish->yield - yield) > 0.0) low = middle;
+            else high = middle;
+        }
+        const double rpm = riddle_exp(0.5 * (low + high)), air = classifier__air_at(&f, rpm, &yield);
+        classifier__set(&f, rpm, air, setting);
+    }
+    if (f.status == CLASSIFIER_OK && fabs(missed) < 1e-3) return answer;
+    classifier__clear_setting(setting);
+    return f.status == CLASSIFIER_OK ? CLASSIFIER_OUTSIDE : f.status;
+}
+
 /* >>trajectory ================================================================================================================ */
 
 /* Computes d/dt of {r, v_r outward, v_phi} in the inertial frame: polar acceleration, and drag on the slip against a gas that rotates with
@@ -2940,6 +3136,7 @@ static inline double classifier__held_squares(const classifier__held *f, const d
 /* Finds the best curve from f->p, and the inverse of its normal matrix. */
 static inline void classifier__held_fit(classifier__held *f, const classifier__fit_data *d) {
     double normal[4][4], gradient[4], damping = 1e-4;
+    memset(normal, 0, sizeof normal), memset(gradient, 0, sizeof gradient);
     f->squares = classifier__held_squares(f, f->p, d, normal, gradient);
     for (int round = 0; round < 40; round++) {
         double a[4][4], step[4] = {0.0, 0.0, 0.0, 0.0}, q[3], length = 0.0;

@@ -919,6 +919,8 @@ typedef struct dem_feed {
     double due,
         due_mass;   /* what dem_feed_number, dem_feed_mass still owe [-], [kg]; they may be ahead by half a sphere */
     double waiting; /* diameter of the next sphere [m]; 0: not drawn yet */
+    uint64_t
+        waiting_of; /* tells the sizes and the shape that it was drawn from: with others it is drawn anew. 0: with any */
 } dem_feed;
 DEM_API dem_feed dem_default_feed(void); /* one size of 1 mm in a cube of 0.1 m at the origin, to be edited */
 
@@ -935,6 +937,23 @@ DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass);
    after it, so that sizes keep their shares; `due` tells how far the source is behind. */
 DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration);
 DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration);
+/* One source for several classes: of sizes, groups, materials or shapes. Bodies come one after the other, each of the
+   class that is farthest behind its share, and where one has no place the others wait with it: so what has been placed
+   has the shares to within a body, however little finds room. */
+enum { DEM_CLASSES_MAX = 100000 };
+typedef struct dem_source {
+    dem_feed *feed;      /* [classes] yours: sizes, material, group, velocity and shape of each class. Region, tries and
+                       generator of the first are those of all. Each counts its own placed and missed */
+    const double *share; /* [classes] of mass or number, >= 0, not all 0 */
+    int classes;         /* 1 .. DEM_CLASSES_MAX */
+    int by_number;       /* 0: shares are of mass */
+    double due, due_mass; /* what the feeds below still owe [-], [kg]; at first 0. They may be ahead by half a body */
+} dem_source;
+/* As dem_fill, dem_fill_mass, dem_feed_number and dem_feed_mass. Of a fill, what finds no place is missed by its class. */
+DEM_API dem_status dem_fill_source(dem_world *world, dem_source *source, ptrdiff_t count);
+DEM_API dem_status dem_fill_source_mass(dem_world *world, dem_source *source, double mass);
+DEM_API dem_status dem_feed_source(dem_world *world, dem_source *source, double rate, double duration);
+DEM_API dem_status dem_feed_source_mass(dem_world *world, dem_source *source, double mass_flow, double duration);
 /* Copies the oldest records of what passed exits, at most `capacity`, and removes them from the world. Returns their
    number, or minus a dem_status. records: [capacity], or NULL to drop them. Until then world->passed keeps 88 bytes of
    every particle that passed; world->passed_total counts all. dem_residence() reads the records: call it first. */
@@ -1290,11 +1309,11 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
 /* Adds a shape to a world, which keeps a copy of it. Returns its number from 0 on, or minus a dem_status. */
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
 /* Adds n polyhedra of a shape at rest. centres: of mass, shape [n][3] [m]; orientations: [n][4], quaternions of any
-   length but 0, scalar first, from the shape's principal axes to the world's; NULL: none is turned. Otherwise as
-   dem_add_spheres. Each is one particle, whose radius is that of the sphere around it. A contact is a point: a corner
-   at the other body, or two edges that cross. At each point the pair's law acts between spheres with the rounding radii
-   (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass; so a face on a face has as many
-   springs as points. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs
+   length but 0, scalar first, from the frame in which the shape was given to the world's; NULL: as it was given.
+   Otherwise as dem_add_spheres. Each is one particle, whose radius is that of the sphere around it. A contact is a
+   point: a corner at the other body, or two edges that cross. At each point the pair's law acts between spheres with
+   the rounding radii (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass; so a face on a
+   face has as many springs as points. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs
    need DEM_FRICTION (otherwise DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the sum of
    the radii: cores that overlap are pushed apart, too, but their normals may jump. Corners, edges and faces touch walls
    of every kind. Links of polyhedra are refused with DEM_POLYHEDRON. */
@@ -4513,6 +4532,21 @@ static inline int dem__unit_turn(dem_quaternion q, dem_quaternion *unit) {
                  f = 1.0 / sqrt(w * w + x * x + y * y + z * z);
     *unit = dem__quaternion(f * w, dem_vec3(f * x, f * y, f * z));
     return 1;
+}
+
+/* Returns the rotation from the frame of a shape's corners, its principal axes, to that in which it was given: exactly
+   none if both are one, as those of a brick. By the largest of the four numbers, whose square is 1/4 or more. */
+static inline dem_quaternion dem__turn_of_shape(const dem_convex *s) {
+    const dem_vec a = s->axis[0], b = s->axis[1], c = s->axis[2]; /* columns of its matrix */
+    const double four[4] = {1.0 + a.x + b.y + c.z, 1.0 + a.x - b.y - c.z, 1.0 - a.x + b.y - c.z, 1.0 - a.x - b.y + c.z};
+    const dem_quaternion none = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    dem_quaternion q = dem__quaternion(four[0], dem_vec3(b.z - c.y, c.x - a.z, a.y - b.x));
+    int k = 0;
+    for (int n = 1; n < 4; n++) k = four[n] > four[k] ? n : k;
+    if (k == 1) q = dem__quaternion(b.z - c.y, dem_vec3(four[1], a.y + b.x, a.z + c.x));
+    if (k == 2) q = dem__quaternion(c.x - a.z, dem_vec3(a.y + b.x, four[2], b.z + c.y));
+    if (k == 3) q = dem__quaternion(a.y - b.x, dem_vec3(a.z + c.x, b.z + c.y, four[3]));
+    return dem__unit_turn(q, &q) ? q : none; /* a forged save may hold anything */
 }
 
 /* Directions of a body's own axes in the lab's frame: the matrix of its orientation. It costs fewer operations than a
@@ -11283,12 +11317,21 @@ DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
     return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
 }
 
+/* Returns the rotation from the principal axes of the body of particle i to the frame in which its shape was given. */
+static inline dem_quaternion dem__given_frame(const dem_world *w, ptrdiff_t i, const dem__rigid *r) {
+    const dem_convex *s = dem__shape_of(w, i);
+    if (!s) return r->frame;
+    const dem_quaternion own = dem__turn_of_shape(s);
+    return own.w != 1.0 ? dem__turns(own, r->frame) : r->frame;
+}
+
 DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count)
         return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
     const dem__rigid *r = dem__rigid_of(world, i);
     if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
+    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn,
+                      dem__opposite_turn(dem__given_frame(world, i, r)));
 }
 
 /* Returns the position of a rigid body now, within the periodic box. */
@@ -11329,7 +11372,7 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     dem__restart(w, i);
     dem__book_motion(w, -dem__rotational(w, r->first));
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    r->turn = dem__turns(q, r->frame);
+    r->turn = dem__turns(q, dem__given_frame(w, i, r));
     w->engine->bodies.calls->set_motion(w, r, r->v, spin);
     dem__book_motion(w, dem__rotational(w, r->first));
     if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
@@ -12683,8 +12726,8 @@ static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_ve
     return 1;
 }
 
-/* ------------------------------------------------------------------------------------------------ >>feed/filling.h */
-/* Placing particles without overlap, at once or over time. Owns nothing; writes a world through its public functions.
+/* ------------------------------------------------------------------------------------------------- >>feed/places.h */
+/* Where bodies of a source find a place: shapes of bodies, free places by random tries. Pure but for the generator.
  */
 
 /* Draws a place at which a sphere lies within a region; along directions in which the region is flat, its centre does.
@@ -12720,45 +12763,6 @@ static inline int dem__random_place(const dem_region *r, double radius, uint64_t
     *x = dem__add(dem__add(r->low, dem__scale(room * u[0], frame.axis[0])),
                   dem__add(dem__scale(room * u[1], frame.axis[1]), dem__scale(u[2], frame.axis[2])));
     return 1;
-}
-
-/* Moves a radius down a heap, whose root is the smallest. */
-static inline void dem__sift_size(double *heap, ptrdiff_t root, ptrdiff_t n) {
-    for (;;) {
-        ptrdiff_t child = 2 * root + 1;
-        if (child >= n) return;
-        if (child + 1 < n && heap[child + 1] < heap[child]) child++;
-        if (!(heap[child] < heap[root])) return;
-        const double t = heap[root];
-        heap[root] = heap[child], heap[child] = t;
-        root = child;
-    }
-}
-/* Sorts radii, largest first. */
-static inline void dem__sort_sizes(double *radius, ptrdiff_t n) {
-    for (ptrdiff_t k = n / 2 - 1; k >= 0; k--) dem__sift_size(radius, k, n);
-    for (ptrdiff_t k = n - 1; k > 0; k--) {
-        const double t = radius[0];
-        radius[0] = radius[k], radius[k] = t;
-        dem__sift_size(radius, 0, k);
-    }
-}
-
-/* Draws the particles that are due one after the other, at most `most`. Returns their number; radius: their radii, or
-   NULL. The first that is not due is kept in feed->waiting: to leave it out would favour small ones. -1: stopped. */
-static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double number, double mass, ptrdiff_t most,
-                                      double *radius) {
-    for (ptrdiff_t n = 0; n < most; n++) {
-        if (dem__is_stopped(w, n)) return -1;
-        if (!(feed->waiting > 0.0)) feed->waiting = dem_draw_size(&feed->sizes, &feed->random);
-        const double m = dem__sphere_mass(w, feed->material, 0.5 * feed->waiting);
-        if (!((double)n + 0.5 <= number) || !(0.5 * m <= mass))
-            return n; /* a source is late or early by half a particle at most */
-        if (radius) radius[n] = 0.5 * feed->waiting;
-        mass -= m;
-        feed->waiting = 0.0;
-    }
-    return most;
 }
 
 /* Draws an orientation, all equally likely: a point of the unit ball in four dimensions, scaled to length 1. */
@@ -12815,18 +12819,18 @@ static inline int dem__has_room(const dem_world *w, const dem__room *room, const
     return 1;
 }
 
-/* Finds a free place for a body of a feed, by random tries. Returns 0 if there was none. */
-static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *feed, double radius, dem_vec *x,
-                                  dem_quaternion *turn) {
+/* Finds a free place for a body of a feed by random tries in the region of its source, with the source's generator. Returns 0 if there was none. */
+static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *source, const dem_feed *feed, double radius,
+                                  dem_vec *x, dem_quaternion *turn) {
     const double reach = radius * dem__feed_reach(w, feed);
-    for (int tries = 0; tries < feed->tries; tries++) {
+    for (int tries = 0; tries < source->tries; tries++) {
         if (dem__is_stopped(w, room->looked++)) {
             room->stopped = 1;
             return 0;
         }
-        if (!dem__random_place(&feed->region, reach, &feed->random, x)) return 0;
+        if (!dem__random_place(&source->region, reach, &source->random, x)) return 0;
         *x = dem__in_box(w, *x); /* as dem_add_spheres does */
-        if (feed->clump || feed->polyhedron) *turn = dem__random_turn(&feed->random);
+        if (feed->clump || feed->polyhedron) *turn = dem__random_turn(&source->random);
         if (dem__has_room(w, room, feed, *x, *turn, radius)) return 1;
     }
     return 0;
@@ -12843,160 +12847,352 @@ static inline void dem__settle_body(const dem_world *w, dem__room *room, const d
     }
 }
 
-/* New bodies of a feed: as drawn and placed, then in the order of memory. */
+/* ------------------------------------------------------------------------------------------------ >>feed/filling.h */
+/* Bodies of a source: drawn class by class, placed without overlap, added. Owns nothing; writes a world through its
+   public functions.
+ */
+
+/* Moves a radius and its class down a heap, whose root is the smallest. */
+static inline void dem__sift_size(double *heap, int32_t *line, ptrdiff_t root, ptrdiff_t n) {
+    for (;;) {
+        ptrdiff_t child = 2 * root + 1;
+        if (child >= n) return;
+        if (child + 1 < n && heap[child + 1] < heap[child]) child++;
+        if (!(heap[child] < heap[root])) return;
+        const double t = heap[root];
+        const int32_t k = line[root];
+        heap[root] = heap[child], heap[child] = t;
+        line[root] = line[child], line[child] = k;
+        root = child;
+    }
+}
+/* Sorts radii and their classes, largest first. */
+static inline void dem__sort_sizes(double *radius, int32_t *line, ptrdiff_t n) {
+    for (ptrdiff_t k = n / 2 - 1; k >= 0; k--) dem__sift_size(radius, line, k, n);
+    for (ptrdiff_t k = n - 1; k > 0; k--) {
+        const double t = radius[0];
+        const int32_t c = line[0];
+        radius[0] = radius[k], radius[k] = t;
+        line[0] = line[k], line[k] = c;
+        dem__sift_size(radius, line, 0, k);
+    }
+}
+
+/* A class of a source while bodies are drawn and placed. */
+typedef struct dem__line {
+    dem_feed feed;
+    double share, given;  /* of what all classes have been given: [kg] or number */
+    ptrdiff_t now, first; /* placed by this call; the first of them in the list */
+} dem__line;
+
+/* Returns a number that differs for distributions that differ, not 0: a diameter drawn ahead belongs to one. */
+static inline uint64_t dem__mark_of(const dem_sizes *s, int polyhedron) {
+    const double of[4] = {s->scale, s->spread, s->smallest, s->largest};
+    uint64_t mark = (uint64_t)s->kind * 64u + (uint64_t)(s->by_mass != 0) * 32u + (uint64_t)polyhedron * 1024u;
+    const int entries = s->kind == DEM_SIZES_LIST ? s->count : 0;
+    for (int k = 0; k < 4 + 2 * entries; k++) {
+        const double value = k < 4 ? of[k] : k % 2 ? s->share[(k - 4) / 2] : s->diameter[(k - 4) / 2];
+        uint64_t bits;
+        memcpy(&bits, &value, sizeof bits);
+        mark += bits;
+        mark = (mark ^ (mark >> 30)) * 0xbf58476d1ce4e5b9u;
+        mark = (mark ^ (mark >> 27)) * 0x94d049bb133111ebu;
+        mark ^= mark >> 31;
+    }
+    return mark | 1u;
+}
+
+/* Draws the next diameter of a class, unless one of its present sizes has been drawn already. */
+static inline void dem__draw_ahead(dem_feed *feed, uint64_t *random) {
+    const uint64_t mark = dem__mark_of(&feed->sizes, feed->polyhedron);
+    if (feed->waiting > 0.0 && (feed->waiting_of == mark || feed->waiting_of == 0)) return;
+    feed->waiting = dem_draw_size(&feed->sizes, random);
+    feed->waiting_of = mark;
+}
+
+/* Returns the class whose turn it is: the one that comes nearest to its share if it gets its next body (Webster). */
+static inline int dem__next_line(const dem_world *w, dem__line *line, int classes, int by_number) {
+    double earliest = HUGE_VAL;
+    int next = 0;
+    for (int k = 0; k < classes && classes > 1; k++) {
+        if (!(line[k].share > 0.0)) continue;
+        dem__draw_ahead(&line[k].feed, &line[0].feed.random);
+        const double body = by_number ? 1.0 : dem__sphere_mass(w, line[k].feed.material, 0.5 * line[k].feed.waiting);
+        const double turn = (line[k].given + 0.5 * body) / line[k].share;
+        if (turn < earliest) earliest = turn, next = k;
+    }
+    return next;
+}
+
+/* Draws the bodies that are due one after the other, at most `most`. Returns their number; radius, of: their radii and
+   classes, or NULL. The first that is not due is kept in its feed's `waiting`: to leave it out would favour small ones.
+   -1: stopped. */
+static inline ptrdiff_t dem__draw_due(const dem_world *w, dem__line *line, const dem_source *source, double number,
+                                      double mass, ptrdiff_t most, double *radius, int32_t *of) {
+    for (ptrdiff_t n = 0; n < most; n++) {
+        if (dem__is_stopped(w, n)) return -1;
+        const int k = dem__next_line(w, line, source->classes, source->by_number);
+        dem_feed *feed = &line[k].feed;
+        dem__draw_ahead(feed, &line[0].feed.random);
+        const double m = dem__sphere_mass(w, feed->material, 0.5 * feed->waiting);
+        if (!((double)n + 0.5 <= number) || !(0.5 * m <= mass))
+            return n; /* a source is late or early by half a particle at most */
+        if (radius) radius[n] = 0.5 * feed->waiting, of[n] = k;
+        mass -= m;
+        line[k].given += source->by_number ? 1.0 : m;
+        feed->waiting = 0.0;
+    }
+    return most;
+}
+
+/* New bodies of a source: as drawn and placed, then class by class in the order of memory. */
 typedef struct dem__batch {
     double *radius, *piece, *place, *turn;              /* [n], [n][pieces], [n][3], [n][4] */
     double *diameter, *centre, *orientation, *velocity; /* [n], [n][3], [n][4], [n][3] */
+    int32_t *of, *first;                                /* [n] class; the first of its pieces among those placed */
+    ptrdiff_t pieces, bodies;                           /* in all, as drawn; those in several pieces or of a shape */
     size_t bytes;
 } dem__batch;
 static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, ptrdiff_t n, ptrdiff_t pieces) {
-    b->bytes = (size_t)n * (size_t)(19 + pieces) * sizeof(double);
+    b->bytes = (size_t)n * ((size_t)(19 + pieces) * sizeof(double) + 2 * sizeof(int32_t));
     b->radius = (double *)memory->fn(memory->user, NULL, 0, b->bytes);
     if (!b->radius) return 0;
     b->place = b->radius + n, b->turn = b->place + 3 * n, b->diameter = b->turn + 4 * n, b->centre = b->diameter + n;
     b->orientation = b->centre + 3 * n, b->velocity = b->orientation + 4 * n, b->piece = b->velocity + 3 * n;
+    b->of = (int32_t *)(void *)(b->piece + pieces * n), b->first = b->of + n;
     return 1;
 }
 
 /* Returns how many bodies a call draws at most; a limit for a source that was blocked for long. */
 static inline ptrdiff_t dem__most_drawn(int at_once) { return at_once ? INT32_MAX / 8 : 100000; }
 
-/* Draws n radii, and computes those of their particles. Returns the largest radius of a body, or -1: stopped. */
-static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem_feed *feed, double number, double mass,
-                                     ptrdiff_t n, int at_once) {
-    const ptrdiff_t pieces = dem__feed_pieces(feed);
+/* Draws n radii, and computes those of their particles. Returns the largest radius about a body's centre, or -1:
+   stopped. */
+static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem__line *line, const dem_source *source,
+                                     double number, double mass, ptrdiff_t n, int at_once) {
     double widest = 0.0;
-    if (dem__draw_due(w, feed, number, mass, dem__most_drawn(at_once), b->radius) < 0) return -1.0;
-    if (at_once) dem__sort_sizes(b->radius, n);
-    for (ptrdiff_t k = 0; k < n * pieces; k++) {
-        const double r = b->radius[k / pieces];
-        b->piece[k] =
-            feed->clump ? r * dem__feed_scale(feed) * feed->clump->radius[k % pieces] : r * dem__feed_reach(w, feed);
-        widest = r > widest ? r : widest;
+    if (dem__draw_due(w, line, source, number, mass, dem__most_drawn(at_once), b->radius, b->of) < 0) return -1.0;
+    if (at_once) dem__sort_sizes(b->radius, b->of, n);
+    b->pieces = 0;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const dem_feed *feed = &line[b->of[k]].feed;
+        const double r = b->radius[k], reach = r * dem__feed_reach(w, feed);
+        for (ptrdiff_t q = 0; q < dem__feed_pieces(feed); q++)
+            b->piece[b->pieces++] = feed->clump ? r * dem__feed_scale(feed) * feed->clump->radius[q] : reach;
+        widest = reach > widest ? reach : widest;
     }
     return widest;
 }
 
-/* Finds places for n bodies, and counts them in the feed by number or, with by_mass, by mass. at_once: bodies without a
-   place are counted as missed; otherwise the first of them waits, and with it those after it. */
-static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *feed, dem__batch *b, ptrdiff_t n,
-                                    int by_mass, int at_once) {
-    ptrdiff_t found = 0;
+/* Keeps what has been drawn and not placed, from body k on: the next of each class waits. */
+static inline void dem__keep_waiting(dem__line *line, const dem__batch *b, ptrdiff_t k, ptrdiff_t n) {
+    for (ptrdiff_t q = n - 1; q >= k; q--) {
+        dem_feed *feed = &line[b->of[q]].feed;
+        feed->waiting = 2.0 * b->radius[q], feed->waiting_of = dem__mark_of(&feed->sizes, feed->polyhedron);
+    }
+}
+
+/* Finds places for n bodies, and counts them as given by number or, with by_mass, by mass. at_once: bodies without a
+   place are counted as missed; otherwise the first of them waits, and with it those after it. Returns how many have a
+   place. */
+static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__line *line, dem_source *source,
+                                         dem__batch *b, ptrdiff_t n, int by_mass, int at_once) {
+    ptrdiff_t found = 0, pieces = 0;
     for (ptrdiff_t k = 0; k < n; k++) {
+        dem_feed *feed = &line[b->of[k]].feed;
         const double radius = b->radius[k], m = dem__sphere_mass(w, feed->material, radius);
         dem_vec x;
         dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-        if (dem__find_place(w, room, feed, radius, &x, &q)) {
+        if (dem__find_place(w, room, &line[0].feed, feed, radius, &x, &q)) {
             double *turn = b->turn + 4 * found;
             dem__settle_body(w, room, feed, x, q, radius);
             for (int a = 0; a < 3; a++) b->place[3 * found + a] = dem_axis(x, a);
             turn[0] = q.w, turn[1] = q.x, turn[2] = q.y, turn[3] = q.z;
-            b->radius[found++] = radius;
-            feed->placed_mass += m;
-            if (by_mass) feed->due_mass -= at_once ? 0.0 : m;
-            else feed->due -= at_once ? 0.0 : 1.0;
-        } else if (room->stopped) return;
+            b->first[found] = (int32_t)pieces, b->of[found] = b->of[k], b->radius[found++] = radius;
+            pieces += dem__feed_pieces(feed);
+            feed->placed++, feed->placed_mass += m;
+            line[b->of[k]].now++;
+            if (by_mass) source->due_mass -= at_once ? 0.0 : m;
+            else source->due -= at_once ? 0.0 : 1.0;
+        } else if (room->stopped) return found;
         else if (at_once) {
             feed->missed++;
             feed->missed_mass += m;
         } else {
-            feed->waiting = 2.0 * radius;
-            return;
+            dem__keep_waiting(line, b, k, n);
+            return found;
         }
     }
+    return found;
 }
 
-/* Lists the placed bodies in the order of the cells of their first particles, so that neighbours in space are
-   neighbours in memory. Returns their number. */
-static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t present, dem_feed *feed, dem__batch *b) {
-    const ptrdiff_t pieces = dem__feed_pieces(feed);
-    ptrdiff_t placed = 0;
+/* Returns the body that has a piece; bodies: n. */
+static inline ptrdiff_t dem__body_of_piece(const dem__batch *b, ptrdiff_t n, ptrdiff_t piece) {
+    ptrdiff_t low = 0, high = n;
+    while (high - low > 1) {
+        const ptrdiff_t middle = low + (high - low) / 2;
+        if (b->first[middle] <= piece) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
+/* Lists the placed bodies class by class, in the order of the cells of their first particles, so that neighbours in
+   space are neighbours in memory. n: their number. */
+static inline void dem__list_placed(const dem__room *room, ptrdiff_t present, dem__line *line, int classes,
+                                    dem__batch *b, ptrdiff_t n) {
+    for (int k = 1; k < classes; k++) line[k].first = line[k - 1].first + line[k - 1].now;
+    for (int k = 0; k < classes; k++) line[k].now = 0;
     for (ptrdiff_t c = 0; c < room->cells; c++) {
         for (int32_t q = room->head[c]; q >= present; q = room->next[q]) {
-            const ptrdiff_t body = (q - present) / pieces;
-            if ((q - present) % pieces != 0) continue;
-            b->diameter[placed] = 2.0 * b->radius[body];
-            for (int a = 0; a < 4; a++) b->orientation[4 * placed + a] = b->turn[4 * body + a];
+            const ptrdiff_t body = dem__body_of_piece(b, n, q - present);
+            if (b->first[body] != q - present) continue;
+            dem__line *of = &line[b->of[body]];
+            const ptrdiff_t to = of->first + of->now++;
+            b->diameter[to] = 2.0 * b->radius[body];
+            for (int a = 0; a < 4; a++) b->orientation[4 * to + a] = b->turn[4 * body + a];
             for (int a = 0; a < 3; a++) {
-                b->centre[3 * placed + a] = b->place[3 * body + a];
-                b->velocity[3 * placed + a] = dem_axis(feed->velocity, a) +
-                                              dem_axis(feed->scatter, a) * (2.0 * dem__uniform(&feed->random) - 1.0);
+                b->centre[3 * to + a] = b->place[3 * body + a];
+                b->velocity[3 * to + a] =
+                    dem_axis(of->feed.velocity, a) +
+                    dem_axis(of->feed.scatter, a) * (2.0 * dem__uniform(&line[0].feed.random) - 1.0);
             }
-            placed++;
         }
     }
-    return placed;
 }
 
-/* Adds n bodies with their velocities, or none. */
-static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptrdiff_t n, const dem__batch *b) {
-    const ptrdiff_t pieces = dem__feed_pieces(feed);
+/* Adds the new bodies of a class with their velocities, or none. */
+static inline dem_status dem__add_moving(dem_world *w, const dem__line *line, const dem__batch *b) {
+    const dem_feed *feed = &line->feed;
+    const ptrdiff_t pieces = dem__feed_pieces(feed), n = line->now, first = line->first;
+    const double *centre = b->centre + 3 * first, *turn = b->orientation + 4 * first, *d = b->diameter + first;
     dem_status status;
     if (feed->polyhedron)
-        status = w->engine->convex.calls->add(w, feed->polyhedron - 1, n, b->centre, b->orientation, feed->material,
-                                              feed->group);
-    else if (feed->clump)
-        status =
-            feed->clump->add__(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group);
-    else status = dem_add_spheres(w, n, b->centre, b->diameter, feed->material, feed->group);
+        status = w->engine->convex.calls->add(w, feed->polyhedron - 1, n, centre, turn, feed->material, feed->group);
+    else if (feed->clump) status = feed->clump->add__(w, n, feed->clump, centre, d, turn, feed->material, feed->group);
+    else status = dem_add_spheres(w, n, centre, d, feed->material, feed->group);
     for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
-        const dem_vec v = dem_vec3(b->velocity[3 * k], b->velocity[3 * k + 1], b->velocity[3 * k + 2]);
-        dem_set_motion(w, w->count - (n - k) * pieces, v, dem_vec3(0.0, 0.0, 0.0));
+        const double *v = b->velocity + 3 * (first + k);
+        dem_set_motion(w, w->count - (n - k) * pieces, dem_vec3(v[0], v[1], v[2]), dem_vec3(0.0, 0.0, 0.0));
     }
     return status;
 }
 
-/* Draws n bodies, finds places for them, and lists those that have one; *placed: their number. */
-static inline dem_status dem__place_batch(dem_world *w, dem_feed *feed, dem__batch *b, double number, double mass,
-                                          ptrdiff_t n, int at_once, ptrdiff_t *placed) {
+/* Adds all new bodies, or none: where there are several classes, there is room for all before the first. */
+static inline dem_status dem__add_lines(dem_world *w, const dem__line *line, int classes, const dem__batch *b) {
+    ptrdiff_t pieces = 0, bodies = 0;
+    dem_status status = DEM_OK;
+    for (int k = 0; k < classes; k++) {
+        pieces += line[k].now * dem__feed_pieces(&line[k].feed);
+        if (line[k].feed.clump || line[k].feed.polyhedron) bodies += line[k].now;
+    }
+    if (classes > 1 && pieces > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
+    if (classes > 1 && !(bodies ? dem__reserve_bodies(w, bodies, pieces) : dem__reserve_particles(w, pieces)))
+        return DEM_OUT_OF_MEMORY;
+    for (int k = 0; k < classes && status == DEM_OK; k++) {
+        if (line[k].now > 0 || classes == 1) status = dem__add_moving(w, &line[k], b);
+    }
+    return status;
+}
+
+/* Draws n bodies, finds places for them, and lists those that have one. */
+static inline dem_status dem__place_batch(dem_world *w, dem__line *line, dem_source *source, dem__batch *b,
+                                          double number, double mass, ptrdiff_t n, int at_once) {
     dem__room room;
-    const double widest = dem__draw_batch(w, b, feed, number, mass, n, at_once);
+    const double widest = dem__draw_batch(w, b, line, source, number, mass, n, at_once);
     if (widest < 0.0) return DEM_STOPPED;
-    dem_status status = dem__make_room(&room, w, &feed->region, b->piece, n * dem__feed_pieces(feed),
-                                       widest * dem__feed_reach(w, feed));
+    dem_status status = dem__make_room(&room, w, &line[0].feed.region, b->piece, b->pieces, widest);
     if (status == DEM_OK) {
         const ptrdiff_t present = room.count;
-        dem__find_places(w, &room, feed, b, n, mass < HUGE_VAL, at_once);
-        *placed = dem__list_placed(&room, present, feed, b);
+        const ptrdiff_t placed = dem__find_places(w, &room, line, source, b, n, mass < HUGE_VAL, at_once);
+        dem__list_placed(&room, present, line, source->classes, b, placed);
         if (room.stopped) status = DEM_STOPPED;
     }
     dem__clear_room(&room, w);
     return status;
 }
 
+/* ------------------------------------------------------------------------------------------------ >>feed/sources.h */
+/* Sources: fills and feeds of one class or several, at once or over time.
+ */
+
+/* The classes of a source as they are before a call. */
+static inline void dem__open_lines(const dem_world *w, const dem_source *source, dem__line *line) {
+    for (int k = 0; k < source->classes; k++) {
+        const dem_feed *f = &source->feed[k];
+        memset(&line[k], 0, sizeof line[k]);
+        line[k].feed = *f, line[k].share = source->share ? source->share[k] : 1.0;
+        line[k].given = source->by_number ? (double)(f->placed + f->missed) : f->placed_mass + f->missed_mass;
+        if (f->polyhedron) line[k].feed.sizes = dem_one_size(dem__convex_diameter(dem__feed_shape(w, f)));
+    }
+}
+
 /* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place are
-   missed; otherwise in the order drawn, up to the first without a place, which waits. */
-static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number, double mass, int at_once) {
-    if (dem__is_running(w)) return DEM_BUSY;
+   missed; otherwise in the order drawn, up to the first without a place, which waits. line: room for twice the
+   classes. */
+static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem__line *line, double number,
+                                           double mass, int at_once) {
     const dem_allocator memory = w->def.allocator;
-    dem_feed after = *feed, counted;
-    if (feed->polyhedron) after.sizes = dem_one_size(dem__convex_diameter(dem__feed_shape(w, feed)));
-    counted = after;
+    dem__line *after = line, *counted = line + source->classes;
+    dem_source due = *source;
     dem__batch batch;
-    ptrdiff_t placed = 0;
     const double most = (double)dem__most_drawn(at_once);
-    double smallest, largest;
+    double heaviest = 0.0;
+    ptrdiff_t pieces = 1;
     memset(&batch, 0, sizeof batch);
-    dem__are_sizes(&after.sizes, &smallest, &largest);
-    if (at_once && number > most && mass > most * dem__sphere_mass(w, feed->material, 0.5 * largest))
-        return DEM_TOO_MANY;
+    dem__open_lines(w, source, after);
+    memcpy(counted, after, (size_t)source->classes * sizeof *after);
+    for (int k = 0; k < source->classes; k++) {
+        double smallest, largest;
+        dem__are_sizes(&after[k].feed.sizes, &smallest, &largest);
+        const double m = dem__sphere_mass(w, after[k].feed.material, 0.5 * largest);
+        heaviest = m > heaviest ? m : heaviest;
+        pieces = dem__feed_pieces(&after[k].feed) > pieces ? dem__feed_pieces(&after[k].feed) : pieces;
+    }
+    if (at_once && number > most && mass > most * heaviest) return DEM_TOO_MANY;
     w->engine->run.running = 1; /* def.stop finds the world busy */
     const int is_counted = at_once && number >= 1.0 && !(mass < HUGE_VAL);
-    const ptrdiff_t n =
-        is_counted ? (ptrdiff_t)number : dem__draw_due(w, &counted, number, mass, dem__most_drawn(at_once), NULL);
-    dem_status status = n < 0 ? DEM_STOPPED : n >= INT32_MAX / 8 / dem__feed_pieces(feed) ? DEM_TOO_MANY : DEM_OK;
+    const ptrdiff_t n = is_counted
+                            ? (ptrdiff_t)number
+                            : dem__draw_due(w, counted, source, number, mass, dem__most_drawn(at_once), NULL, NULL);
+    dem_status status = n < 0 ? DEM_STOPPED : n >= INT32_MAX / 8 / pieces ? DEM_TOO_MANY : DEM_OK;
     if (status == DEM_OK && n > 0) {
         status = DEM_OUT_OF_MEMORY;
-        if (dem__make_batch(&batch, &memory, n, dem__feed_pieces(feed)))
-            status = dem__place_batch(w, &after, &batch, number, mass, n, at_once, &placed);
+        if (dem__make_batch(&batch, &memory, n, pieces))
+            status = dem__place_batch(w, after, &due, &batch, number, mass, n, at_once);
     }
     w->engine->run.running = 0;
-    if (status == DEM_OK && n > 0) status = dem__add_moving(w, &after, placed, &batch);
+    if (status == DEM_OK && n > 0) status = dem__add_lines(w, after, source->classes, &batch);
     if (batch.radius) memory.fn(memory.user, batch.radius, batch.bytes, 0);
     if (status != DEM_OK) return status;
-    after.placed += placed;
-    *feed = n > 0 ? after : counted;
+    *source = due;
+    for (int k = 0; k < source->classes; k++) {
+        const dem_sizes sizes = source->feed[k].sizes;
+        source->feed[k] = n > 0 ? after[k].feed : counted[k].feed;
+        source->feed[k].sizes = sizes;
+    }
     return DEM_OK;
+}
+
+static inline dem_status dem__insert(dem_world *w, dem_source *source, double number, double mass, int at_once) {
+    if (dem__is_running(w)) return DEM_BUSY;
+    dem__line two[2], *line = two;
+    const dem_allocator memory = w->def.allocator;
+    const size_t bytes = 2 * (size_t)source->classes * sizeof *line;
+    if (source->classes > 1) line = (dem__line *)memory.fn(memory.user, NULL, 0, bytes);
+    if (!line) return DEM_OUT_OF_MEMORY;
+    const dem_status status = dem__insert_lines(w, source, line, number, mass, at_once);
+    if (source->classes > 1) memory.fn(memory.user, line, bytes, 0);
+    return status;
+}
+
+/* A feed as a source of one class; what it owes stands in the feed. */
+static inline dem_source dem__source_of(dem_feed *feed) {
+    dem_source s;
+    memset(&s, 0, sizeof s);
+    s.feed = feed, s.classes = 1;
+    s.due = feed->due, s.due_mass = feed->due_mass;
+    return s;
 }
 
 static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
@@ -13019,7 +13215,8 @@ static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
 
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
     if (!dem__is_feed(world, feed) || count < 0) return DEM_BAD_ARGUMENT;
-    return dem__insert(world, feed, (double)count, HUGE_VAL, 1);
+    dem_source source = dem__source_of(feed);
+    return dem__insert(world, &source, (double)count, HUGE_VAL, 1);
 }
 /* Returns a volume [m3] that the bodies placed in a region cannot exceed; of a mesh, that of the box around it. Where
    the region is flat, bodies stand out of it. */
@@ -13041,27 +13238,76 @@ DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass) 
     if (!dem__is_feed(world, feed) || !dem__not_negative(mass)) return DEM_BAD_ARGUMENT;
     if (dem__is_running(world)) return DEM_BUSY;
     if (mass > world->def.material[feed->material].density * dem__most_volume(world, feed)) return DEM_TOO_MANY;
-    return dem__insert(world, feed, HUGE_VAL, mass, 1);
+    dem_source source = dem__source_of(feed);
+    return dem__insert(world, &source, HUGE_VAL, mass, 1);
 }
 
 DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration) {
     if (!dem__is_feed(world, feed) || !dem__not_negative(rate) || !dem__not_negative(duration) ||
         !dem__finite(rate * duration))
         return DEM_BAD_ARGUMENT;
-    dem_feed due = *feed;
-    due.due += rate * duration;
-    const dem_status status = dem__insert(world, &due, due.due, HUGE_VAL, 0);
-    if (status == DEM_OK) *feed = due;
+    dem_source source = dem__source_of(feed);
+    source.due += rate * duration;
+    const dem_status status = dem__insert(world, &source, source.due, HUGE_VAL, 0);
+    if (status == DEM_OK) feed->due = source.due;
     return status;
 }
 DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration) {
     if (!dem__is_feed(world, feed) || !dem__not_negative(mass_flow) || !dem__not_negative(duration) ||
         !dem__finite(mass_flow * duration))
         return DEM_BAD_ARGUMENT;
-    dem_feed due = *feed;
+    dem_source source = dem__source_of(feed);
+    source.due_mass += mass_flow * duration;
+    const dem_status status = dem__insert(world, &source, HUGE_VAL, source.due_mass, 0);
+    if (status == DEM_OK) feed->due_mass = source.due_mass;
+    return status;
+}
+
+static inline int dem__is_source(const dem_world *w, const dem_source *s) {
+    double sum = 0.0;
+    if (!w || !w->def.allocator.fn || !s || !s->feed || !s->share || s->classes < 1 || s->classes > DEM_CLASSES_MAX)
+        return 0;
+    for (int k = 0; k < s->classes; k++) {
+        if (!dem__is_feed(w, &s->feed[k]) || !dem__not_negative(s->share[k])) return 0;
+        sum += s->share[k];
+    }
+    return dem__positive(sum) && dem__finite(s->due) && dem__finite(s->due_mass);
+}
+DEM_API dem_status dem_fill_source(dem_world *world, dem_source *source, ptrdiff_t count) {
+    if (!dem__is_source(world, source) || count < 0) return DEM_BAD_ARGUMENT;
+    return dem__insert(world, source, (double)count, HUGE_VAL, 1);
+}
+DEM_API dem_status dem_fill_source_mass(dem_world *world, dem_source *source, double mass) {
+    if (!dem__is_source(world, source) || !dem__not_negative(mass)) return DEM_BAD_ARGUMENT;
+    if (dem__is_running(world)) return DEM_BUSY;
+    double most = 0.0;
+    for (int k = 0; k < source->classes; k++) {
+        dem_feed feed = source->feed[k];
+        feed.region = source->feed[0].region;
+        const double here = world->def.material[feed.material].density * dem__most_volume(world, &feed);
+        most = here > most ? here : most;
+    }
+    if (mass > most) return DEM_TOO_MANY;
+    return dem__insert(world, source, HUGE_VAL, mass, 1);
+}
+DEM_API dem_status dem_feed_source(dem_world *world, dem_source *source, double rate, double duration) {
+    if (!dem__is_source(world, source) || !dem__not_negative(rate) || !dem__not_negative(duration) ||
+        !dem__finite(rate * duration))
+        return DEM_BAD_ARGUMENT;
+    dem_source due = *source;
+    due.due += rate * duration;
+    const dem_status status = dem__insert(world, &due, due.due, HUGE_VAL, 0);
+    if (status == DEM_OK) *source = due;
+    return status;
+}
+DEM_API dem_status dem_feed_source_mass(dem_world *world, dem_source *source, double mass_flow, double duration) {
+    if (!dem__is_source(world, source) || !dem__not_negative(mass_flow) || !dem__not_negative(duration) ||
+        !dem__finite(mass_flow * duration))
+        return DEM_BAD_ARGUMENT;
+    dem_source due = *source;
     due.due_mass += mass_flow * duration;
     const dem_status status = dem__insert(world, &due, HUGE_VAL, due.due_mass, 0);
-    if (status == DEM_OK) *feed = due;
+    if (status == DEM_OK) *source = due;
     return status;
 }
 
@@ -16839,12 +17085,17 @@ DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, cons
     dem__body_def body;
     memset(&body, 0, sizeof body);
     body.mass = density * s->volume, body.moments = dem__scale(density, dem__point(s->moment));
-    body.frame = body.turn = dem__quaternion(1.0, none);
+    body.frame = dem__quaternion(1.0, none);
+    const dem_quaternion own = dem__turn_of_shape(s);
     body.pieces = 1, body.offset = &none, body.radius = &s->reach, body.material = material, body.group = group;
     for (ptrdiff_t k = 0; k < n; k++) {
         const double *o = orientations ? orientations + 4 * k : NULL;
         body.x = dem__point(centres + 3 * k);
-        if (o) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &body.turn);
+        body.turn = own;
+        if (o) {
+            dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &body.turn);
+            if (own.w != 1.0) body.turn = dem__turns(body.turn, own);
+        }
         w->engine->convex.shape_of[dem__add_body(w, &body)] = shape + 1;
     }
     return DEM_OK;

@@ -439,6 +439,12 @@ static inline dem_vec dem_io__turned(dem_quaternion q, dem_vec v) {
     return dem_io__along(v, 2.0, dem_io__cross(u, t));
 }
 
+/* Returns a vector along the axes of a shape's corners in the frame in which the shape was given. */
+static inline dem_vec dem_io__given(const dem_convex *c, dem_vec v) {
+    const dem_vec x = dem_io__along(dem_vec3(0, 0, 0), v.x, c->axis[0]);
+    return dem_io__along(dem_io__along(x, v.y, c->axis[1]), v.z, c->axis[2]);
+}
+
 /* Adds a polyhedron: each face of its core moved outwards by the radius, strips between them, and corners. */
 static inline void dem_io__polyhedron(dem_io_surface *s, const dem_world *world, int index, const dem_convex *c) {
     const dem_vec x = dem_position(world, index);
@@ -448,7 +454,8 @@ static inline void dem_io__polyhedron(dem_io_surface *s, const dem_world *world,
         const dem_vec n = dem_vec3(c->plane[f][0], c->plane[f][1], c->plane[f][2]);
         for (int k = c->face_start[f]; k < c->face_start[f + 1]; k++) {
             const double *p = c->corner[c->face_corner[k]];
-            dem_io__corner(s, index, dem_io__along(x, 1.0, dem_io__turned(q, dem_io__along(dem_vec3(p[0], p[1], p[2]), c->radius, n))));
+            const dem_vec own = dem_io__along(dem_vec3(p[0], p[1], p[2]), c->radius, n);
+            dem_io__corner(s, index, dem_io__along(x, 1.0, dem_io__turned(q, dem_io__given(c, own))));
         }
         dem_io__fan(s, first + c->face_start[f], c->face_start[f + 1] - c->face_start[f]);
     }

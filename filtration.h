@@ -37,10 +37,9 @@
 #ifndef RIDDLE_FILTRATION_H
 #define RIDDLE_FILTRATION_H
 
-/* ---------------------------------------------------------------------------------------------------- >>compiler.h */
-/* compiler.h: what compilers call differently, and the switch between static inline and one shared copy.
-   Relies on nothing.
-   May be changed here alone: everything that leaves the macros' meaning. */
+
+/* ----------------------------------------------------------------------------------------------- >>base/compiler.h */
+/* What compilers call differently, and the switch between static inline and one shared copy. */
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -58,16 +57,10 @@
 #define FILTRATION__BODIES
 #endif
 
-/* gcc leaves a loop scalar at -O2 if arithmetic may trap or a root may set errno: the functions here bring their own options. clang fuses
-   products and sums only if it may. */
-#if defined(__clang__)
-#define FILTRATION__FAST
-#pragma float_control(push)
-#pragma clang fp contract(off)
-#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
+/* gcc leaves a loop scalar at -O2 if arithmetic may trap or a root may set errno: functions that are compiled for several machines bring
+   their own options, the others those of the header. */
+#if defined(__GNUC__) && !defined(__clang__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
 #define FILTRATION__FAST __attribute__((optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")))
-#pragma GCC push_options
-#pragma GCC optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")
 #else
 #define FILTRATION__FAST
 #endif
@@ -125,15 +118,22 @@
 #define FILTRATION__CLONES(name, parameters, arguments, call)                                                                              \
     FILTRATION__FAST FILTRATION__STATIC void name parameters { call; }
 #endif
-
+/* clang fuses products and sums only if it may. */
+#if defined(__clang__)
+#pragma float_control(push)
+#pragma clang fp contract(off)
+#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
+#pragma GCC push_options
+#pragma GCC optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")
+#endif
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* -------------------------------------------------------------------------------------------------------- >>base.h */
-/* base.h: what every part of filtration.h uses: status codes, memory, parallel loops.
-   Relies on nothing.
-   May be changed here alone: texts of statuses, the order of statuses after FILTRATION_OK. */
+/* Declarations, and pure laws. */
+
+/* --------------------------------------------------------------------------------------------------- >>base/base.h */
+/* What every part of filtration.h uses: status codes, memory, parallel loops. */
 
 /* ==== >>base ==== */
 /* clang-format off */
@@ -175,6 +175,10 @@ FILTRATION_API const char *filtration_status_text(filtration_status status) {
 }
 #endif
 
+#define FILTRATION__LARGEST 1.7976931348623157e308
+static inline int filtration__is_finite(double x) { return fabs(x) <= FILTRATION__LARGEST; }
+static inline int filtration__is_positive(double x) { return x > 0.0 && filtration__is_finite(x); }
+
 static inline void *filtration__resize(const filtration_memory *m, void *old, size_t old_size, size_t new_size) {
     if (m->fn) return m->fn(m->user, old, old_size, new_size);
     if (new_size == 0) {
@@ -197,10 +201,8 @@ static inline void filtration__for_each(const filtration_parallel *p, int thread
     for (int i = 0; i < tasks; i++) task(context, i);
 }
 
-/* ------------------------------------------------------------------------------------------------- >>process_api.h */
-/* process_api.h: the filtration equation as its user sees it: laws, an operation, the evaluation of a measured curve, prediction.
-   Relies on base.h.
-   May be changed here alone: comments, defaults (in process.h: filtration_curve_default_def, filtration_operation_default). */
+/* ----------------------------------------------------------------------------------------- >>process/process_api.h */
+/* The filtration equation as its user sees it: laws, an operation, the evaluation of a measured curve, prediction. */
 
 /* ==== >>process: filtration equation (1) to (3), filter curves, compressible cakes ==== */
 
@@ -437,10 +439,8 @@ enum filtration_outside_flag { FILTRATION_OUTSIDES(FILTRATION__OUTSIDE) FILTRATI
 FILTRATION_API unsigned filtration_outside(const filtration_curve *curve, double pressure, double area, double V);
 FILTRATION_API const char *filtration_outside_text(unsigned flag); /* of one flag; never NULL; static storage */
 
-/* -------------------------------------------------------------------------------------------------- >>solids_api.h */
-/* solids_api.h: solids at rest as a signed distance: woven wire cloth, beds of spheres and fibres, voxel images.
-   Relies on base.h.
-   May be changed here alone: comments. */
+/* ------------------------------------------------------------------------------------------- >>solids/solids_api.h */
+/* Solids at rest as a signed distance: woven wire cloth, beds of spheres and fibres, voxel images. */
 
 /* ==== >>solids: solids at rest in the fluid ==== */
 
@@ -546,10 +546,8 @@ FILTRATION_API filtration_status filtration_image_check(const filtration_image *
 FILTRATION_API double filtration_image_distance(const filtration_image *image, const double point[3]); /* as above [m] */
 FILTRATION_API filtration_solid filtration_image_solid(const filtration_image *image);
 
-/* --------------------------------------------------------------------------------------------------------- >>api.h */
-/* api.h: the resolved fluid as its user sees it: definition, spheres, solid, state, steps, measuring, saving. Relies on base.h,
-   solids_api.h (filtration_solid).
-   May be changed here alone: comments, defaults (in fluid.h: filtration_fluid_default_def). */
+/* --------------------------------------------------------------------------------------------------- >>fluid/api.h */
+/* The resolved fluid as its user sees it: definition, spheres, solid, state, steps, measuring, saving. */
 
 /* ==== >>fluid ==== */
 
@@ -583,8 +581,9 @@ typedef enum filtration_face {
     FILTRATION_PERIODIC,
     FILTRATION_WALL,     /* no slip; at the face, which may move within its plane */
     FILTRATION_PRESSURE, /* open, at a given pressure */
-    FILTRATION_SYMMETRY  /* a mirror: no flow through it, no shear on it. The force on a sphere that it cuts is that on the part inside the
+    FILTRATION_SYMMETRY, /* a mirror: no flow through it, no shear on it. The force on a sphere that it cuts is that on the part inside the
                             box, without that of a constant pressure */
+    FILTRATION_INFLOW    /* liquid comes or goes with face_velocity; the box needs a PRESSURE face, too, unless as much goes as comes */
 } filtration_face;
 enum { FILTRATION_LOW_X, FILTRATION_HIGH_X, FILTRATION_LOW_Y, FILTRATION_HIGH_Y, FILTRATION_LOW_Z, FILTRATION_HIGH_Z };
 
@@ -608,7 +607,7 @@ typedef struct filtration_fluid_def {
     filtration_refill refill;       /* default NONEQUILIBRIUM */
     filtration_force_mode force;    /* default MOMENTUM_EXCHANGE */
     filtration_face face[6];        /* FILTRATION_LOW_X ...; default PERIODIC */
-    double face_velocity[6][3];     /* of WALL faces, within their plane [m/s]; default 0 */
+    double face_velocity[6][3];     /* of WALL faces, within their plane, and of INFLOW faces [m/s]; default 0 */
     double face_pressure[6];        /* of PRESSURE faces [Pa], relative to the mean; default 0 */
     double body_force[3];           /* on the fluid [N/m3]; default 0. Without gravity, because pressure is dynamic */
     filtration_solid solid;         /* default: none */
@@ -949,10 +948,8 @@ static inline double riddle_asin(double x) {
 /* clang-format on */
 /* <<portable-math */
 
-/* ------------------------------------------------------------------------------------------------ >>process_laws.h */
-/* process_laws.h: the laws of the filtration equation: pure functions of scalars. Relies on base.h, process_api.h, the portable
-   mathematics.
-   May be changed here alone: how a law is computed, not what it returns. */
+/* ---------------------------------------------------------------------------------------- >>process/process_laws.h */
+/* The laws of the filtration equation: pure functions of scalars. */
 
 /* ==== >>process ==== */
 
@@ -1121,10 +1118,9 @@ static inline double filtration_student(double confidence, double freedom) {
     return t;
 }
 
-/* ----------------------------------------------------------------------------------------------- >>settling_laws.h */
-/* settling_laws.h: settling of a single sphere: Stokes' law, inertia, side walls, bottom; for comparison with a resolved simulation. Relies
-   on base.h, the portable mathematics.
-   May be changed here alone: how a law is computed, not what it returns. */
+/* --------------------------------------------------------------------------------------- >>process/settling_laws.h */
+/* Settling of a single sphere: Stokes' law, inertia, side walls, bottom; for comparison with a resolved simulation.
+   Relies on base.h, the portable mathematics. */
 
 /* ==== >>settling: drag of one sphere over Stokes' 3 pi mu d v [-]; NaN outside the stated range ==== */
 
@@ -1175,18 +1171,15 @@ static inline double filtration_wall_brenner(double gap_over_radius) {
     }
     return 4.0 / 3.0 * sinh_1 * sum;
 }
+
+/* Bodies: the parts that no other one includes. */
 #ifdef FILTRATION__BODIES
 
-/* ----------------------------------------------------------------------------------------------------- >>process.h */
-/* process.h: size distributions, operations at constant rate and pressure, the evaluation of filter curves.
-   Relies on base.h, process_api.h, process_laws.h.
-   May be changed here alone: how a stretch is searched, how integrals and roots are found. */
+/* --------------------------------------------------------------------------------------------- >>process/process.h */
+/* Size distributions, operations at constant rate and pressure, the evaluation of filter curves. */
 
-#define FILTRATION__LARGEST 1.7976931348623157e308
 #define FILTRATION__ROUNDING 1e-12 /* share of t / V below which bend and scatter are of the numbers, not of the filter */
 #define FILTRATION__FEW 20.0 /* readings that do not tell whether neighbours are alike */
-
-static inline int filtration__is_finite(double x) { return fabs(x) <= FILTRATION__LARGEST; }
 
 /* ---- size distributions ---- */
 
@@ -1400,14 +1393,9 @@ FILTRATION_API filtration_status filtration_at_time(const filtration_operation *
     return filtration__is_finite(volume) && volume > 0.0 && filtration__is_finite(point->flow) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
 }
 
-/* ------------------------------------------------------------------------------------------------ >>process_line.h */
-/* process_line.h: a straight line through readings whose scatter is not known: how it grows with the volume, and how far neighbours are
-   alike. Relies on base.h, process_api.h, process_laws.h, process.h.
-   May be changed here alone: which kinds of scatter are thought of.
-
-   A kind of scatter is how large the errors of the readings are beside each other, and how an error depends on the one before. Each gives a
-   line by generalized least squares and a likelihood, restricted to what the line leaves (Patterson and Thompson 1971). The result is the
-   mean of the lines, weighted by the likelihoods: the posterior distribution for flat priors, a mixture of Student's distributions. */
+/* ---------------------------------------------------------------------------------------- >>process/process_line.h */
+/* A straight line through readings whose scatter is not known: how it grows with the volume, and how far neighbours are
+   alike. */
 
 /* An error is white noise with the variance `white`, and a part that keeps a share of its value and gets something new at each reading. */
 typedef struct filtration__roughness {
@@ -1663,10 +1651,8 @@ static inline double filtration__error_of(const filtration__mixture *m, double l
     return sqrt(half * half + of_drift * of_drift) / m->student;
 }
 
-/* ---------------------------------------------------------------------------------------------------- >>evaluate.h */
-/* evaluate.h: a measured filter curve: the straight line of t / V over V, its longest straight stretch, intervals, prediction.
-   Relies on base.h, process_api.h, process_laws.h, process.h, process_line.h.
-   May be changed here alone: how a stretch is searched. */
+/* -------------------------------------------------------------------------------------------- >>process/evaluate.h */
+/* A measured filter curve: the straight line of t / V over V, its longest straight stretch, intervals, prediction. */
 
 FILTRATION_API const char *filtration_remark_text(unsigned remark) {
 #define FILTRATION__REMARK_TEXT(name, bit, text)                                                                       \
@@ -1695,8 +1681,6 @@ FILTRATION_API filtration_curve_def filtration_curve_default_def(void) {
 }
 
 static inline int filtration__is_error(double x) { return x >= 0.0 && filtration__is_finite(x); }
-static inline int filtration__is_positive(double x) { return x > 0.0 && filtration__is_finite(x); }
-
 FILTRATION_API filtration_status filtration_curve_check_def(const filtration_curve_def *d, const char **field) {
     const char *bad = NULL;
     if (!d) bad = "def";
@@ -2019,10 +2003,8 @@ FILTRATION_API const char *filtration_outside_text(unsigned flag) {
     return "unknown flag";
 }
 
-/* --------------------------------------------------------------------------------------------- >>compressibility.h */
-/* compressibility.h: the power law of a compressible cake from runs at several pressures. Relies on base.h, process_api.h,
-   process_laws.h, process.h, process_line.h (the mixture), evaluate.h (estimates).
-   May be changed here alone: how runs are weighed. */
+/* ------------------------------------------------------------------------------------- >>process/compressibility.h */
+/* The power law of a compressible cake from runs at several pressures. */
 
 /* Fits the line of logarithms with weights 1 / (error^2 + between^2), error the runs' own; between HUGE_VAL: equal weights. */
 static inline filtration__kind filtration__fit_law(size_t n, const double *pressure, const double *value,
@@ -2148,10 +2130,2156 @@ FILTRATION_API filtration_status filtration_fit_compressibility(size_t runs, con
     return FILTRATION_OK;
 }
 
-/* ------------------------------------------------------------------------------------------------------ >>solids.h */
-/* solids.h: signed distances of woven cloth, beds and voxel images. Relies on base.h, solids_api.h, process.h (filtration__is_finite), the
-   portable mathematics.
-   May be changed here alone: how a distance is computed. */
+/* ----------------------------------------------------------------------------------------------- >>fluid/lattice.h */
+/* The two sets of directions, the layout of populations in memory, and where a step finds them. */
+
+/* ==== >>lattice ==== */
+
+#define FILTRATION__Q 19     /* largest number of directions */
+#define FILTRATION__LINE 64  /* bytes of a cache line: rows begin on one */
+#define FILTRATION__TASKS 64 /* parts of a step that threads share: a fixed number, so that sums have one order */
+#define FILTRATION__FLUID (-1)
+#define FILTRATION__SOLID (-2)
+#define FILTRATION__FRESH (-3) /* left by a sphere, not yet filled */
+enum { FILTRATION__ROW_SOLID = 1, FILTRATION__ROW_BAD = 2 };
+
+/* Directions: rest, then pairs of opposite ones, so that the opposite of i needs no table. */
+static const signed char filtration__c19[19][3] = {{0, 0, 0},  {1, 0, 0},   {-1, 0, 0},  {0, 1, 0},  {0, -1, 0}, {0, 0, 1},   {0, 0, -1},
+                                                   {1, 1, 0},  {-1, -1, 0}, {1, -1, 0},  {-1, 1, 0}, {1, 0, 1},  {-1, 0, -1}, {1, 0, -1},
+                                                   {-1, 0, 1}, {0, 1, 1},   {0, -1, -1}, {0, 1, -1}, {0, -1, 1}};
+static const signed char filtration__c15[15][3] = {{0, 0, 0},   {1, 0, 0},  {-1, 0, 0},  {0, 1, 0},    {0, -1, 0},
+                                                   {0, 0, 1},   {0, 0, -1}, {1, 1, 1},   {-1, -1, -1}, {1, 1, -1},
+                                                   {-1, -1, 1}, {1, -1, 1}, {-1, 1, -1}, {-1, 1, 1},   {1, -1, -1}};
+
+static inline int filtration__opposite(int i) { return i ? ((i - 1) ^ 1) + 1 : 0; }
+
+/* A link of the solid at rest, from fluid node (x, y, z) along i. */
+typedef struct filtration__link {
+    int32_t x, y, z, i;
+    float fraction; /* q [-] */
+} filtration__link;
+
+/* A population that enters a node through a face, the opposite of direction i, which leaves. It follows from the population that leaves the
+   node at `offset` along `along`. */
+typedef struct filtration__entry {
+    signed char i, face, offset[3], along;
+} filtration__entry;
+
+/* A sphere in lattice units, as in the owner map. */
+typedef struct filtration__ball {
+    double centre[3], velocity[3], spin[3], radius; /* radius 0: no sphere */
+    double force[2][3], torque[2][3];               /* of this step and the one before */
+    double density, slope[3];                       /* at its surface: deviation density + slope . d, d from the centre */
+    int64_t steps;                                  /* number of steps since it was added */
+    int64_t films;                                  /* number of links to other solids and through faces */
+    int64_t hull[3];                                /* sum over its links of 72 w c [-]: 0 where its surface is closed */
+} filtration__ball;
+
+/* Relaxation and forcing of one step, of the kernel's precision. */
+typedef struct filtration__rates {
+    double plus, minus, bulk; /* rates [-] of even and odd parts and of the trace of the stress */
+    double force[3];          /* on a node, in lattice units [-] */
+    double limit;             /* of the squared speed [-] */
+} filtration__rates;
+
+typedef struct filtration__lattice {
+    int q, single; /* number of directions; 1: floats */
+    int nx, ny, nz;
+    int ghost_y, ghost_z;     /* 1: rows beyond the faces exist */
+    int lead;                 /* numbers before node 0 of a row; the last one is the halo */
+    ptrdiff_t stride, bundle; /* numbers between directions, between rows */
+    ptrdiff_t rows;           /* number of rows, with ghosts */
+    void *f;                  /* deviations h = f - w [-] */
+    void *block;              /* allocated block that contains f */
+    size_t block_bytes;
+    const signed char (*c)[3];
+    const struct filtration__face_kind *face[6];
+    double face_velocity[6][3], face_density[6]; /* lattice units [-] */
+    double w[FILTRATION__Q];
+    int whole_weight[FILTRATION__Q]; /* 72 w */
+    filtration__rates rates;
+    int periodic_x, half_way, refill;
+    int left;                   /* 1: spheres have left nodes since the mass was corrected */
+    int odd;                    /* which step of the pair comes next */
+    int32_t *owner;             /* [nz][ny][nx]: FILTRATION__FLUID, FILTRATION__SOLID or a sphere */
+    unsigned char *row_state;   /* [nz][ny]: FILTRATION__ROW_SOLID, FILTRATION__ROW_BAD */
+    unsigned char *slab_active; /* [nz]: 0: at exact rest */
+    filtration__link *links;
+    ptrdiff_t link_count;
+    int entry_count[64]; /* of nodes beside faces: low and high of an axis have a bit each */
+    filtration__entry entries[64][FILTRATION__Q];
+    filtration__ball *balls;
+    ptrdiff_t ball_count, ball_room;
+    ptrdiff_t fluid_nodes, solid_nodes;
+    double to_velocity, to_pressure, to_force; /* SI per lattice unit */
+    double reduce[FILTRATION__TASKS][8];       /* sums of tasks */
+    int bad[FILTRATION__TASKS];                /* 1: a row of the task is FILTRATION__ROW_BAD */
+    int64_t updated[FILTRATION__TASKS];        /* nodes */
+} filtration__lattice;
+
+static inline double filtration__dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* Returns the deviation of density at a sphere's surface, or in a film beside it; d: from its centre. */
+static inline double filtration__density_at(const filtration__ball *b, const double d[3]) {
+    return b->density + filtration__dot(b->slope, d);
+}
+
+/* Returns a coordinate on an axis of n nodes, wrapped; i is at most n beyond. */
+static inline int filtration__wrap(int i, int n) { return i < 0 ? i + n : i >= n ? i - n : i; }
+
+/* Returns the row at (y, z), each -1 .. n: wrapped on periodic axes, a ghost row beyond other faces. */
+static inline ptrdiff_t filtration__row(const filtration__lattice *l, int y, int z) {
+    y = l->ghost_y ? y + 1 : filtration__wrap(y, l->ny);
+    z = l->ghost_z ? z + 1 : filtration__wrap(z, l->nz);
+    return (ptrdiff_t)z * (l->ny + 2 * l->ghost_y) + y;
+}
+
+/* Returns the place of direction i at node x of a row. */
+static inline ptrdiff_t filtration__place(const filtration__lattice *l, ptrdiff_t row, int i, int x) {
+    return row * l->bundle + i * l->stride + l->lead + x;
+}
+
+static inline double filtration__get(const filtration__lattice *l, ptrdiff_t place) {
+    return l->single ? (double)((const float *)l->f)[place] : ((const double *)l->f)[place];
+}
+
+static inline void filtration__put(filtration__lattice *l, ptrdiff_t place, double h) {
+    if (l->single) ((float *)l->f)[place] = (float)h;
+    else ((double *)l->f)[place] = h;
+}
+
+/* Returns where a population is stored at its own node. There is only one lattice, updated in place (Bailey et al. 2009): an even step
+   reads and writes at the node itself, an odd one at its neighbours; both write each outgoing population where they read the opposite one.
+   So there are two kinds of places: `home` and `abroad`. */
+static inline ptrdiff_t filtration__home(const filtration__lattice *l, int x, int y, int z, int i) {
+    return filtration__place(l, filtration__row(l, y, z), i, x);
+}
+
+/* Returns where an odd step reads direction i of a node: the opposite slot of the node that it comes from. */
+static inline ptrdiff_t filtration__abroad(const filtration__lattice *l, int x, int y, int z, int i) {
+    const signed char *c = l->c[i];
+    return filtration__place(l, filtration__row(l, y - c[1], z - c[2]), filtration__opposite(i), x - c[0]);
+}
+
+/* Returns where the last step left the outgoing population i of a node; between steps. */
+static inline ptrdiff_t filtration__outgoing(const filtration__lattice *l, int x, int y, int z, int i) {
+    int j = filtration__opposite(i);
+    return l->odd ? filtration__home(l, x, y, z, j) : filtration__abroad(l, x, y, z, j);
+}
+
+/* Returns where the next step reads the incoming population i of a node; between steps. */
+static inline ptrdiff_t filtration__incoming(const filtration__lattice *l, int x, int y, int z, int i) {
+    if (l->odd) return filtration__abroad(l, x, y, z, i);
+    if (l->periodic_x && x == 0 && l->c[i][0] > 0) x = l->nx; /* still in the halo, which is folded back when the step begins */
+    else if (l->periodic_x && x == l->nx - 1 && l->c[i][0] < 0) x = -1;
+    return filtration__home(l, x, y, z, i);
+}
+
+static inline ptrdiff_t filtration__node(const filtration__lattice *l, int x, int y, int z) {
+    return ((ptrdiff_t)z * l->ny + y) * l->nx + x;
+}
+
+/* Returns the equilibrium of direction i: weight times r + 3 c.u + 4.5 (c.u)^2 - 1.5 u^2 (He and Luo 1997). */
+static inline double filtration__equilibrium(const filtration__lattice *l, int i, double r, const double u[3]) {
+    const signed char *c = l->c[i];
+    double cu = c[0] * u[0] + c[1] * u[1] + c[2] * u[2];
+    return l->w[i] * (r + 3.0 * cu + 4.5 * cu * cu - 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]));
+}
+
+/* ----------------------------------------------------------------------------------------------- >>fluid/kernels.h */
+/* Collision of the nodes of a row, for doubles and for floats: kernel.h is a template. */
+
+#define FILTRATION__REAL double
+#define FILTRATION__FLAG int64_t
+#define FILTRATION__OF(name) name##d
+
+/* ------------------------------------------------------------------------------------------------ >>fluid/kernel.h */
+/* Collision of the nodes of a row; read once for doubles and once for floats. */
+
+/* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation times, and a third for
+   the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et al. (2002), split by parity. Returns whether
+   a node is faster than the limit or not a number. A call processes `n` nodes from `first` on. The memory of the next row is prefetched
+   into the second cache, because hardware prefetchers follow too few streams. */
+#define FILTRATION__LOAD(i) const FILTRATION__REAL s##i = p##i[x] + p##i##o[x], d##i = p##i[x] - p##i##o[x];
+#define FILTRATION__STORE(i, cu_, cf_, W)                                                                                                  \
+    {                                                                                                                                      \
+        const FILTRATION__REAL cu = cu_;                                                                                                   \
+        FILTRATION__REAL even = keep_plus * s##i + (W##_even + W##_square * (cu * cu)), odd = keep_minus * d##i + W##_odd * cu;            \
+        if (forced) {                                                                                                                      \
+            const FILTRATION__REAL cf = cf_;                                                                                               \
+            even += W##_force_even * (9 * cf * cu - uf3);                                                                                  \
+            odd += W##_force_odd * cf;                                                                                                     \
+        }                                                                                                                                  \
+        p##i##o[x] = even + odd;                                                                                                           \
+        p##i[x] = even - odd;                                                                                                              \
+    }
+#define FILTRATION__POINTERS(i, j) FILTRATION__REAL *const p##i = p[i], *const p##i##o = p[j];
+
+#define FILTRATION__CONSTANTS                                                                                                              \
+    const FILTRATION__REAL plus = (FILTRATION__REAL)rates->plus, minus = (FILTRATION__REAL)rates->minus;                                   \
+    const FILTRATION__REAL keep_plus = (FILTRATION__REAL)0.5 * (1 - plus), keep_minus = (FILTRATION__REAL)0.5 * (1 - minus);               \
+    const FILTRATION__REAL trace = (FILTRATION__REAL)(rates->plus - rates->bulk), limit = (FILTRATION__REAL)rates->limit;                  \
+    const FILTRATION__REAL fx = (FILTRATION__REAL)rates->force[0], fy = (FILTRATION__REAL)rates->force[1],                                 \
+                           fz = (FILTRATION__REAL)rates->force[2], half = (FILTRATION__REAL)0.5;                                           \
+    FILTRATION__FLAG bad = 0;
+
+#define FILTRATION__WEIGHT(W, w)                                                                                                           \
+    const FILTRATION__REAL W##_plus = (FILTRATION__REAL)(w)*plus, W##_square = (FILTRATION__REAL)4.5 * W##_plus,                           \
+                           W##_odd = (FILTRATION__REAL)(3.0 * (w)) * minus, W##_force_even = (FILTRATION__REAL)(w) * (1 - half * plus),    \
+                           W##_force_odd = (FILTRATION__REAL)(3.0 * (w)) * (1 - half * minus);                                             \
+    (void)W##_force_even, (void)W##_force_odd;
+
+/* Density, speed, trace of the non-equilibrium stress. c2: squared length of the outer directions; rest: weight at rest. */
+#define FILTRATION__MOMENTS(c2, rest)                                                                                                      \
+    if (forced) ux += half * fx, uy += half * fy, uz += half * fz;                                                                         \
+    const FILTRATION__REAL h0 = p0[x], r = h0 + (axes + outer), uu = (ux * ux + uy * uy) + uz * uz;                                        \
+    const FILTRATION__REAL uf = forced ? (ux * fx + uy * fy) + uz * fz : 0, uf3 = 3 * uf, q = r - (FILTRATION__REAL)1.5 * uu;              \
+    const FILTRATION__REAL b = trace * ((axes + c2 * outer) - r - uu + uf);                                                                \
+    const FILTRATION__REAL rest_even = h0 - plus * (h0 - (FILTRATION__REAL)(rest)*q);                                                      \
+    p0[x] = rest_even - (FILTRATION__REAL)(1.5 * (rest)) * b - (forced ? (FILTRATION__REAL)(rest) * (1 - half * plus) * uf3 : 0);          \
+    bad |= uu < limit ? 0 : 1;
+
+#define FILTRATION__SETUP                                                                                                                  \
+    FILTRATION__REAL *const p0 = p[0];                                                                                                     \
+    FILTRATION__POINTERS(1, 2)                                                                                                             \
+    FILTRATION__POINTERS(3, 4)                                                                                                             \
+    FILTRATION__POINTERS(5, 6)                                                                                                             \
+    FILTRATION__POINTERS(7, 8)                                                                                                             \
+    FILTRATION__POINTERS(9, 10)                                                                                                            \
+    FILTRATION__POINTERS(11, 12)                                                                                                           \
+    FILTRATION__POINTERS(13, 14)                                                                                                           \
+    FILTRATION__CONSTANTS
+
+FILTRATION__INLINE int FILTRATION__OF(filtration__nodes19)(FILTRATION__REAL *const *p, const filtration__rates *rates, int first, int n,
+                                                           const int forced) {
+    FILTRATION__SETUP
+    FILTRATION__POINTERS(15, 16)
+    FILTRATION__POINTERS(17, 18)
+    FILTRATION__WEIGHT(axis, 1.0 / 18.0)
+    FILTRATION__WEIGHT(edge, 1.0 / 36.0)
+    FILTRATION__INDEPENDENT
+    for (int x = first; x < first + n; x++) {
+        FILTRATION__LOAD(1)
+        FILTRATION__LOAD(3)
+        FILTRATION__LOAD(5)
+        FILTRATION__LOAD(7)
+        FILTRATION__LOAD(9)
+        FILTRATION__LOAD(11)
+        FILTRATION__LOAD(13)
+        FILTRATION__LOAD(15)
+        FILTRATION__LOAD(17)
+        const FILTRATION__REAL axes = s1 + s3 + s5, outer = ((s7 + s9) + (s11 + s13)) + (s15 + s17);
+        FILTRATION__REAL ux = d1 + ((d7 + d9) + (d11 + d13)), uy = d3 + ((d7 - d9) + (d15 + d17)), uz = d5 + ((d11 - d13) + (d15 - d17));
+        FILTRATION__MOMENTS(2, 1.0 / 3.0)
+        const FILTRATION__REAL axis_even = axis_plus * q, edge_even = edge_plus * q + b * (FILTRATION__REAL)(1.0 / 24.0);
+        FILTRATION__STORE(1, ux, fx, axis)
+        FILTRATION__STORE(3, uy, fy, axis)
+        FILTRATION__STORE(5, uz, fz, axis)
+        FILTRATION__STORE(7, ux + uy, fx + fy, edge)
+        FILTRATION__STORE(9, ux - uy, fx - fy, edge)
+        FILTRATION__STORE(11, ux + uz, fx + fz, edge)
+        FILTRATION__STORE(13, ux - uz, fx - fz, edge)
+        FILTRATION__STORE(15, uy + uz, fy + fz, edge)
+        FILTRATION__STORE(17, uy - uz, fy - fz, edge)
+    }
+    return bad != 0;
+}
+
+FILTRATION__INLINE int FILTRATION__OF(filtration__nodes15)(FILTRATION__REAL *const *p, const filtration__rates *rates, int first, int n,
+                                                           const int forced) {
+    FILTRATION__SETUP
+    FILTRATION__WEIGHT(axis, 1.0 / 9.0)
+    FILTRATION__WEIGHT(corner, 1.0 / 72.0)
+    FILTRATION__INDEPENDENT
+    for (int x = first; x < first + n; x++) {
+        FILTRATION__LOAD(1)
+        FILTRATION__LOAD(3)
+        FILTRATION__LOAD(5)
+        FILTRATION__LOAD(7)
+        FILTRATION__LOAD(9)
+        FILTRATION__LOAD(11)
+        FILTRATION__LOAD(13)
+        const FILTRATION__REAL axes = s1 + s3 + s5, outer = (s7 + s9) + (s11 + s13);
+        FILTRATION__REAL ux = d1 + ((d7 + d9) + (d11 - d13)), uy = d3 + ((d7 + d9) - (d11 - d13)), uz = d5 + ((d7 - d9) + (d11 + d13));
+        FILTRATION__MOMENTS(3, 2.0 / 9.0)
+        const FILTRATION__REAL axis_even = axis_plus * q, corner_even = corner_plus * q + b * (FILTRATION__REAL)(1.0 / 24.0);
+        FILTRATION__STORE(1, ux, fx, axis)
+        FILTRATION__STORE(3, uy, fy, axis)
+        FILTRATION__STORE(5, uz, fz, axis)
+        FILTRATION__STORE(7, ux + uy + uz, fx + fy + fz, corner)
+        FILTRATION__STORE(9, ux + uy - uz, fx + fy - fz, corner)
+        FILTRATION__STORE(11, ux - uy + uz, fx - fy + fz, corner)
+        FILTRATION__STORE(13, uy + uz - ux, fy + fz - fx, corner)
+    }
+    return bad != 0;
+}
+
+/* A row of n nodes: whole cache lines first, whose loops have a constant length. */
+#define FILTRATION__ROW(nodes, directions)                                                                                                 \
+    const int line = FILTRATION__LINE / (int)sizeof **p;                                                                                   \
+    int bad = 0, x = 0;                                                                                                                    \
+    for (; x + line <= n; x += line) {                                                                                                     \
+        for (int i = 0; i < directions; i++) FILTRATION__PREFETCH(p[i] + x + ahead);                                                       \
+        bad |= nodes(p, rates, x, line, forced);                                                                                           \
+    }                                                                                                                                      \
+    if (x < n) bad |= nodes(p, rates, x, n - x, forced);                                                                                   \
+    return bad;
+FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead,
+                                                         const int forced){
+    FILTRATION__ROW(FILTRATION__OF(filtration__nodes19), 19)} FILTRATION__INLINE
+    int FILTRATION__OF(filtration__row15)(FILTRATION__REAL *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead,
+                                          const int forced) {
+    FILTRATION__ROW(FILTRATION__OF(filtration__nodes15), 15)
+}
+#undef FILTRATION__LOAD
+#undef FILTRATION__STORE
+#undef FILTRATION__POINTERS
+#undef FILTRATION__CONSTANTS
+#undef FILTRATION__WEIGHT
+#undef FILTRATION__MOMENTS
+#undef FILTRATION__SETUP
+#undef FILTRATION__ROW
+#undef FILTRATION__REAL
+#undef FILTRATION__FLAG
+#undef FILTRATION__OF
+#define FILTRATION__REAL float
+#define FILTRATION__FLAG int32_t
+#define FILTRATION__OF(name) name##f
+
+/* ------------------------------------------------------------------------------------------------ >>fluid/kernel.h */
+/* Collision of the nodes of a row; read once for doubles and once for floats. */
+
+/* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation times, and a third for
+   the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et al. (2002), split by parity. Returns whether
+   a node is faster than the limit or not a number. A call processes `n` nodes from `first` on. The memory of the next row is prefetched
+   into the second cache, because hardware prefetchers follow too few streams. */
+#define FILTRATION__LOAD(i) const FILTRATION__REAL s##i = p##i[x] + p##i##o[x], d##i = p##i[x] - p##i##o[x];
+#define FILTRATION__STORE(i, cu_, cf_, W)                                                                                                  \
+    {                                                                                                                                      \
+        const FILTRATION__REAL cu = cu_;                                                                                                   \
+        FILTRATION__REAL even = keep_plus * s##i + (W##_even + W##_square * (cu * cu)), odd = keep_minus * d##i + W##_odd * cu;            \
+        if (forced) {                                                                                                                      \
+            const FILTRATION__REAL cf = cf_;                                                                                               \
+            even += W##_force_even * (9 * cf * cu - uf3);                                                                                  \
+            odd += W##_force_odd * cf;                                                                                                     \
+        }                                                                                                                                  \
+        p##i##o[x] = even + odd;                                                                                                           \
+        p##i[x] = even - odd;                                                                                                              \
+    }
+#define FILTRATION__POINTERS(i, j) FILTRATION__REAL *const p##i = p[i], *const p##i##o = p[j];
+
+#define FILTRATION__CONSTANTS                                                                                                              \
+    const FILTRATION__REAL plus = (FILTRATION__REAL)rates->plus, minus = (FILTRATION__REAL)rates->minus;                                   \
+    const FILTRATION__REAL keep_plus = (FILTRATION__REAL)0.5 * (1 - plus), keep_minus = (FILTRATION__REAL)0.5 * (1 - minus);               \
+    const FILTRATION__REAL trace = (FILTRATION__REAL)(rates->plus - rates->bulk), limit = (FILTRATION__REAL)rates->limit;                  \
+    const FILTRATION__REAL fx = (FILTRATION__REAL)rates->force[0], fy = (FILTRATION__REAL)rates->force[1],                                 \
+                           fz = (FILTRATION__REAL)rates->force[2], half = (FILTRATION__REAL)0.5;                                           \
+    FILTRATION__FLAG bad = 0;
+
+#define FILTRATION__WEIGHT(W, w)                                                                                                           \
+    const FILTRATION__REAL W##_plus = (FILTRATION__REAL)(w)*plus, W##_square = (FILTRATION__REAL)4.5 * W##_plus,                           \
+                           W##_odd = (FILTRATION__REAL)(3.0 * (w)) * minus, W##_force_even = (FILTRATION__REAL)(w) * (1 - half * plus),    \
+                           W##_force_odd = (FILTRATION__REAL)(3.0 * (w)) * (1 - half * minus);                                             \
+    (void)W##_force_even, (void)W##_force_odd;
+
+/* Density, speed, trace of the non-equilibrium stress. c2: squared length of the outer directions; rest: weight at rest. */
+#define FILTRATION__MOMENTS(c2, rest)                                                                                                      \
+    if (forced) ux += half * fx, uy += half * fy, uz += half * fz;                                                                         \
+    const FILTRATION__REAL h0 = p0[x], r = h0 + (axes + outer), uu = (ux * ux + uy * uy) + uz * uz;                                        \
+    const FILTRATION__REAL uf = forced ? (ux * fx + uy * fy) + uz * fz : 0, uf3 = 3 * uf, q = r - (FILTRATION__REAL)1.5 * uu;              \
+    const FILTRATION__REAL b = trace * ((axes + c2 * outer) - r - uu + uf);                                                                \
+    const FILTRATION__REAL rest_even = h0 - plus * (h0 - (FILTRATION__REAL)(rest)*q);                                                      \
+    p0[x] = rest_even - (FILTRATION__REAL)(1.5 * (rest)) * b - (forced ? (FILTRATION__REAL)(rest) * (1 - half * plus) * uf3 : 0);          \
+    bad |= uu < limit ? 0 : 1;
+
+#define FILTRATION__SETUP                                                                                                                  \
+    FILTRATION__REAL *const p0 = p[0];                                                                                                     \
+    FILTRATION__POINTERS(1, 2)                                                                                                             \
+    FILTRATION__POINTERS(3, 4)                                                                                                             \
+    FILTRATION__POINTERS(5, 6)                                                                                                             \
+    FILTRATION__POINTERS(7, 8)                                                                                                             \
+    FILTRATION__POINTERS(9, 10)                                                                                                            \
+    FILTRATION__POINTERS(11, 12)                                                                                                           \
+    FILTRATION__POINTERS(13, 14)                                                                                                           \
+    FILTRATION__CONSTANTS
+
+FILTRATION__INLINE int FILTRATION__OF(filtration__nodes19)(FILTRATION__REAL *const *p, const filtration__rates *rates, int first, int n,
+                                                           const int forced) {
+    FILTRATION__SETUP
+    FILTRATION__POINTERS(15, 16)
+    FILTRATION__POINTERS(17, 18)
+    FILTRATION__WEIGHT(axis, 1.0 / 18.0)
+    FILTRATION__WEIGHT(edge, 1.0 / 36.0)
+    FILTRATION__INDEPENDENT
+    for (int x = first; x < first + n; x++) {
+        FILTRATION__LOAD(1)
+        FILTRATION__LOAD(3)
+        FILTRATION__LOAD(5)
+        FILTRATION__LOAD(7)
+        FILTRATION__LOAD(9)
+        FILTRATION__LOAD(11)
+        FILTRATION__LOAD(13)
+        FILTRATION__LOAD(15)
+        FILTRATION__LOAD(17)
+        const FILTRATION__REAL axes = s1 + s3 + s5, outer = ((s7 + s9) + (s11 + s13)) + (s15 + s17);
+        FILTRATION__REAL ux = d1 + ((d7 + d9) + (d11 + d13)), uy = d3 + ((d7 - d9) + (d15 + d17)), uz = d5 + ((d11 - d13) + (d15 - d17));
+        FILTRATION__MOMENTS(2, 1.0 / 3.0)
+        const FILTRATION__REAL axis_even = axis_plus * q, edge_even = edge_plus * q + b * (FILTRATION__REAL)(1.0 / 24.0);
+        FILTRATION__STORE(1, ux, fx, axis)
+        FILTRATION__STORE(3, uy, fy, axis)
+        FILTRATION__STORE(5, uz, fz, axis)
+        FILTRATION__STORE(7, ux + uy, fx + fy, edge)
+        FILTRATION__STORE(9, ux - uy, fx - fy, edge)
+        FILTRATION__STORE(11, ux + uz, fx + fz, edge)
+        FILTRATION__STORE(13, ux - uz, fx - fz, edge)
+        FILTRATION__STORE(15, uy + uz, fy + fz, edge)
+        FILTRATION__STORE(17, uy - uz, fy - fz, edge)
+    }
+    return bad != 0;
+}
+
+FILTRATION__INLINE int FILTRATION__OF(filtration__nodes15)(FILTRATION__REAL *const *p, const filtration__rates *rates, int first, int n,
+                                                           const int forced) {
+    FILTRATION__SETUP
+    FILTRATION__WEIGHT(axis, 1.0 / 9.0)
+    FILTRATION__WEIGHT(corner, 1.0 / 72.0)
+    FILTRATION__INDEPENDENT
+    for (int x = first; x < first + n; x++) {
+        FILTRATION__LOAD(1)
+        FILTRATION__LOAD(3)
+        FILTRATION__LOAD(5)
+        FILTRATION__LOAD(7)
+        FILTRATION__LOAD(9)
+        FILTRATION__LOAD(11)
+        FILTRATION__LOAD(13)
+        const FILTRATION__REAL axes = s1 + s3 + s5, outer = (s7 + s9) + (s11 + s13);
+        FILTRATION__REAL ux = d1 + ((d7 + d9) + (d11 - d13)), uy = d3 + ((d7 + d9) - (d11 - d13)), uz = d5 + ((d7 - d9) + (d11 + d13));
+        FILTRATION__MOMENTS(3, 2.0 / 9.0)
+        const FILTRATION__REAL axis_even = axis_plus * q, corner_even = corner_plus * q + b * (FILTRATION__REAL)(1.0 / 24.0);
+        FILTRATION__STORE(1, ux, fx, axis)
+        FILTRATION__STORE(3, uy, fy, axis)
+        FILTRATION__STORE(5, uz, fz, axis)
+        FILTRATION__STORE(7, ux + uy + uz, fx + fy + fz, corner)
+        FILTRATION__STORE(9, ux + uy - uz, fx + fy - fz, corner)
+        FILTRATION__STORE(11, ux - uy + uz, fx - fy + fz, corner)
+        FILTRATION__STORE(13, uy + uz - ux, fy + fz - fx, corner)
+    }
+    return bad != 0;
+}
+
+/* A row of n nodes: whole cache lines first, whose loops have a constant length. */
+#define FILTRATION__ROW(nodes, directions)                                                                                                 \
+    const int line = FILTRATION__LINE / (int)sizeof **p;                                                                                   \
+    int bad = 0, x = 0;                                                                                                                    \
+    for (; x + line <= n; x += line) {                                                                                                     \
+        for (int i = 0; i < directions; i++) FILTRATION__PREFETCH(p[i] + x + ahead);                                                       \
+        bad |= nodes(p, rates, x, line, forced);                                                                                           \
+    }                                                                                                                                      \
+    if (x < n) bad |= nodes(p, rates, x, n - x, forced);                                                                                   \
+    return bad;
+FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead,
+                                                         const int forced){
+    FILTRATION__ROW(FILTRATION__OF(filtration__nodes19), 19)} FILTRATION__INLINE
+    int FILTRATION__OF(filtration__row15)(FILTRATION__REAL *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead,
+                                          const int forced) {
+    FILTRATION__ROW(FILTRATION__OF(filtration__nodes15), 15)
+}
+#undef FILTRATION__LOAD
+#undef FILTRATION__STORE
+#undef FILTRATION__POINTERS
+#undef FILTRATION__CONSTANTS
+#undef FILTRATION__WEIGHT
+#undef FILTRATION__MOMENTS
+#undef FILTRATION__SETUP
+#undef FILTRATION__ROW
+#undef FILTRATION__REAL
+#undef FILTRATION__FLAG
+#undef FILTRATION__OF
+
+/* ----------------------------------------------------------------------------------------------- >>fluid/collide.h */
+/* One step of a pair over all rows: halos of periodic rows, collision, skipped slabs, detection of divergence. */
+
+/* ==== >>collide ==== */
+
+#define FILTRATION__KERNEL(name, real, row, forced)                                                                                        \
+    FILTRATION__CLONES(name, (real *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead, int *bad),                           \
+                       (p, rates, n, ahead, bad), *bad = row(p, rates, n, ahead, forced))
+FILTRATION__KERNEL(filtration__collide19d, double, filtration__row19d, 0)
+FILTRATION__KERNEL(filtration__collide19d_forced, double, filtration__row19d, 1)
+FILTRATION__KERNEL(filtration__collide19f, float, filtration__row19f, 0)
+FILTRATION__KERNEL(filtration__collide19f_forced, float, filtration__row19f, 1)
+FILTRATION__KERNEL(filtration__collide15d, double, filtration__row15d, 0)
+FILTRATION__KERNEL(filtration__collide15d_forced, double, filtration__row15d, 1)
+
+static inline int filtration__forced(const filtration__rates *r) { return r->force[0] != 0.0 || r->force[1] != 0.0 || r->force[2] != 0.0; }
+
+/* Collides the nodes of a row. p[i]: where direction i of node 0 is read. Returns whether a node is bad. */
+static inline int filtration__collide_row(const filtration__lattice *l, const ptrdiff_t *place) {
+    int bad = 0, forced = filtration__forced(&l->rates);
+    if (l->single) {
+        float *p[FILTRATION__Q];
+        for (int i = 0; i < l->q; i++) p[i] = (float *)l->f + place[i];
+        if (forced) filtration__collide19f_forced(p, &l->rates, l->nx, l->bundle, &bad);
+        else filtration__collide19f(p, &l->rates, l->nx, l->bundle, &bad);
+        return bad;
+    }
+    double *p[FILTRATION__Q];
+    for (int i = 0; i < l->q; i++) p[i] = (double *)l->f + place[i];
+    if (l->q == 15 && forced) filtration__collide15d_forced(p, &l->rates, l->nx, l->bundle, &bad);
+    else if (l->q == 15) filtration__collide15d(p, &l->rates, l->nx, l->bundle, &bad);
+    else if (forced) filtration__collide19d_forced(p, &l->rates, l->nx, l->bundle, &bad);
+    else filtration__collide19d(p, &l->rates, l->nx, l->bundle, &bad);
+    return bad;
+}
+
+/* Moves what left a periodic row from its halo to the nodes at the other end, before an even step. */
+static inline void filtration__fold(filtration__lattice *l, ptrdiff_t row) {
+    for (int i = 1; i < l->q; i++) {
+        int c = l->c[i][0];
+        if (c > 0) filtration__put(l, filtration__place(l, row, i, 0), filtration__get(l, filtration__place(l, row, i, l->nx)));
+        if (c < 0) filtration__put(l, filtration__place(l, row, i, l->nx - 1), filtration__get(l, filtration__place(l, row, i, -1)));
+    }
+}
+
+/* Copies the ends of a periodic row to its halo, where the next odd step reads them, after an even step. */
+static inline void filtration__spread(filtration__lattice *l, ptrdiff_t row) {
+    for (int i = 1; i < l->q; i++) {
+        int c = l->c[i][0];
+        if (c > 0) filtration__put(l, filtration__place(l, row, i, l->nx), filtration__get(l, filtration__place(l, row, i, 0)));
+        if (c < 0) filtration__put(l, filtration__place(l, row, i, -1), filtration__get(l, filtration__place(l, row, i, l->nx - 1)));
+    }
+}
+
+static inline void filtration__collide_at(filtration__lattice *l, int y, int z) {
+    ptrdiff_t place[FILTRATION__Q], row = filtration__row(l, y, z);
+    unsigned char *state = l->row_state + (ptrdiff_t)z * l->ny + y;
+    if (l->odd) {
+        ptrdiff_t near[3][3];
+        for (int b = -1; b <= 1; b++)
+            for (int a = -1; a <= 1; a++) near[b + 1][a + 1] = filtration__row(l, y + a, z + b) * l->bundle;
+        for (int i = 0; i < l->q; i++)
+            place[i] = near[1 - l->c[i][2]][1 - l->c[i][1]] + filtration__opposite(i) * l->stride + l->lead - l->c[i][0];
+    } else {
+        for (int i = 0; i < l->q; i++) place[i] = filtration__place(l, row, i, 0);
+        if (l->periodic_x) filtration__fold(l, row);
+    }
+    if (filtration__collide_row(l, place)) *state |= FILTRATION__ROW_BAD;
+    if (!l->odd && l->periodic_x) filtration__spread(l, row);
+}
+
+static inline void filtration__task_range(ptrdiff_t n, int task, ptrdiff_t *first, ptrdiff_t *end) {
+    *first = n * task / FILTRATION__TASKS;
+    *end = n * (task + 1) / FILTRATION__TASKS;
+}
+
+FILTRATION__STATIC void filtration__collide_task(void *context, int task) {
+    filtration__lattice *l = (filtration__lattice *)context;
+    ptrdiff_t first, end;
+    filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
+    l->bad[task] = 0;
+    l->updated[task] = 0;
+    for (ptrdiff_t k = first; k < end; k++) {
+        int y = (int)(k % l->ny), z = (int)(k / l->ny);
+        if (!l->slab_active[z] || (l->row_state[k] & FILTRATION__ROW_SOLID)) continue;
+        filtration__collide_at(l, y, z);
+        l->bad[task] |= l->row_state[k] & FILTRATION__ROW_BAD;
+        l->updated[task] += l->nx;
+    }
+}
+
+/* Wakes slabs at exact rest next to moving ones. An odd step reads the neighbouring slabs and writes to them, so that motion reaches two
+   slabs farther. always: wakes all. */
+static inline void filtration__wake(filtration__lattice *l, int always) {
+    unsigned char *a = l->slab_active;
+    int reach = l->odd ? 2 : 0;
+    if (always) {
+        memset(a, 1, (size_t)l->nz);
+        return;
+    }
+    for (int pass = 0; pass < reach; pass++) {
+        int wraps = !l->ghost_z && (a[0] || a[l->nz - 1]);
+        for (int z = 0; z < l->nz; z++)
+            if (a[z] == 1 && z + 1 < l->nz && !a[z + 1]) a[z + 1] = 2;
+        for (int z = l->nz - 1; z >= 0; z--)
+            if (a[z] == 1 && z > 0 && !a[z - 1]) a[z - 1] = 2;
+        if (wraps) a[0] = a[l->nz - 1] = 1;
+        for (int z = 0; z < l->nz; z++) a[z] = a[z] != 0;
+    }
+}
+
+/* Returns whether a node lies in a film between surfaces: fewer than half of its neighbours within the box are fluid. The flow there is not
+   resolved; lubrication stands for it. */
+static inline int filtration__in_film(const filtration__lattice *l, int x, int y, int z) {
+    int fluid = 0;
+    for (int i = 1; i < l->q; i++) {
+        int p[3] = {filtration__wrap(x + l->c[i][0], l->nx), filtration__wrap(y + l->c[i][1], l->ny),
+                    filtration__wrap(z + l->c[i][2], l->nz)};
+        fluid += l->owner[filtration__node(l, p[0], p[1], p[2])] == FILTRATION__FLUID;
+    }
+    return 2 * fluid < l->q;
+}
+
+/* Returns the density that a film has beside a sphere, or the mean where there is none. */
+static inline double filtration__film_density(const filtration__lattice *l, int x, int y, int z) {
+    for (int i = 1; i < l->q; i++) {
+        const int32_t owner = l->owner[filtration__node(l, filtration__wrap(x + l->c[i][0], l->nx), filtration__wrap(y + l->c[i][1], l->ny),
+                                                        filtration__wrap(z + l->c[i][2], l->nz))];
+        if (owner >= 0) return l->balls[owner].density;
+    }
+    return 0.0;
+}
+
+/* Finds the first node of a row that is too fast or not a number. Solids and films do not count; they are put to rest. Returns 0 if there
+   is none. */
+static inline int filtration__bad_node(filtration__lattice *l, int y, int z, filtration_problem *problem) {
+    for (int x = 0; x < l->nx; x++) {
+        double u[3] = {0, 0, 0}, r = 0.0;
+        int fluid = l->owner[filtration__node(l, x, y, z)] == FILTRATION__FLUID;
+        for (int i = 0; i < l->q; i++) {
+            double h = filtration__get(l, filtration__outgoing(l, x, y, z, i));
+            r += h;
+            for (int a = 0; a < 3; a++) u[a] += l->c[i][a] * h;
+        }
+        for (int a = 0; a < 3; a++) u[a] -= 0.5 * l->rates.force[a];
+        double uu = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+        if (uu < l->rates.limit && fabs(r) < 1e30) continue;
+        if (!fluid || filtration__in_film(l, x, y, z)) {
+            const double rest = fluid ? filtration__film_density(l, x, y, z) : 0.0;
+            for (int i = 0; i < l->q; i++) filtration__put(l, filtration__outgoing(l, x, y, z, i), l->w[i] * rest);
+            continue;
+        }
+        problem->cause = uu < HUGE_VAL ? FILTRATION_SPEED : FILTRATION_NOT_FINITE;
+        problem->node[0] = x, problem->node[1] = y, problem->node[2] = z;
+        problem->speed = sqrt(uu);
+        return 1;
+    }
+    return 0;
+}
+
+/* Returns whether a row marked bad has a bad fluid node. */
+static inline int filtration__find_problem(filtration__lattice *l, filtration_problem *problem) {
+    for (int task = 0; task < FILTRATION__TASKS; task++) {
+        ptrdiff_t first, end;
+        filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
+        for (ptrdiff_t k = first; l->bad[task] && k < end; k++) {
+            if (!(l->row_state[k] & FILTRATION__ROW_BAD)) continue;
+            l->row_state[k] = (unsigned char)(l->row_state[k] & ~FILTRATION__ROW_BAD);
+            if (filtration__bad_node(l, (int)(k % l->ny), (int)(k / l->ny), problem)) return 1;
+        }
+    }
+    return 0;
+}
+
+/* ------------------------------------------------------------------------------------------------- >>fluid/faces.h */
+/* Populations that enter through non-periodic faces of the box: walls, given pressure, symmetry. */
+
+/* ==== >>faces ==== */
+
+#define FILTRATION__BLOCK 64 /* nodes that a face processes together */
+
+/* What lies beyond a face. */
+enum { FILTRATION__NOTHING, FILTRATION__REPEATED, FILTRATION__MIRRORED };
+
+/* A kind of face; filtration__face_kinds has a row for each. */
+typedef struct filtration__face_kind {
+    filtration_face kind;
+    int beyond;
+    int rank;         /* at an edge of the box a population belongs to the face of the highest rank */
+    int is_touched;   /* 1: spheres touch it */
+    int has_velocity; /* 1: along the face, 2: through it, too */
+    int has_pressure;
+    int reads_flow; /* 1: enter needs the velocity of the nodes */
+    /* Computes what enters n nodes from what leaves, h. u: their velocity, or 0. NULL: what leaves is what enters. */
+    void (*enter)(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK], double *h);
+} filtration__face_kind;
+
+/* Bounce-back half way from a surface that moves along itself, or through which liquid comes. */
+FILTRATION__STATIC void filtration__enter_wall(const filtration__lattice *l, const filtration__entry *e, int n,
+                                               double u[3][FILTRATION__BLOCK], double *h) {
+    const signed char *c = l->c[e->i];
+    const double *v = l->face_velocity[e->face], push = 6.0 * l->w[e->i] * (c[0] * v[0] + c[1] * v[1] + c[2] * v[2]);
+    (void)u;
+    for (int k = 0; k < n; k++) h[k] -= push;
+}
+
+/* A given pressure by anti-bounce-back (Ginzburg et al. 2008). */
+FILTRATION__STATIC void filtration__enter_open(const filtration__lattice *l, const filtration__entry *e, int n,
+                                               double u[3][FILTRATION__BLOCK], double *h) {
+    const signed char *c = l->c[e->i];
+    const double r = l->face_density[e->face];
+    for (int k = 0; k < n; k++) {
+        double cu = c[0] * u[0][k] + c[1] * u[1][k] + c[2] * u[2][k];
+        double uu = u[0][k] * u[0][k] + u[1][k] * u[1][k] + u[2][k] * u[2][k];
+        h[k] = 2.0 * l->w[e->i] * (r + 4.5 * cu * cu - 1.5 * uu) - h[k];
+    }
+}
+
+/* clang-format off */
+static const filtration__face_kind filtration__face_kinds[] = {
+    /* kind                 beyond                 rank  touched velocity pressure reads flow  enter */
+    {FILTRATION_PERIODIC, FILTRATION__REPEATED, 0, 0, 0, 0, 0, NULL},
+    {FILTRATION_WALL,     FILTRATION__NOTHING,  3, 1, 1, 0, 0, filtration__enter_wall},
+    {FILTRATION_PRESSURE, FILTRATION__NOTHING,  2, 0, 0, 1, 1, filtration__enter_open},
+    {FILTRATION_SYMMETRY, FILTRATION__MIRRORED, 1, 0, 0, 0, 0, NULL},
+    {FILTRATION_INFLOW,   FILTRATION__NOTHING,  4, 0, 2, 0, 0, filtration__enter_wall}, /* before walls: all of the flow enters */
+};
+/* clang-format on */
+
+/* Returns the row of a kind, or NULL. */
+static inline const filtration__face_kind *filtration__kind_of(filtration_face kind) {
+    for (size_t k = 0; k < sizeof filtration__face_kinds / sizeof *filtration__face_kinds; k++)
+        if (filtration__face_kinds[k].kind == kind) return &filtration__face_kinds[k];
+    return NULL;
+}
+
+static inline int filtration__repeats(const filtration__lattice *l, int axis) { return l->face[2 * axis]->beyond == FILTRATION__REPEATED; }
+
+/* Returns the direction with the signs of some axes (as bits) reversed. */
+static inline int filtration__turned(const filtration__lattice *l, int i, int axes) {
+    for (int j = 0; j < l->q; j++) {
+        int same = 1;
+        for (int a = 0; a < 3; a++) same &= l->c[j][a] == ((axes >> a & 1) ? -l->c[i][a] : l->c[i][a]);
+        if (same) return j;
+    }
+    return i;
+}
+
+/* Moves p, beyond the box by at most one node, into the box: wrapped, or mirrored with the axes as bits in *mirrored. Returns 0 beyond
+   walls and open faces. */
+static inline int filtration__inside(const filtration__lattice *l, int p[3], int *mirrored) {
+    const int n[3] = {l->nx, l->ny, l->nz};
+    *mirrored = 0;
+    for (int a = 0; a < 3; a++) {
+        if (p[a] >= 0 && p[a] < n[a]) continue;
+        const int beyond = l->face[2 * a + (p[a] > 0)]->beyond;
+        if (beyond == FILTRATION__REPEATED) {
+            p[a] %= n[a];
+            if (p[a] < 0) p[a] += n[a];
+        } else if (beyond == FILTRATION__MIRRORED && p[a] >= -1 && p[a] <= n[a]) {
+            p[a] = p[a] < 0 ? -1 - p[a] : 2 * n[a] - 1 - p[a];
+            *mirrored |= 1 << a;
+        } else {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static inline void filtration__load(const filtration__lattice *l, ptrdiff_t place, int n, double *h) {
+    if (l->single)
+        for (int k = 0; k < n; k++) h[k] = (double)((const float *)l->f)[place + k];
+    else memcpy(h, (const double *)l->f + place, (size_t)n * sizeof *h);
+}
+
+static inline void filtration__store(filtration__lattice *l, ptrdiff_t place, int n, const double *h) {
+    if (l->single)
+        for (int k = 0; k < n; k++) ((float *)l->f)[place + k] = (float)h[k];
+    else memcpy((double *)l->f + place, h, (size_t)n * sizeof *h);
+}
+
+/* Computes the velocity of n nodes of a row after collision. */
+static inline void filtration__row_velocity(const filtration__lattice *l, int x, int n, int y, int z, double u[3][FILTRATION__BLOCK]) {
+    double h[FILTRATION__BLOCK];
+    for (int a = 0; a < 3; a++)
+        for (int k = 0; k < n; k++) u[a][k] = -0.5 * l->rates.force[a];
+    for (int i = 1; i < l->q; i++) {
+        filtration__load(l, filtration__outgoing(l, x, y, z, i), n, h);
+        for (int a = 0; a < 3; a++)
+            for (int k = 0; l->c[i][a] && k < n; k++) u[a][k] += l->c[i][a] * h[k];
+    }
+}
+
+/* Finds how the opposite of direction i enters a node with that many faces beside it (2 bits an axis: low, high). Returns 0 if it does not
+   enter through a face. */
+static inline int filtration__find_entry(const filtration__lattice *l, int beside, int i, filtration__entry *e) {
+    int rank = 0, crossed = 0;
+    memset(e, 0, sizeof *e);
+    for (int a = 0; a < 3; a++) {
+        const int c = l->c[i][a], f = 2 * a + (c > 0);
+        if (c == 0 || !(beside >> f & 1) || l->face[f]->beyond == FILTRATION__REPEATED) continue;
+        crossed |= 1 << a;
+        if (l->face[f]->rank > rank) rank = l->face[f]->rank, e->face = (signed char)f;
+    }
+    if (!crossed) return 0;
+    e->i = e->along = (signed char)i;
+    if (l->face[e->face]->beyond != FILTRATION__MIRRORED) return 1;
+    for (int a = 0; a < 3; a++) e->offset[a] = (crossed >> a & 1) ? (signed char)0 : l->c[i][a];
+    e->along = (signed char)filtration__turned(l, i, 7 & ~crossed);
+    return 1;
+}
+
+/* Lists the populations that enter through faces, for nodes beside any of them. */
+static inline void filtration__list_entries(filtration__lattice *l) {
+    for (int beside = 0; beside < 64; beside++) {
+        l->entry_count[beside] = 0;
+        for (int i = 1; i < l->q; i++)
+            l->entry_count[beside] += filtration__find_entry(l, beside, i, &l->entries[beside][l->entry_count[beside]]);
+    }
+}
+
+static inline int filtration__beside(int i, int n) { return (i == 0) + 2 * (i == n - 1); }
+
+/* Processes n nodes of a row, at most FILTRATION__BLOCK, beside the same faces. */
+static inline void filtration__face_block(filtration__lattice *l, int x, int n, int y, int z) {
+    double u[3][FILTRATION__BLOCK] = {{0.0}}, h[FILTRATION__BLOCK];
+    const int beside = filtration__beside(x, l->nx) + 4 * filtration__beside(y, l->ny) + 16 * filtration__beside(z, l->nz);
+    int have_velocity = 0;
+    for (int k = 0; k < l->entry_count[beside]; k++) {
+        const filtration__entry *e = &l->entries[beside][k];
+        const filtration__face_kind *kind = l->face[e->face];
+        int m[3] = {x + e->offset[0], y + e->offset[1], z + e->offset[2]}, none;
+        filtration__inside(l, m, &none);
+        filtration__load(l, filtration__outgoing(l, m[0], m[1], m[2], e->along), n, h);
+        if (kind->reads_flow && !have_velocity) filtration__row_velocity(l, x, n, y, z, u), have_velocity = 1;
+        if (kind->enter) kind->enter(l, e, n, u, h);
+        filtration__store(l, filtration__incoming(l, x, y, z, filtration__opposite(e->i)), n, h);
+    }
+}
+
+static inline void filtration__face_row(filtration__lattice *l, int y, int z) {
+    int at_face = (l->ghost_y && (y == 0 || y == l->ny - 1)) || (l->ghost_z && (z == 0 || z == l->nz - 1));
+    if (!at_face && l->periodic_x) return;
+    filtration__face_block(l, 0, 1, y, z);
+    for (int x = 1; at_face && x < l->nx - 1; x += FILTRATION__BLOCK)
+        filtration__face_block(l, x, l->nx - 1 - x < FILTRATION__BLOCK ? l->nx - 1 - x : FILTRATION__BLOCK, y, z);
+    if (l->nx > 1) filtration__face_block(l, l->nx - 1, 1, y, z);
+}
+
+FILTRATION__STATIC void filtration__face_task(void *context, int task) {
+    filtration__lattice *l = (filtration__lattice *)context;
+    ptrdiff_t first, end;
+    filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
+    for (ptrdiff_t k = first; k < end; k++) {
+        int y = (int)(k % l->ny), z = (int)(k / l->ny);
+        if (l->slab_active[z] && !(l->row_state[k] & FILTRATION__ROW_SOLID)) filtration__face_row(l, y, z);
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------- >>fluid/links.h */
+/* Lattice links that a surface cuts: the boundary law, the links of the solid at rest. */
+
+/* ==== >>links ==== */
+
+/* A link from a fluid node along i to a solid. */
+typedef struct filtration__cut {
+    int x, y, z, i;
+    double fraction; /* q [-] */
+} filtration__cut;
+
+/* Reads the outgoing population i of the node behind (against i). Returns 0 if that node is not fluid. */
+static inline int filtration__behind(const filtration__lattice *l, const filtration__cut *k, double *h) {
+    int p[3] = {k->x - l->c[k->i][0], k->y - l->c[k->i][1], k->z - l->c[k->i][2]}, mirrored;
+    if (!filtration__inside(l, p, &mirrored) || l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) return 0;
+    int i = mirrored ? filtration__turned(l, k->i, mirrored) : k->i;
+    *h = filtration__get(l, filtration__outgoing(l, p[0], p[1], p[2], i));
+    return 1;
+}
+
+/* Computes the population that returns along a link, and stores it where the next step reads it: by central linear interpolation (Ginzburg
+   et al. 2008), or half way where there is no second fluid node. cu: c_i . velocity of the surface. Returns the outgoing population; *back:
+   the returning one. */
+static inline double filtration__bounce(filtration__lattice *l, const filtration__cut *k, double cu, double *back) {
+    int opposite = filtration__opposite(k->i);
+    double out = filtration__get(l, filtration__outgoing(l, k->x, k->y, k->z, k->i)), behind = 0.0;
+    if (l->half_way || !filtration__behind(l, k, &behind)) {
+        *back = out - 6.0 * l->w[k->i] * cu;
+    } else {
+        double other = filtration__get(l, filtration__outgoing(l, k->x, k->y, k->z, opposite));
+        double weight = 1.0 / (1.0 + 2.0 * k->fraction);
+        *back = out + (1.0 - 2.0 * k->fraction) * weight * (behind - other) - 12.0 * weight * l->w[k->i] * cu;
+    }
+    filtration__put(l, filtration__incoming(l, k->x, k->y, k->z, opposite), *back);
+    return out;
+}
+
+static inline filtration__cut filtration__link_cut(const filtration__link *link) {
+    filtration__cut k = {link->x, link->y, link->z, link->i, (double)link->fraction};
+    return k;
+}
+
+FILTRATION__STATIC void filtration__link_task(void *context, int task) {
+    filtration__lattice *l = (filtration__lattice *)context;
+    ptrdiff_t first, end;
+    double back;
+    filtration__task_range(l->link_count, task, &first, &end);
+    for (ptrdiff_t n = first; n < end; n++) {
+        filtration__cut k = filtration__link_cut(&l->links[n]);
+        if (l->owner[filtration__node(l, k.x, k.y, k.z)] == FILTRATION__FLUID) filtration__bounce(l, &k, 0.0, &back);
+    }
+}
+
+static inline void filtration__point(const filtration_fluid_def *def, int x, int y, int z, double point[3]) {
+    point[0] = (x + 0.5) * def->voxel, point[1] = (y + 0.5) * def->voxel, point[2] = (z + 0.5) * def->voxel;
+}
+
+/* Returns whether the neighbour of a node along i belongs to the solid at rest; beyond walls and open faces there is none. */
+static inline int filtration__meets_solid(const filtration__lattice *l, int x, int y, int z, int i) {
+    int p[3] = {x + l->c[i][0], y + l->c[i][1], z + l->c[i][2]}, mirrored;
+    return filtration__inside(l, p, &mirrored) && l->owner[filtration__node(l, p[0], p[1], p[2])] == FILTRATION__SOLID;
+}
+
+static inline double filtration__solid_fraction(const filtration_fluid_def *def, const filtration__lattice *l, int x, int y, int z, int i) {
+    double a[3], b[3], q = 0.5;
+    filtration__point(def, x, y, z, a);
+    filtration__point(def, x + l->c[i][0], y + l->c[i][1], z + l->c[i][2], b);
+    if (def->boundary == FILTRATION_CENTRAL_LINEAR)
+        q = def->solid.cut ? def->solid.cut(def->solid.self, a, b) : filtration_solid_cut(&def->solid, a, b);
+    return q >= 0.0 && q <= 1.0 ? q : 0.5;
+}
+
+/* Lists the links of the solid. Called twice: first only to count them (links NULL). */
+static inline void filtration__list_links(const filtration_fluid_def *def, filtration__lattice *l) {
+    l->link_count = 0;
+    for (int z = 0; z < l->nz; z++)
+        for (int y = 0; y < l->ny; y++)
+            for (int x = 0; x < l->nx; x++) {
+                if (l->owner[filtration__node(l, x, y, z)] == FILTRATION__SOLID) continue;
+                for (int i = 1; i < l->q; i++) {
+                    if (!filtration__meets_solid(l, x, y, z, i)) continue;
+                    if (l->links) {
+                        filtration__link link = {x, y, z, i, (float)filtration__solid_fraction(def, l, x, y, z, i)};
+                        l->links[l->link_count] = link;
+                    }
+                    l->link_count++;
+                }
+            }
+}
+
+/* Marks the nodes of the solid, and the rows that are all solid. */
+static inline void filtration__mark_solid(const filtration_fluid_def *def, filtration__lattice *l) {
+    for (int z = 0; z < l->nz; z++)
+        for (int y = 0; y < l->ny; y++) {
+            int solid = 0;
+            for (int x = 0; x < l->nx; x++) {
+                double point[3];
+                filtration__point(def, x, y, z, point);
+                if (def->solid.distance(def->solid.self, point) > 0.0) continue;
+                l->owner[filtration__node(l, x, y, z)] = FILTRATION__SOLID;
+                solid++;
+            }
+            l->fluid_nodes -= solid;
+            l->solid_nodes += solid;
+            if (solid == l->nx) l->row_state[(ptrdiff_t)z * l->ny + y] = FILTRATION__ROW_SOLID;
+        }
+}
+
+/* ----------------------------------------------------------------------------------------------- >>fluid/spheres.h */
+/* Moving spheres on the lattice: the nodes that they cover, their links, the force on them, nodes that they leave. */
+
+/* ==== >>spheres ==== */
+
+/* Finds the nodes first .. end of the row at (y, z) inside a sphere; first > end: none. */
+static inline void filtration__chord(const filtration__ball *b, int y, int z, int *first, int *end) {
+    double dy = y - b->centre[1], dz = z - b->centre[2], rest = b->radius * b->radius - (dy * dy + dz * dz);
+    *first = 1, *end = 0;
+    if (!(rest > 0.0)) return;
+    double half = sqrt(rest);
+    *first = (int)floor(b->centre[0] - half) + 1, *end = (int)ceil(b->centre[0] + half) - 1;
+}
+
+/* Finds the rows that a sphere may cover along an axis. */
+static inline void filtration__extent(const filtration__ball *b, int axis, int *first, int *end) {
+    *first = (int)ceil(b->centre[axis] - b->radius);
+    *end = (int)floor(b->centre[axis] + b->radius);
+}
+
+/* Returns the index of another sphere that covers the node at p (within the box), or FILTRATION__FRESH. */
+static inline int32_t filtration__cover(const filtration__lattice *l, const int p[3], ptrdiff_t not_this) {
+    const int n[3] = {l->nx, l->ny, l->nz};
+    for (ptrdiff_t k = 0; k < l->ball_count; k++) {
+        const filtration__ball *b = &l->balls[k];
+        if (k == not_this || !(b->radius > 0.0)) continue;
+        double rr = 0.0;
+        for (int a = 0; a < 3; a++) {
+            double d = p[a] - b->centre[a];
+            if (filtration__repeats(l, a)) d -= n[a] * floor(d / n[a] + 0.5);
+            rr += d * d;
+        }
+        if (rr < b->radius * b->radius) return (int32_t)k;
+    }
+    return FILTRATION__FRESH;
+}
+
+/* Makes `index` the owner of nodes that are inside `now` and not inside `before` (NULL: nothing). With leave 1, and both exchanged, such
+   nodes are left. */
+static inline void filtration__swap_nodes(filtration__lattice *l, ptrdiff_t index, const filtration__ball *now,
+                                          const filtration__ball *before, int leave) {
+    int y0, y1, z0, z1, mirrored;
+    filtration__extent(now, 1, &y0, &y1);
+    filtration__extent(now, 2, &z0, &z1);
+    for (int z = z0; z <= z1; z++)
+        for (int y = y0; y <= y1; y++) {
+            int a, b, from = 1, to = 0;
+            filtration__chord(now, y, z, &a, &b);
+            if (before) filtration__chord(before, y, z, &from, &to);
+            for (int x = a; x <= b; x++) {
+                if (x >= from && x <= to) x = to + 1;
+                if (x > b) break;
+                int p[3] = {x, y, z};
+                if (!filtration__inside(l, p, &mirrored) || mirrored) continue;
+                int32_t *owner = &l->owner[filtration__node(l, p[0], p[1], p[2])];
+                if (leave && *owner == (int32_t)index) *owner = filtration__cover(l, p, index), l->left = 1;
+                if (!leave && (*owner == FILTRATION__FLUID || *owner == FILTRATION__FRESH)) *owner = (int32_t)index;
+            }
+        }
+}
+
+/* Computes the velocity of a sphere, on its surface or inside, at a point relative to its centre. */
+static inline void filtration__surface_velocity(const filtration__ball *b, const double d[3], double u[3]) {
+    u[0] = b->velocity[0] + b->spin[1] * d[2] - b->spin[2] * d[1];
+    u[1] = b->velocity[1] + b->spin[2] * d[0] - b->spin[0] * d[2];
+    u[2] = b->velocity[2] + b->spin[0] * d[1] - b->spin[1] * d[0];
+}
+
+/* Sums over the links of a sphere, weighted as the lattice is: of the density at its surface and of places, for a line fitted to it. */
+typedef struct filtration__surface {
+    double weight, density, place[3], rise[3]; /* sums of w, w r, w d, w r d */
+    double spread[6];                          /* of w d d: xx, yy, zz, yz, zx, xy */
+    double arm[3];                             /* of w (d x c) */
+} filtration__surface;
+
+/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Half of what goes and comes is w times the density there. */
+static inline void filtration__exchange(const filtration__lattice *l, filtration__ball *b, filtration__surface *s, int i, const double d[3],
+                                        const double u[3], double out, double back) {
+    const double w = l->w[i], c[3] = {(double)l->c[i][0], (double)l->c[i][1], (double)l->c[i][2]}, wr = 0.5 * (out + back);
+    double f[3];
+    for (int a = 0; a < 3; a++) {
+        const int y = (a + 1) % 3, z = (a + 2) % 3;
+        f[a] = c[a] * (out + back) - u[a] * (out - back);
+        b->force[0][a] += f[a];
+        b->hull[a] += l->c[i][a] * l->whole_weight[i];
+        s->place[a] += w * d[a], s->rise[a] += wr * d[a];
+        s->spread[a] += w * d[a] * d[a], s->spread[3 + a] += w * d[y] * d[z];
+        s->arm[a] += w * (d[y] * c[z] - d[z] * c[y]);
+    }
+    s->weight += w, s->density += wr;
+    b->torque[0][0] += d[1] * f[2] - d[2] * f[1];
+    b->torque[0][1] += d[2] * f[0] - d[0] * f[2];
+    b->torque[0][2] += d[0] * f[1] - d[1] * f[0];
+}
+
+/* Fits density + slope . d to the density at a sphere's links, by least squares; the more of the surface is hidden, the more the slope is
+   held down. A constant density is met exactly. */
+static inline void filtration__fit_density(filtration__ball *b, const filtration__surface *s) {
+    double mean[3], m[6], right[3], minor[3];
+    b->density = b->slope[0] = b->slope[1] = b->slope[2] = 0.0;
+    if (!(s->weight > 0.0)) return;
+    for (int a = 0; a < 3; a++) mean[a] = s->place[a] / s->weight, right[a] = s->rise[a] - s->density * mean[a];
+    for (int a = 0; a < 3; a++) {
+        const int y = (a + 1) % 3, z = (a + 2) % 3;
+        m[a] = s->spread[a] - s->weight * mean[a] * mean[a] + 0.01 * s->weight * b->radius * b->radius;
+        m[3 + a] = s->spread[3 + a] - s->weight * mean[y] * mean[z];
+    }
+    minor[0] = m[1] * m[2] - m[3] * m[3], minor[1] = m[3] * m[4] - m[5] * m[2], minor[2] = m[5] * m[3] - m[1] * m[4];
+    const double whole = m[0] * minor[0] + m[5] * minor[1] + m[4] * minor[2];
+    if (whole > 0.0) {
+        b->slope[0] = (right[0] * minor[0] + right[1] * minor[1] + right[2] * minor[2]) / whole;
+        b->slope[1] = (right[0] * minor[1] + right[1] * (m[0] * m[2] - m[4] * m[4]) + right[2] * (m[4] * m[5] - m[0] * m[3])) / whole;
+        b->slope[2] = (right[0] * minor[2] + right[1] * (m[4] * m[5] - m[0] * m[3]) + right[2] * (m[0] * m[1] - m[5] * m[5])) / whole;
+    }
+    b->density = s->density / s->weight - filtration__dot(b->slope, mean);
+}
+
+/* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one; otherwise counts a film. */
+static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
+                                         int z, int j) {
+    int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
+    double d[3], e[3], u[3], back, cd = 0.0, dd = 0.0, cc = 0.0;
+    for (int a = 0; a < 3; a++) d[a] = p[a] - b->centre[a];
+    if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
+    const int from_image = mirrored;
+    if (!filtration__inside(l, p, &mirrored)) {
+        b->films += !from_image;
+        return;
+    }
+    if (mirrored) return;
+    if (l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) {
+        b->films += !from_image;
+        return;
+    }
+    for (int a = 0; a < 3; a++) cd -= d[a] * l->c[j][a], dd += d[a] * d[a], cc += (double)(l->c[j][a] * l->c[j][a]);
+    double root = cd * cd - cc * (dd - b->radius * b->radius);
+    filtration__cut k = {p[0], p[1], p[2], filtration__opposite(j), l->half_way ? 0.5 : (-cd - sqrt(root > 0.0 ? root : 0.0)) / cc};
+    for (int a = 0; a < 3; a++) e[a] = d[a] - k.fraction * l->c[j][a];
+    filtration__surface_velocity(b, e, u);
+    double cu = -(l->c[j][0] * u[0] + l->c[j][1] * u[1] + l->c[j][2] * u[2]);
+    double out = filtration__bounce(l, &k, cu, &back);
+    filtration__exchange(l, b, sum, k.i, e, u, out, back);
+}
+
+/* What is done with a link of a sphere, from its node (x, y, z) along j. */
+typedef void (*filtration__link_fn)(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
+                                    int z, int j);
+
+/* Visits all links of a sphere: in every row those of its nodes whose neighbour along j is outside. */
+FILTRATION__INLINE void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum,
+                                               const filtration__link_fn link) {
+    int y0, y1, z0, z1;
+    filtration__extent(b, 1, &y0, &y1);
+    filtration__extent(b, 2, &z0, &z1);
+    for (int z = z0; z <= z1; z++)
+        for (int y = y0; y <= y1; y++) {
+            int first, end, from[3][3], to[3][3];
+            filtration__chord(b, y, z, &first, &end);
+            if (first > end) continue;
+            for (int dz = 0; dz < 3; dz++)
+                for (int dy = 0; dy < 3; dy++) {
+                    filtration__chord(b, y + dy - 1, z + dz - 1, &from[dz][dy], &to[dz][dy]);
+                    if (from[dz][dy] > to[dz][dy]) from[dz][dy] = to[dz][dy] = end + 4;
+                }
+            for (int j = 1; j < l->q; j++) {
+                const signed char *c = l->c[j];
+                int in = from[c[2] + 1][c[1] + 1] - c[0], out = to[c[2] + 1][c[1] + 1] - c[0];
+                for (int x = first; x <= end && x < in; x++) link(l, index, b, sum, x, y, z, j);
+                for (int x = out + 1 > first ? out + 1 : first; x <= end; x++) link(l, index, b, sum, x, y, z, j);
+            }
+        }
+}
+
+FILTRATION__STATIC void filtration__ball_task(void *context, int task) {
+    filtration__lattice *l = (filtration__lattice *)context;
+    filtration__surface sum;
+    for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
+        filtration__ball *b = &l->balls[n];
+        if (!(b->radius > 0.0)) continue;
+        memcpy(b->force[1], b->force[0], sizeof b->force[0]);
+        memcpy(b->torque[1], b->torque[0], sizeof b->torque[0]);
+        memset(b->force[0], 0, sizeof b->force[0]);
+        memset(b->torque[0], 0, sizeof b->torque[0]);
+        memset(&sum, 0, sizeof sum);
+        b->films = b->hull[0] = b->hull[1] = b->hull[2] = 0;
+        filtration__ball_links(l, (int32_t)n, b, &sum, filtration__ball_link);
+        filtration__fit_density(b, &sum);
+        for (int a = 0; a < 3; a++) b->torque[0][a] -= 2.0 * b->density * sum.arm[a]; /* a constant pressure turns no sphere */
+        b->steps++;
+    }
+}
+
+/* Returns the deviation of density, and the velocity, of a node between steps, from the populations that the next step reads. */
+static inline double filtration__moments(const filtration__lattice *l, int x, int y, int z, double u[3]) {
+    double r = 0.0;
+    for (int a = 0; a < 3; a++) u[a] = 0.5 * l->rates.force[a];
+    for (int i = 0; i < l->q; i++) {
+        double h = filtration__get(l, filtration__incoming(l, x, y, z, i));
+        r += h;
+        for (int a = 0; a < 3; a++) u[a] += l->c[i][a] * h;
+    }
+    return r;
+}
+
+/* Sets the populations of a node that a sphere has left. d: from the sphere's centre. Without a fluid neighbour: the density at the
+   sphere's surface. */
+static inline void filtration__fill(filtration__lattice *l, const filtration__ball *b, int x, int y, int z, const double d[3]) {
+    double r = 0.0, u[3], near_u[3] = {0, 0, 0}, best = -HUGE_VAL, near_r = 0.0, mean[FILTRATION__Q] = {0};
+    int count = 0, from[3] = {0, 0, 0}, mirrored;
+    for (int j = 1; j < l->q; j++) {
+        int p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]};
+        if (!filtration__inside(l, p, &mirrored) || mirrored) continue;
+        if (l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) continue;
+        double v[3], density = filtration__moments(l, p[0], p[1], p[2], v), cc = 0.0, along = 0.0;
+        for (int a = 0; a < 3; a++) cc += (double)(l->c[j][a] * l->c[j][a]), along += l->c[j][a] * d[a];
+        along /= sqrt(cc);
+        r += density;
+        count++;
+        for (int i = 0; i < l->q; i++) mean[i] += filtration__get(l, filtration__incoming(l, p[0], p[1], p[2], i));
+        if (!(along > best)) continue;
+        best = along, near_r = density;
+        memcpy(from, p, sizeof from);
+        memcpy(near_u, v, sizeof near_u);
+    }
+    r = count ? r / count : filtration__density_at(b, d);
+    filtration__surface_velocity(b, d, u);
+    for (int i = 0; i < l->q; i++) {
+        double h = filtration__equilibrium(l, i, r, u);
+        if (count && l->refill == (int)FILTRATION_REFILL_NONEQUILIBRIUM)
+            h += filtration__get(l, filtration__incoming(l, from[0], from[1], from[2], i)) - filtration__equilibrium(l, i, near_r, near_u);
+        if (count && l->refill == (int)FILTRATION_REFILL_INTERPOLATION) h = mean[i] / count;
+        filtration__put(l, filtration__incoming(l, x, y, z, i), h);
+    }
+}
+
+/* Fills the nodes that a sphere has left, all from old fluid. A second call with done 1 makes them fluid. */
+static inline void filtration__fill_left(filtration__lattice *l, const filtration__ball *now, const filtration__ball *before, int done) {
+    int y0, y1, z0, z1, mirrored;
+    filtration__extent(before, 1, &y0, &y1);
+    filtration__extent(before, 2, &z0, &z1);
+    for (int z = z0; z <= z1; z++)
+        for (int y = y0; y <= y1; y++) {
+            int a, b, from, to;
+            filtration__chord(before, y, z, &a, &b);
+            filtration__chord(now, y, z, &from, &to);
+            for (int x = a; x <= b; x++) {
+                if (x >= from && x <= to) x = to + 1;
+                if (x > b) break;
+                int p[3] = {x, y, z};
+                if (!filtration__inside(l, p, &mirrored) || mirrored) continue;
+                int32_t *owner = &l->owner[filtration__node(l, p[0], p[1], p[2])];
+                if (*owner != FILTRATION__FRESH) continue;
+                double d[3] = {x - before->centre[0], y - before->centre[1], z - before->centre[2]};
+                if (done) *owner = FILTRATION__FLUID;
+                else filtration__fill(l, now, p[0], p[1], p[2], d);
+            }
+        }
+}
+
+/* ------------------------------------------------------------------------------------------------- >>fluid/films.h */
+/* Pressure in films that are too thin for nodes, between spheres, at the solid and at faces; the force on the solid at
+   rest. A pressure has no level: a constant added to it changes no force. */
+
+/* ==== >>films ==== */
+
+/* Adds the pressure on a link between two solids, or through a face, from node (x, y, z) of the sphere along j. There the mean of the
+   densities that the two spheres would have counts for both, so that the film pushes them apart with equal forces. */
+static inline void filtration__film_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
+                                         int z, int j) {
+    const int n[3] = {l->nx, l->ny, l->nz};
+    int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
+    double d[3];
+    for (int a = 0; a < 3; a++) d[a] = s[a] + 0.5 * l->c[j][a] - b->centre[a];
+    if (!filtration__inside(l, s, &mirrored) || mirrored || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
+    double density = filtration__density_at(b, d);
+    if (filtration__inside(l, p, &mirrored)) {
+        const int32_t owner = l->owner[filtration__node(l, p[0], p[1], p[2])];
+        if (mirrored || owner == FILTRATION__FLUID) return;
+        if (owner >= 0) {
+            const filtration__ball *other = &l->balls[owner];
+            double away[3];
+            for (int a = 0; a < 3; a++) {
+                away[a] = p[a] - other->centre[a];
+                if (filtration__repeats(l, a)) away[a] -= n[a] * floor(away[a] / n[a] + 0.5);
+                away[a] -= 0.5 * l->c[j][a];
+            }
+            density = 0.5 * (density + filtration__density_at(other, away));
+        }
+    }
+    (void)sum;
+    for (int a = 0; a < 3; a++) {
+        b->force[0][a] -= 2.0 * l->w[j] * l->c[j][a] * density;
+        b->hull[a] -= l->c[j][a] * l->whole_weight[j];
+    }
+}
+
+/* Adds the pressure of films. What leaves the surface open (mirrors, spheres that overlap) has the density at the centre, so that a
+   constant pressure moves no sphere. */
+FILTRATION__STATIC void filtration__film_task(void *context, int task) {
+    filtration__lattice *l = (filtration__lattice *)context;
+    for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
+        filtration__ball *b = &l->balls[n];
+        if (!(b->radius > 0.0)) continue;
+        if (b->films) filtration__ball_links(l, (int32_t)n, b, NULL, filtration__film_link);
+        for (int a = 0; a < 3; a++) b->force[0][a] -= 2.0 / 72.0 * (double)b->hull[a] * b->density;
+    }
+}
+
+/* Computes the force of the last step on the solid at rest, in lattice units: the momentum exchanged over its links (Ladd 1994), and the
+   pressure of films under spheres. */
+static inline void filtration__solid_force(const filtration__lattice *l, double force[3]) {
+    force[0] = force[1] = force[2] = 0.0;
+    for (ptrdiff_t n = 0; n < l->link_count; n++) {
+        const filtration__cut k = filtration__link_cut(&l->links[n]);
+        const int at[3] = {k.x, k.y, k.z}, size[3] = {l->nx, l->ny, l->nz};
+        const int32_t owner = l->owner[filtration__node(l, k.x, k.y, k.z)];
+        double h, d[3];
+        if (owner == FILTRATION__FLUID) {
+            h = filtration__get(l, filtration__outgoing(l, k.x, k.y, k.z, k.i)) +
+                filtration__get(l, filtration__incoming(l, k.x, k.y, k.z, filtration__opposite(k.i)));
+        } else if (owner >= 0) {
+            const filtration__ball *b = &l->balls[owner];
+            for (int a = 0; a < 3; a++) {
+                d[a] = at[a] - b->centre[a];
+                if (filtration__repeats(l, a)) d[a] -= size[a] * floor(d[a] / size[a] + 0.5);
+                d[a] += 0.5 * l->c[k.i][a];
+            }
+            h = 2.0 * l->w[k.i] * filtration__density_at(b, d);
+        } else {
+            continue;
+        }
+        for (int a = 0; a < 3; a++) force[a] += l->c[k.i][a] * h;
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------- >>fluid/shear.h */
+/* The paper's force on a sphere, for comparison: shear over a layer of one voxel, no pressure. */
+
+/* ==== >>shear ==== */
+
+/* Computes the velocity at a point between nodes, trilinearly. Solid nodes have the velocity of the sphere that owns them. */
+static inline void filtration__velocity_at(const filtration__lattice *l, const double at[3], double u[3]) {
+    int base[3], mirrored;
+    double part[3];
+    for (int a = 0; a < 3; a++) base[a] = (int)floor(at[a]), part[a] = at[a] - base[a];
+    u[0] = u[1] = u[2] = 0.0;
+    for (int corner = 0; corner < 8; corner++) {
+        int p[3];
+        double weight = 1.0, v[3] = {0, 0, 0};
+        for (int a = 0; a < 3; a++) {
+            int up = corner >> a & 1;
+            p[a] = base[a] + up;
+            weight *= up ? part[a] : 1.0 - part[a];
+        }
+        double d[3] = {(double)p[0], (double)p[1], (double)p[2]};
+        if (!filtration__inside(l, p, &mirrored)) continue;
+        int32_t owner = l->owner[filtration__node(l, p[0], p[1], p[2])];
+        if (owner == FILTRATION__FLUID) {
+            filtration__moments(l, p[0], p[1], p[2], v);
+            for (int a = 0; a < 3; a++) v[a] *= (mirrored >> a & 1) ? -1.0 : 1.0;
+        } else if (owner >= 0) {
+            for (int a = 0; a < 3; a++) d[a] -= l->balls[owner].centre[a];
+            filtration__surface_velocity(&l->balls[owner], d, v);
+        }
+        for (int a = 0; a < 3; a++) u[a] += weight * v[a];
+    }
+}
+
+/* Returns whether a point of a surface lies in the box; beyond a mirror it is the mirror's image that has the force. */
+static inline int filtration__in_box(const filtration__lattice *l, const double centre[3], const double d[3]) {
+    const int n[3] = {l->nx, l->ny, l->nz};
+    for (int a = 0; a < 3; a++) {
+        const double x = centre[a] + d[a];
+        if ((x < -0.5 || x > n[a] - 0.5) && !filtration__repeats(l, a)) return 0;
+    }
+    return 1;
+}
+
+/* (9) Computes F = mu / dx * integral of the tangential relative velocity one voxel from the surface, as far as it lies in the box. Points
+   are spread evenly by a golden spiral, about one on a voxel's face. */
+static inline void filtration__shear_force(const filtration__lattice *l, double viscosity, filtration__ball *b) {
+    int points = (int)(12.566370614359172 * b->radius * b->radius) + 64;
+    double area = 12.566370614359172 * b->radius * b->radius / points, cosine = 1.0, sine = 0.0;
+    for (int k = 0; k < points; k++) {
+        double nz = 1.0 - (2.0 * k + 1.0) / points, rim = sqrt(1.0 - nz * nz), n[3] = {rim * cosine, rim * sine, nz}, d[3], at[3], u[3],
+               w[3];
+        const double turn = -0.73736887807831963 * cosine - 0.67549029426152364 * sine; /* by the golden angle */
+        sine = -0.73736887807831963 * sine + 0.67549029426152364 * cosine;
+        cosine = turn;
+        for (int a = 0; a < 3; a++) d[a] = n[a] * b->radius, at[a] = b->centre[a] + n[a] * (b->radius + 1.0);
+        if (!filtration__in_box(l, b->centre, d)) continue;
+        filtration__velocity_at(l, at, u);
+        filtration__surface_velocity(b, d, w);
+        double along = 0.0, f[3];
+        for (int a = 0; a < 3; a++) u[a] -= w[a], along += u[a] * n[a];
+        for (int a = 0; a < 3; a++) f[a] = viscosity * area * (u[a] - along * n[a]), b->force[0][a] += f[a];
+        b->torque[0][0] += d[1] * f[2] - d[2] * f[1];
+        b->torque[0][1] += d[2] * f[0] - d[0] * f[2];
+        b->torque[0][2] += d[0] * f[1] - d[1] * f[0];
+    }
+}
+
+static inline void filtration__shear_forces(const filtration_fluid *fluid) {
+    filtration__lattice *l = fluid->lattice;
+    for (ptrdiff_t n = 0; n < l->ball_count; n++) {
+        filtration__ball *b = &l->balls[n];
+        if (!(b->radius > 0.0)) continue;
+        memset(b->force[0], 0, sizeof b->force[0]);
+        memset(b->torque[0], 0, sizeof b->torque[0]);
+        filtration__shear_force(l, (fluid->def.tau - 0.5) / 3.0, b);
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------- >>fluid/fluid.h */
+/* Definition, setting up, the step. */
+
+/* ==== >>fluid ==== */
+
+#define FILTRATION__COOKIE 0x46494c54u
+
+FILTRATION_API const char *filtration_cause_text(filtration_cause cause) {
+    static const char *const texts[] = {FILTRATION_CAUSES(FILTRATION__TEXT)};
+    return (int)cause >= 0 && (int)cause < (int)FILTRATION_CAUSE_COUNT ? texts[cause] : "unknown cause";
+}
+
+FILTRATION_API filtration_fluid_def filtration_fluid_default_def(void) {
+    filtration_fluid_def def;
+    memset(&def, 0, sizeof def);
+    def.cookie = FILTRATION__COOKIE;
+    def.nodes[0] = def.nodes[1] = def.nodes[2] = 32;
+    def.voxel = 2.5e-6;
+    def.density = 1000.0;
+    def.viscosity = 1e-3;
+    def.tau = 1.0;
+    def.bulk_ratio = 2.0 / 3.0;
+    def.magic = 3.0 / 16.0;
+    def.speed_limit = 0.3;
+    def.keep_mass = 1;
+    def.skip = 1;
+    def.threads = 1;
+    return def;
+}
+
+/* Computes rates, faces and units of a lattice. Returns the time step [s]. */
+static inline double filtration__find_units(const filtration_fluid_def *d, filtration__lattice *l) {
+    double nu = (d->tau - 0.5) / 3.0, dt = nu * d->voxel * d->voxel * d->density / d->viscosity, bulk = 1.5 * d->bulk_ratio * nu;
+    l->to_velocity = d->voxel / dt;
+    l->to_pressure = d->density * l->to_velocity * l->to_velocity;
+    l->to_force = l->to_pressure * d->voxel * d->voxel;
+    l->rates.plus = 1.0 / d->tau;
+    l->rates.minus = d->magic < HUGE_VAL ? 1.0 / (0.5 + d->magic / (d->tau - 0.5)) : l->rates.plus;
+    l->rates.bulk = d->bulk_ratio == 2.0 / 3.0 ? l->rates.plus : 1.0 / (0.5 + 3.0 * bulk);
+    l->rates.limit = d->speed_limit * d->speed_limit;
+    for (int a = 0; a < 3; a++) l->rates.force[a] = d->body_force[a] * d->voxel / l->to_pressure;
+    for (int f = 0; f < 6; f++) {
+        l->face_density[f] = 3.0 * d->face_pressure[f] / l->to_pressure;
+        for (int a = 0; a < 3; a++) l->face_velocity[f][a] = d->face_velocity[f][a] / l->to_velocity;
+    }
+    return dt;
+}
+
+static inline void filtration__set_units(filtration_fluid *fluid) { fluid->dt = filtration__find_units(&fluid->def, fluid->lattice); }
+
+/* Largest population, and largest pressure, speed and force of a source, in lattice units [-]: no sum of a step or of a reader overflows,
+   and a step tells that the flow diverges. */
+#define FILTRATION__LARGEST_POPULATION 1e25
+#define FILTRATION__LARGEST_SOURCE 1e3
+
+static inline const char *filtration__bad_source(const filtration_fluid_def *d) {
+    filtration__lattice l;
+    filtration__find_units(d, &l);
+    for (int f = 0; f < 6; f++) {
+        if (!(fabs(l.face_density[f]) < FILTRATION__LARGEST_SOURCE)) return "face_pressure";
+        for (int a = 0; a < 3; a++)
+            if (!(fabs(l.face_velocity[f][a]) < FILTRATION__LARGEST_SOURCE)) return "face_velocity";
+    }
+    for (int a = 0; a < 3; a++)
+        if (!(fabs(l.rates.force[a]) < FILTRATION__LARGEST_SOURCE)) return "body_force";
+    return NULL;
+}
+
+/* Returns whether a property of the fluid is in a range whose products stay far from the limits of doubles. */
+static inline int filtration__is_property(double x) { return x >= 1e-15 && x <= 1e15; }
+
+static inline const char *filtration__bad_face(const filtration_fluid_def *d) {
+    for (int f = 0; f < 6; f++) {
+        const filtration__face_kind *kind = filtration__kind_of(d->face[f]), *opposite = filtration__kind_of(d->face[f ^ 1]);
+        if (!kind || !opposite) return "face";
+        if ((kind->beyond == FILTRATION__REPEATED) != (opposite->beyond == FILTRATION__REPEATED)) return "face";
+        if (kind->has_velocity < 2 && d->face_velocity[f][f / 2] != 0.0) return "face_velocity";
+    }
+    return NULL;
+}
+
+static inline const char *filtration__bad_field(const filtration_fluid_def *d) {
+    double nodes = 1.0;
+    if (d->cookie != FILTRATION__COOKIE) return "cookie";
+    for (int a = 0; a < 3; a++) {
+        if (d->nodes[a] < 1) return "nodes";
+        nodes *= d->nodes[a];
+    }
+    if (!(nodes < 2147483648.0)) return "nodes";
+    if (!filtration__is_property(d->voxel)) return "voxel";
+    if (!filtration__is_property(d->density)) return "density";
+    if (!filtration__is_property(d->viscosity)) return "viscosity";
+    if (!(d->tau > 0.5 && d->tau <= 20.0)) return "tau";
+    if (!(d->bulk_ratio >= 0.0 && d->bulk_ratio < HUGE_VAL)) return "bulk_ratio";
+    if (!(d->magic > 0.0)) return "magic";
+    if (d->lattice != FILTRATION_D3Q19 && d->lattice != FILTRATION_D3Q15) return "lattice";
+    if (d->precision != FILTRATION_DOUBLE && (d->precision != FILTRATION_FLOAT || d->lattice == FILTRATION_D3Q15)) return "precision";
+    if (d->boundary != FILTRATION_CENTRAL_LINEAR && d->boundary != FILTRATION_HALF_WAY) return "boundary";
+    if ((int)d->refill < 0 || d->refill > FILTRATION_REFILL_INTERPOLATION) return "refill";
+    if (d->force != FILTRATION_MOMENTUM_EXCHANGE && d->force != FILTRATION_SHEAR_LAYER) return "force";
+    if (filtration__bad_face(d)) return filtration__bad_face(d);
+    if (!(d->speed_limit >= 1e-15 && d->speed_limit <= 0.5)) return "speed_limit";
+    if (d->keep_mass != 0 && d->keep_mass != 1) return "keep_mass";
+    if (d->skip != 0 && d->skip != 1) return "skip";
+    if (d->threads < 1) return "threads";
+    return filtration__bad_source(d);
+}
+
+FILTRATION_API filtration_status filtration_fluid_check_def(const filtration_fluid_def *def, const char **field) {
+    const char *bad = def ? filtration__bad_field(def) : "def";
+    if (field) *field = bad;
+    return bad ? FILTRATION_BAD_DEF : FILTRATION_OK;
+}
+
+/* Wakes the slabs that faces and forces move. */
+static inline void filtration__wake_sources(filtration_fluid *fluid) {
+    filtration__lattice *l = fluid->lattice;
+    int all = !fluid->def.skip || filtration__forced(&l->rates);
+    for (int f = 0; f < 6; f++) {
+        const double *v = l->face_velocity[f];
+        const int moves = (l->face[f]->has_pressure && l->face_density[f] != 0.0) ||
+                          (l->face[f]->has_velocity && (v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0));
+        if (moves && f < 4) all = 1;
+        if (moves && f >= 4) l->slab_active[f == 4 ? 0 : l->nz - 1] = 1;
+    }
+    filtration__wake(l, all);
+}
+
+static inline void filtration__set_shape(const filtration_fluid_def *d, filtration__lattice *l) {
+    l->q = d->lattice == FILTRATION_D3Q15 ? 15 : 19;
+    l->c = l->q == 15 ? filtration__c15 : filtration__c19;
+    for (int i = 0; i < l->q; i++) {
+        int cc = l->c[i][0] * l->c[i][0] + l->c[i][1] * l->c[i][1] + l->c[i][2] * l->c[i][2];
+        l->w[i] = l->q == 15 ? (cc == 0   ? 2.0 / 9.0
+                                : cc == 1 ? 1.0 / 9.0
+                                          : 1.0 / 72.0)
+                             : (cc == 0   ? 1.0 / 3.0
+                                : cc == 1 ? 1.0 / 18.0
+                                          : 1.0 / 36.0);
+        l->whole_weight[i] = (int)(72.0 * l->w[i] + 0.5);
+    }
+    l->single = d->precision == FILTRATION_FLOAT;
+    l->half_way = d->boundary == FILTRATION_HALF_WAY;
+    l->refill = (int)d->refill;
+    l->nx = d->nodes[0], l->ny = d->nodes[1], l->nz = d->nodes[2];
+    for (int f = 0; f < 6; f++) l->face[f] = filtration__kind_of(d->face[f]);
+    l->periodic_x = filtration__repeats(l, 0);
+    l->ghost_y = !filtration__repeats(l, 1);
+    l->ghost_z = !filtration__repeats(l, 2);
+    filtration__list_entries(l);
+    int line = FILTRATION__LINE / (l->single ? (int)sizeof(float) : (int)sizeof(double));
+    l->lead = line;
+    l->stride = line + ((ptrdiff_t)l->nx + line - 1) / line * line;
+    l->bundle = l->q * l->stride;
+    l->rows = (ptrdiff_t)(l->ny + 2 * l->ghost_y) * (l->nz + 2 * l->ghost_z);
+    l->fluid_nodes = (ptrdiff_t)l->nx * l->ny * l->nz;
+    l->block_bytes = (size_t)(l->rows * l->bundle + line) * (l->single ? sizeof(float) : sizeof(double)) + FILTRATION__LINE;
+}
+
+FILTRATION_API double filtration_fluid_bytes(const filtration_fluid_def *def) {
+    filtration__lattice l;
+    if (filtration_fluid_check_def(def, NULL) != FILTRATION_OK) return 0.0;
+    memset(&l, 0, sizeof l);
+    filtration__set_shape(def, &l);
+    return (double)l.block_bytes + (double)l.fluid_nodes * sizeof(int32_t) + (double)l.ny * l.nz + l.nz + (double)sizeof l;
+}
+
+static inline size_t filtration__nodes(const filtration__lattice *l) { return (size_t)l->nx * (size_t)l->ny * (size_t)l->nz; }
+
+FILTRATION_API void filtration_fluid_free(filtration_fluid *fluid) {
+    filtration__lattice *l = fluid ? fluid->lattice : NULL;
+    if (!l) return;
+    const filtration_memory *m = &fluid->def.memory;
+    if (l->block) filtration__resize(m, l->block, l->block_bytes, 0);
+    if (l->owner) filtration__resize(m, l->owner, filtration__nodes(l) * sizeof *l->owner, 0);
+    if (l->row_state) filtration__resize(m, l->row_state, (size_t)l->ny * (size_t)l->nz, 0);
+    if (l->slab_active) filtration__resize(m, l->slab_active, (size_t)l->nz, 0);
+    if (l->links) filtration__resize(m, l->links, (size_t)l->link_count * sizeof *l->links, 0);
+    if (l->balls) filtration__resize(m, l->balls, (size_t)l->ball_room * sizeof *l->balls, 0);
+    filtration__resize(m, l, sizeof *l, 0);
+    fluid->lattice = NULL;
+}
+
+static inline int filtration__allocate(const filtration_fluid_def *def, filtration__lattice *l) {
+    const filtration_memory *m = &def->memory;
+    l->block = filtration__resize(m, NULL, 0, l->block_bytes);
+    l->owner = (int32_t *)filtration__resize(m, NULL, 0, filtration__nodes(l) * sizeof *l->owner);
+    l->row_state = (unsigned char *)filtration__resize(m, NULL, 0, (size_t)l->ny * (size_t)l->nz);
+    l->slab_active = (unsigned char *)filtration__resize(m, NULL, 0, (size_t)l->nz);
+    if (!l->block || !l->owner || !l->row_state || !l->slab_active) return 0;
+    memset(l->block, 0, l->block_bytes);
+    l->f = (void *)(((uintptr_t)l->block + FILTRATION__LINE - 1) / FILTRATION__LINE * FILTRATION__LINE);
+    for (size_t k = 0; k < filtration__nodes(l); k++) l->owner[k] = FILTRATION__FLUID;
+    memset(l->row_state, 0, (size_t)l->ny * (size_t)l->nz);
+    memset(l->slab_active, 0, (size_t)l->nz);
+    if (!def->solid.distance) return 1;
+    filtration__mark_solid(def, l);
+    filtration__list_links(def, l);
+    if (!l->link_count) return 1;
+    l->links = (filtration__link *)filtration__resize(m, NULL, 0, (size_t)l->link_count * sizeof *l->links);
+    if (l->links) filtration__list_links(def, l);
+    return l->links != NULL;
+}
+
+FILTRATION_API filtration_status filtration_fluid_init(filtration_fluid *fluid, const filtration_fluid_def *def) {
+    if (!fluid) return FILTRATION_BAD_ARGUMENT;
+    memset(fluid, 0, sizeof *fluid);
+    if (filtration_fluid_check_def(def, NULL) != FILTRATION_OK) return FILTRATION_BAD_DEF;
+    fluid->def = *def;
+    filtration__lattice *l = fluid->lattice = (filtration__lattice *)filtration__resize(&def->memory, NULL, 0, sizeof *l);
+    if (!l) return FILTRATION_NO_MEMORY;
+    memset(l, 0, sizeof *l);
+    filtration__set_shape(def, l);
+    filtration__set_units(fluid);
+    if (filtration__allocate(def, l)) return FILTRATION_OK;
+    filtration_fluid_free(fluid);
+    return FILTRATION_NO_MEMORY;
+}
+
+/* Reads sphere n of the caller in lattice units. Returns NULL, or what it would have to be. */
+static inline const char *filtration__read_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
+                                                filtration__ball *b) {
+    const filtration__lattice *l = fluid->lattice;
+    const int nodes[3] = {l->nx, l->ny, l->nz};
+    b->radius = s->radius[n] / fluid->def.voxel;
+    if (!(s->radius[n] >= 0.0)) return "radius: at least 0";
+    if (b->radius == 0.0) return NULL;
+    if (!(b->radius < (fluid->def.force == FILTRATION_SHEAR_LAYER ? 1e4 : 1e5))) /* points on a sphere are counted in int */
+        return "radius: below 1e5 voxels (1e4 with the shear layer)";
+    for (int a = 0; a < 3; a++) {
+        double x = s->centre[3 * n + a] / fluid->def.voxel - 0.5;
+        b->velocity[a] = s->velocity[3 * n + a] / l->to_velocity;
+        b->spin[a] = s->spin[3 * n + a] * fluid->dt;
+        if (!(fabs(x) < 1e6)) return "centre: within 1e6 voxels";
+        if (!(fabs(b->velocity[a]) < 0.5)) return "velocity: below half a voxel a step";
+        if (!(fabs(b->spin[a]) * b->radius < 0.5)) return "spin: a surface below half a voxel a step";
+        if (filtration__repeats(l, a)) { /* the image nearest to its last place, or in the box */
+            double home = b->steps ? b->centre[a] : 0.5 * (nodes[a] - 1);
+            x -= nodes[a] * floor((x - home) / nodes[a] + 0.5);
+            if (!(2.0 * b->radius <= nodes[a] * (1.0 + 1e-12))) return "radius: at most half a periodic box";
+        }
+        b->centre[a] = x;
+    }
+    return NULL;
+}
+
+static inline filtration_status filtration__room_for_balls(filtration_fluid *fluid, ptrdiff_t n) {
+    filtration__lattice *l = fluid->lattice;
+    if (n > l->ball_room) {
+        ptrdiff_t room = n + n / 2 + 4;
+        filtration__ball *balls = (filtration__ball *)filtration__resize(&fluid->def.memory, l->balls, (size_t)l->ball_room * sizeof *balls,
+                                                                         (size_t)room * sizeof *balls);
+        if (!balls) return FILTRATION_NO_MEMORY;
+        l->balls = balls;
+        l->ball_room = room;
+    }
+    for (; l->ball_count < n; l->ball_count++) memset(&l->balls[l->ball_count], 0, sizeof *l->balls);
+    return FILTRATION_OK;
+}
+
+/* Returns how far a sphere's surface has moved since the last step [nodes]. */
+static inline double filtration__moved(const filtration__ball *now, const filtration__ball *before) {
+    double dd = 0.0;
+    for (int a = 0; a < 3; a++) dd += (now->centre[a] - before->centre[a]) * (now->centre[a] - before->centre[a]);
+    return sqrt(dd);
+}
+
+/* Moves a sphere from its last place to the present one: nodes change owner. A radius of 0, before or now, is no sphere. */
+static inline void filtration__move_ball(filtration__lattice *l, ptrdiff_t n, const filtration__ball *now) {
+    filtration__ball before = l->balls[n];
+    int was = before.radius > 0.0, is = now->radius > 0.0;
+    l->balls[n] = *now;
+    if (was) filtration__swap_nodes(l, n, &before, is ? now : NULL, 1);
+    if (is) filtration__swap_nodes(l, n, now, was ? &before : NULL, 0);
+    if (was) filtration__fill_left(l, is ? now : &before, &before, 0);
+    if (was) filtration__fill_left(l, is ? now : &before, &before, 1);
+    for (int z = (int)floor(now->centre[2] - now->radius) - 2; is && z <= (int)ceil(now->centre[2] + now->radius) + 2; z++) {
+        int k = l->ghost_z ? z : ((z % l->nz) + l->nz) % l->nz;
+        if (k >= 0 && k < l->nz) l->slab_active[k] = 1;
+    }
+}
+
+/* Reads sphere n of the caller; none beyond his last. Returns OK, BAD_ARGUMENT or TOO_FAST, and the rule that it breaks. */
+static inline filtration_status filtration__next_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
+                                                      filtration__ball *now, const char **rule) {
+    const filtration__ball *before = &fluid->lattice->balls[n];
+    *now = *before;
+    now->radius = 0.0;
+    *rule = s && n < s->n ? filtration__read_ball(fluid, s, n, now) : NULL;
+    if (*rule) return FILTRATION_BAD_ARGUMENT;
+    if (now->radius == 0.0) now->steps = 0;
+    else if (before->radius > 0.0 && !(filtration__moved(now, before) <= 0.5)) *rule = "centre: moved by at most half a voxel a step";
+    return *rule ? FILTRATION_TOO_FAST : FILTRATION_OK;
+}
+
+/* Moves the spheres to their present places: all or, if one is refused, none. */
+static inline filtration_status filtration__bring_balls(filtration_fluid *fluid, const filtration_spheres *s) {
+    filtration__lattice *l = fluid->lattice;
+    filtration__ball now;
+    const char *rule;
+    ptrdiff_t n = s ? s->n : 0;
+    if (n < 0 || (n > 0 && !(s->centre && s->velocity && s->spin && s->radius && s->force && s->torque))) return FILTRATION_BAD_ARGUMENT;
+    if (filtration__room_for_balls(fluid, n) != FILTRATION_OK) return FILTRATION_NO_MEMORY;
+    for (ptrdiff_t k = 0; k < l->ball_count; k++) {
+        const filtration_status status = filtration__next_ball(fluid, s, k, &now, &rule);
+        if (status == FILTRATION_OK) continue;
+        fluid->problem.cause = FILTRATION_SPHERE, fluid->problem.rule = rule;
+        fluid->problem.node[0] = (int)k, fluid->problem.node[1] = fluid->problem.node[2] = 0;
+        fluid->problem.step = fluid->steps;
+        return status;
+    }
+    for (ptrdiff_t k = 0; k < l->ball_count; k++) {
+        (void)filtration__next_ball(fluid, s, k, &now, &rule);
+        filtration__move_ball(l, k, &now);
+    }
+    return FILTRATION_OK;
+}
+
+static inline void filtration__give_forces(const filtration_fluid *fluid, const filtration_spheres *s) {
+    const filtration__lattice *l = fluid->lattice;
+    for (ptrdiff_t n = 0; s && n < s->n; n++) {
+        const filtration__ball *b = &l->balls[n];
+        double share = b->steps > 1 ? 0.5 : 1.0, other = b->steps > 1 ? 0.5 : 0.0, force = l->to_force, torque = force * fluid->def.voxel;
+        for (int a = 0; a < 3; a++) {
+            int none = !(b->radius > 0.0);
+            s->force[3 * n + a] = none ? 0.0 : force * (share * b->force[0][a] + other * b->force[1][a]);
+            s->torque[3 * n + a] = none ? 0.0 : torque * (share * b->torque[0][a] + other * b->torque[1][a]);
+        }
+    }
+}
+
+static inline int filtration__is_closed(const filtration__lattice *l) {
+    for (int f = 0; f < 6; f++)
+        if (l->face[f]->beyond == FILTRATION__NOTHING && !l->face[f]->is_touched) return 0;
+    return 1;
+}
+
+/* Adds the same density to every fluid node, so that the mean is def.density. */
+static inline filtration_status filtration__level(filtration_fluid *fluid) {
+    filtration__lattice *l = fluid->lattice;
+    double sum = 0.0, u[3];
+    ptrdiff_t count = 0;
+    for (int z = 0; z < l->nz; z++)
+        for (int y = 0; y < l->ny; y++) {
+            double row = 0.0;
+            for (int x = 0; x < l->nx; x++) {
+                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
+                row += filtration__moments(l, x, y, z, u);
+                count++;
+            }
+            sum += row;
+        }
+    if (count == 0 || sum == 0.0) return FILTRATION_OK;
+    const double r = -sum / (double)count;
+    if (!(fabs(r) < HUGE_VAL)) return FILTRATION_DIVERGED;
+    for (int z = 0; z < l->nz; z++)
+        for (int y = 0; y < l->ny; y++)
+            for (int x = 0; x < l->nx; x++) {
+                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
+                for (int i = 0; i < l->q; i++) {
+                    ptrdiff_t place = filtration__incoming(l, x, y, z, i);
+                    filtration__put(l, place, filtration__get(l, place) + l->w[i] * r);
+                }
+            }
+    memset(l->slab_active, 1, (size_t)l->nz);
+    for (ptrdiff_t n = 0; n < l->ball_count; n++) l->balls[n].density += r;
+    fluid->mass_correction += r;
+    return FILTRATION_OK;
+}
+
+FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, const filtration_spheres *spheres) {
+    if (!fluid || !fluid->lattice) return FILTRATION_BAD_ARGUMENT;
+    filtration__lattice *l = fluid->lattice;
+    if (fluid->problem.cause == FILTRATION_SPEED || fluid->problem.cause == FILTRATION_NOT_FINITE) return FILTRATION_DIVERGED;
+    memset(&fluid->problem, 0, sizeof fluid->problem);
+    filtration_status status = filtration__bring_balls(fluid, spheres);
+    if (status != FILTRATION_OK) return status;
+    const filtration_parallel *p = &fluid->def.parallel;
+    int threads = fluid->def.threads;
+    filtration__wake_sources(fluid);
+    filtration__for_each(p, threads, FILTRATION__TASKS, filtration__collide_task, l);
+    for (int task = 0; task < FILTRATION__TASKS; task++) fluid->updates += l->updated[task];
+    l->odd = !l->odd;
+    fluid->steps++;
+    fluid->time += fluid->dt;
+    if (filtration__find_problem(l, &fluid->problem)) {
+        fluid->problem.step = fluid->steps;
+        fluid->problem.cell_reynolds = fluid->problem.speed * 3.0 / (fluid->def.tau - 0.5);
+        return FILTRATION_DIVERGED;
+    }
+    if (!l->periodic_x || l->ghost_y || l->ghost_z) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__face_task, l);
+    if (l->link_count) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__link_task, l);
+    if (l->ball_count) {
+        filtration__for_each(p, threads, FILTRATION__TASKS, filtration__ball_task, l);
+        filtration__for_each(p, threads, FILTRATION__TASKS, filtration__film_task, l);
+    }
+    if (fluid->def.force == FILTRATION_SHEAR_LAYER) filtration__shear_forces(fluid);
+    filtration__give_forces(fluid, spheres);
+    if (fluid->def.keep_mass && l->left && fluid->steps % 256 == 0 && filtration__is_closed(l)) {
+        l->left = 0;
+        return filtration__level(fluid);
+    }
+    return FILTRATION_OK;
+}
+
+FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, int64_t steps, const filtration_spheres *spheres) {
+    filtration_status status = FILTRATION_OK;
+    if (!fluid || !fluid->lattice || steps < 0) return FILTRATION_BAD_ARGUMENT;
+    for (int64_t n = 0; n < steps && status == FILTRATION_OK; n++) status = filtration_fluid_step(fluid, spheres);
+    return status;
+}
+
+/* -------------------------------------------------------------------------------------------------- >>fluid/flow.h */
+/* Reads and changes the flow between steps: samples, fields, sums, another time step, a flow to start from. */
+
+/* ==== >>flow ==== */
+
+FILTRATION_API filtration_status filtration_fluid_at(const filtration_fluid *fluid, int x, int y, int z, filtration_sample *sample) {
+    const filtration__lattice *l = fluid ? fluid->lattice : NULL;
+    if (!l || !sample || x < 0 || y < 0 || z < 0 || x >= l->nx || y >= l->ny || z >= l->nz) return FILTRATION_BAD_ARGUMENT;
+    memset(sample, 0, sizeof *sample);
+    sample->owner = l->owner[filtration__node(l, x, y, z)];
+    if (sample->owner != FILTRATION__FLUID) return FILTRATION_OK;
+    sample->pressure = filtration__moments(l, x, y, z, sample->velocity) * l->to_pressure / 3.0;
+    for (int a = 0; a < 3; a++) sample->velocity[a] *= l->to_velocity;
+    return FILTRATION_OK;
+}
+
+FILTRATION_API void filtration_fluid_fields(const filtration_fluid *fluid, float *velocity, float *pressure, int32_t *owner) {
+    const filtration__lattice *l = fluid ? fluid->lattice : NULL;
+    filtration_sample s;
+    for (int z = 0; l && z < l->nz; z++)
+        for (int y = 0; y < l->ny; y++)
+            for (int x = 0; x < l->nx; x++) {
+                ptrdiff_t n = filtration__node(l, x, y, z);
+                (void)filtration_fluid_at(fluid, x, y, z, &s);
+                for (int a = 0; velocity && a < 3; a++) velocity[3 * n + a] = (float)s.velocity[a];
+                if (pressure) pressure[n] = (float)s.pressure;
+                if (owner) owner[n] = s.owner;
+            }
+}
+
+/* Sums over the fluid nodes of a part of the box, in lattice units: deviation of density, momentum, number of nodes, largest squared
+   speed. */
+static inline void filtration__sum(const filtration__lattice *l, const int low[3], const int high[3], double sum[6]) {
+    for (int k = 0; k < 6; k++) sum[k] = 0.0;
+    for (int z = low[2]; z < high[2]; z++)
+        for (int y = low[1]; y < high[1]; y++) {
+            double row[4] = {0, 0, 0, 0};
+            for (int x = low[0]; x < high[0]; x++) {
+                double u[3];
+                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
+                row[0] += filtration__moments(l, x, y, z, u);
+                for (int a = 0; a < 3; a++) row[a + 1] += u[a];
+                double uu = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+                sum[4] += 1.0;
+                if (uu > sum[5]) sum[5] = uu;
+            }
+            for (int k = 0; k < 4; k++) sum[k] += row[k];
+        }
+}
+
+static inline void filtration__sum_all(const filtration__lattice *l, double sum[6]) {
+    const int low[3] = {0, 0, 0}, high[3] = {l->nx, l->ny, l->nz};
+    filtration__sum(l, low, high, sum);
+}
+
+FILTRATION_API void filtration_fluid_mean_velocity(const filtration_fluid *fluid, double velocity[3]) {
+    double sum[6];
+    for (int a = 0; a < 3 && velocity; a++) velocity[a] = (double)NAN;
+    if (!fluid || !fluid->lattice || !velocity) return;
+    filtration__sum_all(fluid->lattice, sum);
+    for (int a = 0; a < 3; a++) velocity[a] = sum[a + 1] * fluid->lattice->to_velocity / (double)filtration__nodes(fluid->lattice);
+}
+
+FILTRATION_API double filtration_fluid_flux(const filtration_fluid *fluid, int axis, int slab) {
+    if (!fluid || !fluid->lattice) return (double)NAN;
+    const filtration__lattice *l = fluid->lattice;
+    int low[3] = {0, 0, 0}, high[3] = {l->nx, l->ny, l->nz};
+    double sum[6];
+    if (axis < 0 || axis > 2 || slab < 0 || slab >= high[axis]) return (double)NAN;
+    double nodes = (double)filtration__nodes(l) / high[axis];
+    low[axis] = slab, high[axis] = slab + 1;
+    filtration__sum(l, low, high, sum);
+    return sum[axis + 1] * l->to_velocity / nodes;
+}
+
+FILTRATION_API double filtration_fluid_mass(const filtration_fluid *fluid) {
+    if (!fluid || !fluid->lattice) return (double)NAN;
+    double sum[6], dx = fluid->def.voxel;
+    filtration__sum_all(fluid->lattice, sum);
+    return (sum[0] + sum[4]) * fluid->def.density * dx * dx * dx;
+}
+
+FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid) {
+    if (!fluid || !fluid->lattice) return (double)NAN;
+    double fluid_nodes = 0.0;
+    size_t nodes = filtration__nodes(fluid->lattice);
+    for (size_t k = 0; k < nodes; k++) fluid_nodes += fluid->lattice->owner[k] == FILTRATION__FLUID;
+    return fluid_nodes / (double)nodes;
+}
+
+FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid) {
+    double sum[6];
+    if (!fluid || !fluid->lattice) return (double)NAN;
+    filtration__sum_all(fluid->lattice, sum);
+    return sqrt(sum[5]) * fluid->lattice->to_velocity;
+}
+
+FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, double force[3]) {
+    for (int a = 0; a < 3 && force; a++) force[a] = (double)NAN;
+    if (!fluid || !fluid->lattice || !force) return;
+    filtration__solid_force(fluid->lattice, force);
+    for (int a = 0; a < 3; a++) force[a] *= fluid->lattice->to_force;
+}
+
+/* ---- changes ---- */
+
+/* Takes a definition over, unless it is out of range. */
+static inline filtration_status filtration__change(filtration_fluid *fluid, const filtration_fluid_def *def) {
+    if (filtration_fluid_check_def(def, NULL) != FILTRATION_OK) return FILTRATION_BAD_ARGUMENT;
+    fluid->def = *def;
+    filtration__set_units(fluid);
+    return FILTRATION_OK;
+}
+
+FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_fluid *fluid, const double force[3]) {
+    if (!fluid || !force) return FILTRATION_BAD_ARGUMENT;
+    filtration_fluid_def def = fluid->def;
+    memcpy(def.body_force, force, sizeof def.body_force);
+    return filtration__change(fluid, &def);
+}
+
+FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure) {
+    if (!fluid) return FILTRATION_BAD_ARGUMENT;
+    filtration_fluid_def def = fluid->def;
+    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_pressure) return FILTRATION_BAD_ARGUMENT;
+    def.face_pressure[face] = pressure;
+    return filtration__change(fluid, &def);
+}
+
+FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]) {
+    if (!fluid || !velocity) return FILTRATION_BAD_ARGUMENT;
+    filtration_fluid_def def = fluid->def;
+    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_velocity) return FILTRATION_BAD_ARGUMENT;
+    memcpy(def.face_velocity[face], velocity, sizeof def.face_velocity[face]);
+    return filtration__change(fluid, &def);
+}
+
+/* Computes the populations of a node that a change gives it. */
+typedef struct filtration__new_flow {
+    void (*node)(const filtration_fluid *fluid, const struct filtration__new_flow *flow, int x, int y, int z, double h[FILTRATION__Q]);
+    double speed, stress;                                                                /* factors of a rescaled flow [-] */
+    void (*fn)(void *user, const double point[3], double velocity[3], double *pressure); /* of a flow to start from */
+    void *user;
+} filtration__new_flow;
+
+/* Gives every fluid node its new populations or, if a number is out of range, none. Returns whether it did. */
+static inline int filtration__set_nodes(filtration_fluid *fluid, const filtration__new_flow *flow) {
+    filtration__lattice *l = fluid->lattice;
+    double h[FILTRATION__Q];
+    for (int store = 0; store < 2; store++)
+        for (int z = 0; z < l->nz; z++)
+            for (int y = 0; y < l->ny; y++)
+                for (int x = 0; x < l->nx; x++) {
+                    if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
+                    flow->node(fluid, flow, x, y, z, h);
+                    for (int i = 0; i < l->q; i++) {
+                        if (!(fabs(h[i]) < FILTRATION__LARGEST_POPULATION)) return 0;
+                        if (store) filtration__put(l, filtration__incoming(l, x, y, z, i), h[i]);
+                    }
+                }
+    return 1;
+}
+
+/* Rescales a node: velocity by s, pressure and force by s^2, the non-equilibrium part as stress: by s and the ratio of relaxation times.
+   Before a collision, half of the force is missing in the momentum. */
+FILTRATION__STATIC void filtration__rescale(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
+                                double h[FILTRATION__Q]) {
+    const filtration__lattice *l = fluid->lattice;
+    double u[3], v[3], s = flow->speed, stress = flow->stress, r = filtration__moments(l, x, y, z, u);
+    for (int a = 0; a < 3; a++) v[a] = u[a] * s;
+    for (int i = 0; i < l->q; i++) {
+        double cf = 0.0;
+        for (int a = 0; a < 3; a++) cf += l->c[i][a] * l->rates.force[a];
+        h[i] = filtration__get(l, filtration__incoming(l, x, y, z, i)) - filtration__equilibrium(l, i, r, u);
+        h[i] = filtration__equilibrium(l, i, r * s * s, v) + stress * h[i] + 1.5 * l->w[i] * (stress - s * s) * cf;
+    }
+}
+
+FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *fluid, double tau) {
+    if (!fluid) return FILTRATION_BAD_ARGUMENT;
+    filtration_fluid_def def = fluid->def;
+    filtration__lattice *l = fluid->lattice;
+    double s = (tau - 0.5) / (def.tau - 0.5);
+    const filtration__new_flow flow = {filtration__rescale, s, s * tau / def.tau, NULL, NULL};
+    def.tau = tau;
+    if (filtration_fluid_check_def(&def, NULL) != FILTRATION_OK || !filtration__set_nodes(fluid, &flow)) return FILTRATION_BAD_ARGUMENT;
+    for (ptrdiff_t n = 0; n < l->ball_count; n++) {
+        filtration__ball *b = &l->balls[n];
+        b->density *= s * s;
+        for (int a = 0; a < 3; a++) {
+            b->slope[a] *= s * s;
+            for (int k = 0; k < 2; k++) b->force[k][a] *= s * s, b->torque[k][a] *= s * s;
+        }
+    }
+    return filtration__change(fluid, &def);
+}
+
+/* Computes a node's equilibrium plus the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) : grad u to first
+   order. */
+FILTRATION__STATIC void filtration__start_node(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
+                                   double h[FILTRATION__Q]) {
+    const filtration__lattice *l = fluid->lattice;
+    double point[3], u[3] = {0, 0, 0}, p = 0.0, grad[3][3], trace = 0.0, aside = 0.0;
+    filtration__point(&fluid->def, x, y, z, point);
+    flow->fn(flow->user, point, u, &p);
+    for (int b = 0; b < 3; b++) {
+        double low[3] = {0, 0, 0}, high[3] = {0, 0, 0}, q[3] = {point[0], point[1], point[2]};
+        q[b] = point[b] - 0.5 * fluid->def.voxel;
+        flow->fn(flow->user, q, low, &aside);
+        q[b] = point[b] + 0.5 * fluid->def.voxel;
+        flow->fn(flow->user, q, high, &aside);
+        for (int a = 0; a < 3; a++) grad[a][b] = (high[a] - low[a]) / l->to_velocity;
+        trace += grad[b][b];
+    }
+    for (int a = 0; a < 3; a++) u[a] /= l->to_velocity;
+    for (int i = 0; i < l->q; i++) {
+        double cgc = 0.0, cf = 0.0;
+        for (int a = 0; a < 3; a++) {
+            cf += l->c[i][a] * l->rates.force[a];
+            for (int b = 0; b < 3; b++) cgc += l->c[i][a] * grad[a][b] * l->c[i][b];
+        }
+        h[i] =
+            filtration__equilibrium(l, i, 3.0 * p / l->to_pressure, u) - l->w[i] * (3.0 * fluid->def.tau * (cgc - trace / 3.0) + 1.5 * cf);
+    }
+}
+
+FILTRATION_API filtration_status filtration_fluid_set_flow(
+    filtration_fluid *fluid, void (*fn)(void *user, const double point[3], double velocity[3], double *pressure), void *user) {
+    filtration__lattice *l = fluid ? fluid->lattice : NULL;
+    const filtration__new_flow flow = {filtration__start_node, 1.0, 1.0, fn, user};
+    if (!l || !fn || !filtration__set_nodes(fluid, &flow)) return FILTRATION_BAD_ARGUMENT;
+    memset(l->slab_active, 1, (size_t)l->nz);
+    return FILTRATION_OK;
+}
+
+FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fluid) {
+    return fluid && fluid->lattice ? filtration__level(fluid) : FILTRATION_BAD_ARGUMENT;
+}
+
+/* -------------------------------------------------------------------------------------------------- >>fluid/save.h */
+/* Writes a fluid as bytes and reads it back, bit for bit. */
+
+/* ==== >>save ==== */
+
+/* Everything but arrays. All fields have eight bytes, so that there is no padding. */
+typedef struct filtration__header {
+    uint64_t magic;
+    int64_t nodes[3], directions, single, faces[6], boundary, refill, force_mode, keep_mass, links, solid_nodes, balls, odd, left, steps,
+        updates;
+    double bulk_ratio, lambda, tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel, density, viscosity;
+} filtration__header;
+
+#define FILTRATION__MAGIC UINT64_C(0x336c6966656c6472) /* changes with the format */
+
+static inline uint64_t filtration__checksum(uint64_t sum, const void *data, size_t bytes) {
+    const unsigned char *p = (const unsigned char *)data;
+    size_t k = 0;
+    for (; k + 8 <= bytes; k += 8) {
+        uint64_t word;
+        memcpy(&word, p + k, 8);
+        sum = (sum ^ word) * UINT64_C(0x100000001b3);
+        sum ^= sum >> 29;
+    }
+    for (; k < bytes; k++) sum = (sum ^ p[k]) * UINT64_C(0x100000001b3);
+    return sum;
+}
+
+static inline filtration__header filtration__make_header(const filtration_fluid *fluid) {
+    const filtration__lattice *l = fluid->lattice;
+    const filtration_fluid_def *d = &fluid->def;
+    filtration__header h;
+    memset(&h, 0, sizeof h);
+    h.magic = FILTRATION__MAGIC;
+    for (int a = 0; a < 3; a++) h.nodes[a] = d->nodes[a];
+    for (int f = 0; f < 6; f++) h.faces[f] = (int64_t)d->face[f];
+    h.boundary = (int64_t)d->boundary, h.refill = (int64_t)d->refill, h.force_mode = (int64_t)d->force, h.keep_mass = d->keep_mass;
+    h.bulk_ratio = d->bulk_ratio, h.lambda = d->magic, h.left = l->left;
+    h.directions = l->q, h.single = l->single, h.links = l->link_count, h.solid_nodes = l->solid_nodes;
+    h.balls = l->ball_count, h.odd = l->odd, h.steps = fluid->steps, h.updates = fluid->updates;
+    h.tau = d->tau, h.time = fluid->time, h.mass_correction = fluid->mass_correction;
+    h.voxel = d->voxel, h.density = d->density, h.viscosity = d->viscosity;
+    memcpy(h.body_force, d->body_force, sizeof h.body_force);
+    memcpy(h.face_velocity, d->face_velocity, sizeof h.face_velocity);
+    memcpy(h.face_pressure, d->face_pressure, sizeof h.face_pressure);
+    return h;
+}
+
+/* Lists the arrays of a save, in order. Returns their number. */
+static inline int filtration__saved_arrays(const filtration__lattice *l, void *data[4], size_t bytes[4]) {
+    data[0] = l->slab_active, bytes[0] = (size_t)l->nz;
+    data[1] = l->owner, bytes[1] = filtration__nodes(l) * sizeof *l->owner;
+    data[2] = l->balls, bytes[2] = (size_t)l->ball_count * sizeof *l->balls;
+    data[3] = l->f, bytes[3] = l->block_bytes - FILTRATION__LINE;
+    return 4;
+}
+
+FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write, void *user) {
+    if (!fluid || !fluid->lattice || !write) return FILTRATION_BAD_ARGUMENT;
+    filtration__header h = filtration__make_header(fluid);
+    void *data[4];
+    size_t bytes[4];
+    uint64_t sum = filtration__checksum(0, &h, sizeof h);
+    if (!write(user, &h, sizeof h)) return FILTRATION_STREAM;
+    int n = filtration__saved_arrays(fluid->lattice, data, bytes);
+    for (int k = 0; k < n; k++) {
+        if (!bytes[k]) continue;
+        if (!write(user, data[k], bytes[k])) return FILTRATION_STREAM;
+        sum = filtration__checksum(sum, data[k], bytes[k]);
+    }
+    return write(user, &sum, sizeof sum) ? FILTRATION_OK : FILTRATION_STREAM;
+}
+
+/* Puts the fluid at rest at time 0, without spheres. */
+static inline void filtration__rest(filtration_fluid *fluid) {
+    filtration__lattice *l = fluid->lattice;
+    memset(l->block, 0, l->block_bytes);
+    memset(l->slab_active, 0, (size_t)l->nz);
+    for (size_t k = 0; k < filtration__nodes(l); k++)
+        if (l->owner[k] != FILTRATION__SOLID) l->owner[k] = FILTRATION__FLUID;
+    l->ball_count = 0;
+    l->odd = l->left = 0;
+    fluid->time = fluid->mass_correction = 0.0;
+    fluid->steps = fluid->updates = 0;
+    memset(&fluid->problem, 0, sizeof fluid->problem);
+}
+
+/* Returns whether a save belongs to this fluid. */
+static inline int filtration__fits(const filtration_fluid *fluid, const filtration__header *h) {
+    filtration__header own = filtration__make_header(fluid);
+    int same = h->magic == own.magic && h->directions == own.directions && h->single == own.single && h->links == own.links &&
+               h->solid_nodes == own.solid_nodes && h->voxel == own.voxel && h->density == own.density && h->viscosity == own.viscosity &&
+               h->boundary == own.boundary && h->refill == own.refill && h->force_mode == own.force_mode && h->keep_mass == own.keep_mass &&
+               h->bulk_ratio == own.bulk_ratio && h->lambda == own.lambda && (h->left == 0 || h->left == 1) &&
+               h->balls >= 0 && h->balls < INT32_MAX && (h->odd == 0 || h->odd == 1) && h->time >= 0.0 && h->time < HUGE_VAL &&
+               fabs(h->mass_correction) < HUGE_VAL && h->steps >= 0 && h->updates >= 0;
+    for (int a = 0; a < 3; a++) same = same && h->nodes[a] == own.nodes[a];
+    for (int f = 0; f < 6; f++) same = same && h->faces[f] == own.faces[f];
+    return same;
+}
+
+static inline filtration_status filtration__read_arrays(filtration_fluid *fluid, const filtration__header *h, filtration_read_fn read,
+                                                        void *user) {
+    filtration__lattice *l = fluid->lattice;
+    void *data[4];
+    size_t bytes[4];
+    uint64_t sum = filtration__checksum(0, h, sizeof *h), stored = 0;
+    if (filtration__room_for_balls(fluid, (ptrdiff_t)h->balls) != FILTRATION_OK) return FILTRATION_NO_MEMORY;
+    int n = filtration__saved_arrays(l, data, bytes);
+    for (int k = 0; k < n; k++) {
+        if (!bytes[k]) continue;
+        if (!read(user, data[k], bytes[k])) return FILTRATION_STREAM;
+        sum = filtration__checksum(sum, data[k], bytes[k]);
+    }
+    if (!read(user, &stored, sizeof stored)) return FILTRATION_STREAM;
+    return stored == sum ? FILTRATION_OK : FILTRATION_BAD_DATA;
+}
+
+/* Marks the solid's nodes again, because a damaged save may have changed the map. */
+static inline void filtration__remark(filtration_fluid *fluid) {
+    filtration__lattice *l = fluid->lattice;
+    for (size_t k = 0; k < filtration__nodes(l); k++) l->owner[k] = FILTRATION__FLUID;
+    l->fluid_nodes = (ptrdiff_t)filtration__nodes(l);
+    l->solid_nodes = 0;
+    if (fluid->def.solid.distance) filtration__mark_solid(&fluid->def, l);
+}
+
+FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, filtration_read_fn read, void *user) {
+    filtration__header h;
+    if (!fluid || !fluid->lattice || !read) return FILTRATION_BAD_ARGUMENT;
+    filtration__rest(fluid);
+    if (!read(user, &h, sizeof h)) return FILTRATION_STREAM;
+    filtration_fluid_def def = fluid->def;
+    def.tau = h.tau;
+    memcpy(def.body_force, h.body_force, sizeof h.body_force);
+    memcpy(def.face_velocity, h.face_velocity, sizeof h.face_velocity);
+    memcpy(def.face_pressure, h.face_pressure, sizeof h.face_pressure);
+    if (!filtration__fits(fluid, &h) || filtration_fluid_check_def(&def, NULL) != FILTRATION_OK) return FILTRATION_BAD_DATA;
+    filtration_status status = filtration__read_arrays(fluid, &h, read, user);
+    if (status != FILTRATION_OK) {
+        filtration__remark(fluid);
+        filtration__rest(fluid);
+        return status;
+    }
+    (void)filtration__change(fluid, &def);
+    fluid->lattice->odd = (int)h.odd, fluid->lattice->left = (int)h.left;
+    fluid->time = h.time, fluid->mass_correction = h.mass_correction;
+    fluid->steps = h.steps, fluid->updates = h.updates;
+    return FILTRATION_OK;
+}
+
+/* ----------------------------------------------------------------------------------------------- >>solids/solids.h */
+/* Signed distances of woven cloth, beds and voxel images. */
 
 /* ==== >>solids ==== */
 
@@ -2612,2170 +4740,8 @@ FILTRATION_API filtration_solid filtration_image_solid(const filtration_image *i
     return solid;
 }
 
-/* ----------------------------------------------------------------------------------------------------- >>lattice.h */
-/* lattice.h: the two sets of directions, the layout of populations in memory, and where a step finds them. Relies on base.h and api.h.
-   May be changed here alone: nothing; every later part addresses populations through the functions here. */
-
-/* ==== >>lattice ==== */
-
-#define FILTRATION__Q 19     /* largest number of directions */
-#define FILTRATION__LINE 64  /* bytes of a cache line: rows begin on one */
-#define FILTRATION__TASKS 64 /* parts of a step that threads share: a fixed number, so that sums have one order */
-#define FILTRATION__FLUID (-1)
-#define FILTRATION__SOLID (-2)
-#define FILTRATION__FRESH (-3) /* left by a sphere, not yet filled */
-enum { FILTRATION__ROW_SOLID = 1, FILTRATION__ROW_BAD = 2 };
-
-/* Directions: rest, then pairs of opposite ones, so that the opposite of i needs no table. */
-static const signed char filtration__c19[19][3] = {{0, 0, 0},  {1, 0, 0},   {-1, 0, 0},  {0, 1, 0},  {0, -1, 0}, {0, 0, 1},   {0, 0, -1},
-                                                   {1, 1, 0},  {-1, -1, 0}, {1, -1, 0},  {-1, 1, 0}, {1, 0, 1},  {-1, 0, -1}, {1, 0, -1},
-                                                   {-1, 0, 1}, {0, 1, 1},   {0, -1, -1}, {0, 1, -1}, {0, -1, 1}};
-static const signed char filtration__c15[15][3] = {{0, 0, 0},   {1, 0, 0},  {-1, 0, 0},  {0, 1, 0},    {0, -1, 0},
-                                                   {0, 0, 1},   {0, 0, -1}, {1, 1, 1},   {-1, -1, -1}, {1, 1, -1},
-                                                   {-1, -1, 1}, {1, -1, 1}, {-1, 1, -1}, {-1, 1, 1},   {1, -1, -1}};
-
-static inline int filtration__opposite(int i) { return i ? ((i - 1) ^ 1) + 1 : 0; }
-
-/* A link of the solid at rest, from fluid node (x, y, z) along i. */
-typedef struct filtration__link {
-    int32_t x, y, z, i;
-    float fraction; /* q [-] */
-} filtration__link;
-
-/* A population that enters a node through a face, the opposite of direction i, which leaves. It follows from the population that leaves the
-   node at `offset` along `along`. */
-typedef struct filtration__entry {
-    signed char i, face, offset[3], along;
-} filtration__entry;
-
-/* A sphere in lattice units, as in the owner map. */
-typedef struct filtration__ball {
-    double centre[3], velocity[3], spin[3], radius; /* radius 0: no sphere */
-    double force[2][3], torque[2][3];               /* of this step and the one before */
-    double density, slope[3];                       /* at its surface: deviation density + slope . d, d from the centre */
-    int64_t steps;                                  /* number of steps since it was added */
-    int64_t films;                                  /* number of links to other solids and through faces */
-    int64_t hull[3];                                /* sum over its links of 72 w c [-]: 0 where its surface is closed */
-} filtration__ball;
-
-/* Relaxation and forcing of one step, of the kernel's precision. */
-typedef struct filtration__rates {
-    double plus, minus, bulk; /* rates [-] of even and odd parts and of the trace of the stress */
-    double force[3];          /* on a node, in lattice units [-] */
-    double limit;             /* of the squared speed [-] */
-} filtration__rates;
-
-typedef struct filtration__lattice {
-    int q, single; /* number of directions; 1: floats */
-    int nx, ny, nz;
-    int ghost_y, ghost_z;     /* 1: rows beyond the faces exist */
-    int lead;                 /* numbers before node 0 of a row; the last one is the halo */
-    ptrdiff_t stride, bundle; /* numbers between directions, between rows */
-    ptrdiff_t rows;           /* number of rows, with ghosts */
-    void *f;                  /* deviations h = f - w [-] */
-    void *block;              /* allocated block that contains f */
-    size_t block_bytes;
-    const signed char (*c)[3];
-    const struct filtration__face_kind *face[6];
-    double face_velocity[6][3], face_density[6]; /* lattice units [-] */
-    double w[FILTRATION__Q];
-    int whole_weight[FILTRATION__Q]; /* 72 w */
-    filtration__rates rates;
-    int periodic_x, half_way, refill;
-    int left;                   /* 1: spheres have left nodes since the mass was corrected */
-    int odd;                    /* which step of the pair comes next */
-    int32_t *owner;             /* [nz][ny][nx]: FILTRATION__FLUID, FILTRATION__SOLID or a sphere */
-    unsigned char *row_state;   /* [nz][ny]: FILTRATION__ROW_SOLID, FILTRATION__ROW_BAD */
-    unsigned char *slab_active; /* [nz]: 0: at exact rest */
-    filtration__link *links;
-    ptrdiff_t link_count;
-    int entry_count[64]; /* of nodes beside faces: low and high of an axis have a bit each */
-    filtration__entry entries[64][FILTRATION__Q];
-    filtration__ball *balls;
-    ptrdiff_t ball_count, ball_room;
-    ptrdiff_t fluid_nodes, solid_nodes;
-    double to_velocity, to_pressure, to_force; /* SI per lattice unit */
-    double reduce[FILTRATION__TASKS][8];       /* sums of tasks */
-    int bad[FILTRATION__TASKS];                /* 1: a row of the task is FILTRATION__ROW_BAD */
-    int64_t updated[FILTRATION__TASKS];        /* nodes */
-} filtration__lattice;
-
-static inline double filtration__dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/* Returns the deviation of density at a sphere's surface, or in a film beside it; d: from its centre. */
-static inline double filtration__density_at(const filtration__ball *b, const double d[3]) {
-    return b->density + filtration__dot(b->slope, d);
-}
-
-/* Returns a coordinate on an axis of n nodes, wrapped; i is at most n beyond. */
-static inline int filtration__wrap(int i, int n) { return i < 0 ? i + n : i >= n ? i - n : i; }
-
-/* Returns the row at (y, z), each -1 .. n: wrapped on periodic axes, a ghost row beyond other faces. */
-static inline ptrdiff_t filtration__row(const filtration__lattice *l, int y, int z) {
-    y = l->ghost_y ? y + 1 : filtration__wrap(y, l->ny);
-    z = l->ghost_z ? z + 1 : filtration__wrap(z, l->nz);
-    return (ptrdiff_t)z * (l->ny + 2 * l->ghost_y) + y;
-}
-
-/* Returns the place of direction i at node x of a row. */
-static inline ptrdiff_t filtration__place(const filtration__lattice *l, ptrdiff_t row, int i, int x) {
-    return row * l->bundle + i * l->stride + l->lead + x;
-}
-
-static inline double filtration__get(const filtration__lattice *l, ptrdiff_t place) {
-    return l->single ? (double)((const float *)l->f)[place] : ((const double *)l->f)[place];
-}
-
-static inline void filtration__put(filtration__lattice *l, ptrdiff_t place, double h) {
-    if (l->single) ((float *)l->f)[place] = (float)h;
-    else ((double *)l->f)[place] = h;
-}
-
-/* Returns where a population is stored at its own node. There is only one lattice, updated in place (Bailey et al. 2009): an even step
-   reads and writes at the node itself, an odd one at its neighbours; both write each outgoing population where they read the opposite one.
-   So there are two kinds of places: `home` and `abroad`. */
-static inline ptrdiff_t filtration__home(const filtration__lattice *l, int x, int y, int z, int i) {
-    return filtration__place(l, filtration__row(l, y, z), i, x);
-}
-
-/* Returns where an odd step reads direction i of a node: the opposite slot of the node that it comes from. */
-static inline ptrdiff_t filtration__abroad(const filtration__lattice *l, int x, int y, int z, int i) {
-    const signed char *c = l->c[i];
-    return filtration__place(l, filtration__row(l, y - c[1], z - c[2]), filtration__opposite(i), x - c[0]);
-}
-
-/* Returns where the last step left the outgoing population i of a node; between steps. */
-static inline ptrdiff_t filtration__outgoing(const filtration__lattice *l, int x, int y, int z, int i) {
-    int j = filtration__opposite(i);
-    return l->odd ? filtration__home(l, x, y, z, j) : filtration__abroad(l, x, y, z, j);
-}
-
-/* Returns where the next step reads the incoming population i of a node; between steps. */
-static inline ptrdiff_t filtration__incoming(const filtration__lattice *l, int x, int y, int z, int i) {
-    if (l->odd) return filtration__abroad(l, x, y, z, i);
-    if (l->periodic_x && x == 0 && l->c[i][0] > 0) x = l->nx; /* still in the halo, which is folded back when the step begins */
-    else if (l->periodic_x && x == l->nx - 1 && l->c[i][0] < 0) x = -1;
-    return filtration__home(l, x, y, z, i);
-}
-
-static inline ptrdiff_t filtration__node(const filtration__lattice *l, int x, int y, int z) {
-    return ((ptrdiff_t)z * l->ny + y) * l->nx + x;
-}
-
-/* Returns the equilibrium of direction i: weight times r + 3 c.u + 4.5 (c.u)^2 - 1.5 u^2 (He and Luo 1997). */
-static inline double filtration__equilibrium(const filtration__lattice *l, int i, double r, const double u[3]) {
-    const signed char *c = l->c[i];
-    double cu = c[0] * u[0] + c[1] * u[1] + c[2] * u[2];
-    return l->w[i] * (r + 3.0 * cu + 4.5 * cu * cu - 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]));
-}
-#define FILTRATION__REAL double
-#define FILTRATION__FLAG int64_t
-#define FILTRATION__OF(name) name##d
-
-/* ------------------------------------------------------------------------------------------------------ >>kernel.h */
-/* kernel.h: collision of the nodes of a row; read once for doubles and once for floats.
-   Relies on lattice.h, and on FILTRATION__REAL, FILTRATION__FLAG (an integer of its size) and FILTRATION__OF(name).
-   May be changed here alone: the order of arithmetic (the bits change). */
-
-/* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation times, and a third for
-   the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et al. (2002), split by parity. Returns whether
-   a node is faster than the limit or not a number. A call processes `n` nodes from `first` on. The memory of the next row is prefetched
-   into the second cache, because hardware prefetchers follow too few streams. */
-#define FILTRATION__LOAD(i) const FILTRATION__REAL s##i = p##i[x] + p##i##o[x], d##i = p##i[x] - p##i##o[x];
-#define FILTRATION__STORE(i, cu_, cf_, W)                                                                                                  \
-    {                                                                                                                                      \
-        const FILTRATION__REAL cu = cu_;                                                                                                   \
-        FILTRATION__REAL even = keep_plus * s##i + (W##_even + W##_square * (cu * cu)), odd = keep_minus * d##i + W##_odd * cu;            \
-        if (forced) {                                                                                                                      \
-            const FILTRATION__REAL cf = cf_;                                                                                               \
-            even += W##_force_even * (9 * cf * cu - uf3);                                                                                  \
-            odd += W##_force_odd * cf;                                                                                                     \
-        }                                                                                                                                  \
-        p##i##o[x] = even + odd;                                                                                                           \
-        p##i[x] = even - odd;                                                                                                              \
-    }
-#define FILTRATION__POINTERS(i, j) FILTRATION__REAL *const p##i = p[i], *const p##i##o = p[j];
-
-#define FILTRATION__CONSTANTS                                                                                                              \
-    const FILTRATION__REAL plus = (FILTRATION__REAL)rates->plus, minus = (FILTRATION__REAL)rates->minus;                                   \
-    const FILTRATION__REAL keep_plus = (FILTRATION__REAL)0.5 * (1 - plus), keep_minus = (FILTRATION__REAL)0.5 * (1 - minus);               \
-    const FILTRATION__REAL trace = (FILTRATION__REAL)(rates->plus - rates->bulk), limit = (FILTRATION__REAL)rates->limit;                  \
-    const FILTRATION__REAL fx = (FILTRATION__REAL)rates->force[0], fy = (FILTRATION__REAL)rates->force[1],                                 \
-                           fz = (FILTRATION__REAL)rates->force[2], half = (FILTRATION__REAL)0.5;                                           \
-    FILTRATION__FLAG bad = 0;
-
-#define FILTRATION__WEIGHT(W, w)                                                                                                           \
-    const FILTRATION__REAL W##_plus = (FILTRATION__REAL)(w)*plus, W##_square = (FILTRATION__REAL)4.5 * W##_plus,                           \
-                           W##_odd = (FILTRATION__REAL)(3.0 * (w)) * minus, W##_force_even = (FILTRATION__REAL)(w) * (1 - half * plus),    \
-                           W##_force_odd = (FILTRATION__REAL)(3.0 * (w)) * (1 - half * minus);                                             \
-    (void)W##_force_even, (void)W##_force_odd;
-
-/* Density, speed, trace of the non-equilibrium stress. c2: squared length of the outer directions; rest: weight at rest. */
-#define FILTRATION__MOMENTS(c2, rest)                                                                                                      \
-    if (forced) ux += half * fx, uy += half * fy, uz += half * fz;                                                                         \
-    const FILTRATION__REAL h0 = p0[x], r = h0 + (axes + outer), uu = (ux * ux + uy * uy) + uz * uz;                                        \
-    const FILTRATION__REAL uf = forced ? (ux * fx + uy * fy) + uz * fz : 0, uf3 = 3 * uf, q = r - (FILTRATION__REAL)1.5 * uu;              \
-    const FILTRATION__REAL b = trace * ((axes + c2 * outer) - r - uu + uf);                                                                \
-    const FILTRATION__REAL rest_even = h0 - plus * (h0 - (FILTRATION__REAL)(rest)*q);                                                      \
-    p0[x] = rest_even - (FILTRATION__REAL)(1.5 * (rest)) * b - (forced ? (FILTRATION__REAL)(rest) * (1 - half * plus) * uf3 : 0);          \
-    bad |= uu < limit ? 0 : 1;
-
-#define FILTRATION__SETUP                                                                                                                  \
-    FILTRATION__REAL *const p0 = p[0];                                                                                                     \
-    FILTRATION__POINTERS(1, 2)                                                                                                             \
-    FILTRATION__POINTERS(3, 4)                                                                                                             \
-    FILTRATION__POINTERS(5, 6)                                                                                                             \
-    FILTRATION__POINTERS(7, 8)                                                                                                             \
-    FILTRATION__POINTERS(9, 10)                                                                                                            \
-    FILTRATION__POINTERS(11, 12)                                                                                                           \
-    FILTRATION__POINTERS(13, 14)                                                                                                           \
-    FILTRATION__CONSTANTS
-
-FILTRATION__INLINE int FILTRATION__OF(filtration__nodes19)(FILTRATION__REAL *const *p, const filtration__rates *rates, int first, int n,
-                                                           const int forced) {
-    FILTRATION__SETUP
-    FILTRATION__POINTERS(15, 16)
-    FILTRATION__POINTERS(17, 18)
-    FILTRATION__WEIGHT(axis, 1.0 / 18.0)
-    FILTRATION__WEIGHT(edge, 1.0 / 36.0)
-    FILTRATION__INDEPENDENT
-    for (int x = first; x < first + n; x++) {
-        FILTRATION__LOAD(1)
-        FILTRATION__LOAD(3)
-        FILTRATION__LOAD(5)
-        FILTRATION__LOAD(7)
-        FILTRATION__LOAD(9)
-        FILTRATION__LOAD(11)
-        FILTRATION__LOAD(13)
-        FILTRATION__LOAD(15)
-        FILTRATION__LOAD(17)
-        const FILTRATION__REAL axes = s1 + s3 + s5, outer = ((s7 + s9) + (s11 + s13)) + (s15 + s17);
-        FILTRATION__REAL ux = d1 + ((d7 + d9) + (d11 + d13)), uy = d3 + ((d7 - d9) + (d15 + d17)), uz = d5 + ((d11 - d13) + (d15 - d17));
-        FILTRATION__MOMENTS(2, 1.0 / 3.0)
-        const FILTRATION__REAL axis_even = axis_plus * q, edge_even = edge_plus * q + b * (FILTRATION__REAL)(1.0 / 24.0);
-        FILTRATION__STORE(1, ux, fx, axis)
-        FILTRATION__STORE(3, uy, fy, axis)
-        FILTRATION__STORE(5, uz, fz, axis)
-        FILTRATION__STORE(7, ux + uy, fx + fy, edge)
-        FILTRATION__STORE(9, ux - uy, fx - fy, edge)
-        FILTRATION__STORE(11, ux + uz, fx + fz, edge)
-        FILTRATION__STORE(13, ux - uz, fx - fz, edge)
-        FILTRATION__STORE(15, uy + uz, fy + fz, edge)
-        FILTRATION__STORE(17, uy - uz, fy - fz, edge)
-    }
-    return bad != 0;
-}
-
-FILTRATION__INLINE int FILTRATION__OF(filtration__nodes15)(FILTRATION__REAL *const *p, const filtration__rates *rates, int first, int n,
-                                                           const int forced) {
-    FILTRATION__SETUP
-    FILTRATION__WEIGHT(axis, 1.0 / 9.0)
-    FILTRATION__WEIGHT(corner, 1.0 / 72.0)
-    FILTRATION__INDEPENDENT
-    for (int x = first; x < first + n; x++) {
-        FILTRATION__LOAD(1)
-        FILTRATION__LOAD(3)
-        FILTRATION__LOAD(5)
-        FILTRATION__LOAD(7)
-        FILTRATION__LOAD(9)
-        FILTRATION__LOAD(11)
-        FILTRATION__LOAD(13)
-        const FILTRATION__REAL axes = s1 + s3 + s5, outer = (s7 + s9) + (s11 + s13);
-        FILTRATION__REAL ux = d1 + ((d7 + d9) + (d11 - d13)), uy = d3 + ((d7 + d9) - (d11 - d13)), uz = d5 + ((d7 - d9) + (d11 + d13));
-        FILTRATION__MOMENTS(3, 2.0 / 9.0)
-        const FILTRATION__REAL axis_even = axis_plus * q, corner_even = corner_plus * q + b * (FILTRATION__REAL)(1.0 / 24.0);
-        FILTRATION__STORE(1, ux, fx, axis)
-        FILTRATION__STORE(3, uy, fy, axis)
-        FILTRATION__STORE(5, uz, fz, axis)
-        FILTRATION__STORE(7, ux + uy + uz, fx + fy + fz, corner)
-        FILTRATION__STORE(9, ux + uy - uz, fx + fy - fz, corner)
-        FILTRATION__STORE(11, ux - uy + uz, fx - fy + fz, corner)
-        FILTRATION__STORE(13, uy + uz - ux, fy + fz - fx, corner)
-    }
-    return bad != 0;
-}
-
-/* A row of n nodes: whole cache lines first, whose loops have a constant length. */
-#define FILTRATION__ROW(nodes, directions)                                                                                                 \
-    const int line = FILTRATION__LINE / (int)sizeof **p;                                                                                   \
-    int bad = 0, x = 0;                                                                                                                    \
-    for (; x + line <= n; x += line) {                                                                                                     \
-        for (int i = 0; i < directions; i++) FILTRATION__PREFETCH(p[i] + x + ahead);                                                       \
-        bad |= nodes(p, rates, x, line, forced);                                                                                           \
-    }                                                                                                                                      \
-    if (x < n) bad |= nodes(p, rates, x, n - x, forced);                                                                                   \
-    return bad;
-FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead,
-                                                         const int forced){
-    FILTRATION__ROW(FILTRATION__OF(filtration__nodes19), 19)} FILTRATION__INLINE
-    int FILTRATION__OF(filtration__row15)(FILTRATION__REAL *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead,
-                                          const int forced) {
-    FILTRATION__ROW(FILTRATION__OF(filtration__nodes15), 15)
-}
-#undef FILTRATION__LOAD
-#undef FILTRATION__STORE
-#undef FILTRATION__POINTERS
-#undef FILTRATION__CONSTANTS
-#undef FILTRATION__WEIGHT
-#undef FILTRATION__MOMENTS
-#undef FILTRATION__SETUP
-#undef FILTRATION__ROW
-#undef FILTRATION__REAL
-#undef FILTRATION__FLAG
-#undef FILTRATION__OF
-#define FILTRATION__REAL float
-#define FILTRATION__FLAG int32_t
-#define FILTRATION__OF(name) name##f
-
-/* ------------------------------------------------------------------------------------------------------ >>kernel.h */
-/* kernel.h: collision of the nodes of a row; read once for doubles and once for floats.
-   Relies on lattice.h, and on FILTRATION__REAL, FILTRATION__FLAG (an integer of its size) and FILTRATION__OF(name).
-   May be changed here alone: the order of arithmetic (the bits change). */
-
-/* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation times, and a third for
-   the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et al. (2002), split by parity. Returns whether
-   a node is faster than the limit or not a number. A call processes `n` nodes from `first` on. The memory of the next row is prefetched
-   into the second cache, because hardware prefetchers follow too few streams. */
-#define FILTRATION__LOAD(i) const FILTRATION__REAL s##i = p##i[x] + p##i##o[x], d##i = p##i[x] - p##i##o[x];
-#define FILTRATION__STORE(i, cu_, cf_, W)                                                                                                  \
-    {                                                                                                                                      \
-        const FILTRATION__REAL cu = cu_;                                                                                                   \
-        FILTRATION__REAL even = keep_plus * s##i + (W##_even + W##_square * (cu * cu)), odd = keep_minus * d##i + W##_odd * cu;            \
-        if (forced) {                                                                                                                      \
-            const FILTRATION__REAL cf = cf_;                                                                                               \
-            even += W##_force_even * (9 * cf * cu - uf3);                                                                                  \
-            odd += W##_force_odd * cf;                                                                                                     \
-        }                                                                                                                                  \
-        p##i##o[x] = even + odd;                                                                                                           \
-        p##i[x] = even - odd;                                                                                                              \
-    }
-#define FILTRATION__POINTERS(i, j) FILTRATION__REAL *const p##i = p[i], *const p##i##o = p[j];
-
-#define FILTRATION__CONSTANTS                                                                                                              \
-    const FILTRATION__REAL plus = (FILTRATION__REAL)rates->plus, minus = (FILTRATION__REAL)rates->minus;                                   \
-    const FILTRATION__REAL keep_plus = (FILTRATION__REAL)0.5 * (1 - plus), keep_minus = (FILTRATION__REAL)0.5 * (1 - minus);               \
-    const FILTRATION__REAL trace = (FILTRATION__REAL)(rates->plus - rates->bulk), limit = (FILTRATION__REAL)rates->limit;                  \
-    const FILTRATION__REAL fx = (FILTRATION__REAL)rates->force[0], fy = (FILTRATION__REAL)rates->force[1],                                 \
-                           fz = (FILTRATION__REAL)rates->force[2], half = (FILTRATION__REAL)0.5;                                           \
-    FILTRATION__FLAG bad = 0;
-
-#define FILTRATION__WEIGHT(W, w)                                                                                                           \
-    const FILTRATION__REAL W##_plus = (FILTRATION__REAL)(w)*plus, W##_square = (FILTRATION__REAL)4.5 * W##_plus,                           \
-                           W##_odd = (FILTRATION__REAL)(3.0 * (w)) * minus, W##_force_even = (FILTRATION__REAL)(w) * (1 - half * plus),    \
-                           W##_force_odd = (FILTRATION__REAL)(3.0 * (w)) * (1 - half * minus);                                             \
-    (void)W##_force_even, (void)W##_force_odd;
-
-/* Density, speed, trace of the non-equilibrium stress. c2: squared length of the outer directions; rest: weight at rest. */
-#define FILTRATION__MOMENTS(c2, rest)                                                                                                      \
-    if (forced) ux += half * fx, uy += half * fy, uz += half * fz;                                                                         \
-    const FILTRATION__REAL h0 = p0[x], r = h0 + (axes + outer), uu = (ux * ux + uy * uy) + uz * uz;                                        \
-    const FILTRATION__REAL uf = forced ? (ux * fx + uy * fy) + uz * fz : 0, uf3 = 3 * uf, q = r - (FILTRATION__REAL)1.5 * uu;              \
-    const FILTRATION__REAL b = trace * ((axes + c2 * outer) - r - uu + uf);                                                                \
-    const FILTRATION__REAL rest_even = h0 - plus * (h0 - (FILTRATION__REAL)(rest)*q);                                                      \
-    p0[x] = rest_even - (FILTRATION__REAL)(1.5 * (rest)) * b - (forced ? (FILTRATION__REAL)(rest) * (1 - half * plus) * uf3 : 0);          \
-    bad |= uu < limit ? 0 : 1;
-
-#define FILTRATION__SETUP                                                                                                                  \
-    FILTRATION__REAL *const p0 = p[0];                                                                                                     \
-    FILTRATION__POINTERS(1, 2)                                                                                                             \
-    FILTRATION__POINTERS(3, 4)                                                                                                             \
-    FILTRATION__POINTERS(5, 6)                                                                                                             \
-    FILTRATION__POINTERS(7, 8)                                                                                                             \
-    FILTRATION__POINTERS(9, 10)                                                                                                            \
-    FILTRATION__POINTERS(11, 12)                                                                                                           \
-    FILTRATION__POINTERS(13, 14)                                                                                                           \
-    FILTRATION__CONSTANTS
-
-FILTRATION__INLINE int FILTRATION__OF(filtration__nodes19)(FILTRATION__REAL *const *p, const filtration__rates *rates, int first, int n,
-                                                           const int forced) {
-    FILTRATION__SETUP
-    FILTRATION__POINTERS(15, 16)
-    FILTRATION__POINTERS(17, 18)
-    FILTRATION__WEIGHT(axis, 1.0 / 18.0)
-    FILTRATION__WEIGHT(edge, 1.0 / 36.0)
-    FILTRATION__INDEPENDENT
-    for (int x = first; x < first + n; x++) {
-        FILTRATION__LOAD(1)
-        FILTRATION__LOAD(3)
-        FILTRATION__LOAD(5)
-        FILTRATION__LOAD(7)
-        FILTRATION__LOAD(9)
-        FILTRATION__LOAD(11)
-        FILTRATION__LOAD(13)
-        FILTRATION__LOAD(15)
-        FILTRATION__LOAD(17)
-        const FILTRATION__REAL axes = s1 + s3 + s5, outer = ((s7 + s9) + (s11 + s13)) + (s15 + s17);
-        FILTRATION__REAL ux = d1 + ((d7 + d9) + (d11 + d13)), uy = d3 + ((d7 - d9) + (d15 + d17)), uz = d5 + ((d11 - d13) + (d15 - d17));
-        FILTRATION__MOMENTS(2, 1.0 / 3.0)
-        const FILTRATION__REAL axis_even = axis_plus * q, edge_even = edge_plus * q + b * (FILTRATION__REAL)(1.0 / 24.0);
-        FILTRATION__STORE(1, ux, fx, axis)
-        FILTRATION__STORE(3, uy, fy, axis)
-        FILTRATION__STORE(5, uz, fz, axis)
-        FILTRATION__STORE(7, ux + uy, fx + fy, edge)
-        FILTRATION__STORE(9, ux - uy, fx - fy, edge)
-        FILTRATION__STORE(11, ux + uz, fx + fz, edge)
-        FILTRATION__STORE(13, ux - uz, fx - fz, edge)
-        FILTRATION__STORE(15, uy + uz, fy + fz, edge)
-        FILTRATION__STORE(17, uy - uz, fy - fz, edge)
-    }
-    return bad != 0;
-}
-
-FILTRATION__INLINE int FILTRATION__OF(filtration__nodes15)(FILTRATION__REAL *const *p, const filtration__rates *rates, int first, int n,
-                                                           const int forced) {
-    FILTRATION__SETUP
-    FILTRATION__WEIGHT(axis, 1.0 / 9.0)
-    FILTRATION__WEIGHT(corner, 1.0 / 72.0)
-    FILTRATION__INDEPENDENT
-    for (int x = first; x < first + n; x++) {
-        FILTRATION__LOAD(1)
-        FILTRATION__LOAD(3)
-        FILTRATION__LOAD(5)
-        FILTRATION__LOAD(7)
-        FILTRATION__LOAD(9)
-        FILTRATION__LOAD(11)
-        FILTRATION__LOAD(13)
-        const FILTRATION__REAL axes = s1 + s3 + s5, outer = (s7 + s9) + (s11 + s13);
-        FILTRATION__REAL ux = d1 + ((d7 + d9) + (d11 - d13)), uy = d3 + ((d7 + d9) - (d11 - d13)), uz = d5 + ((d7 - d9) + (d11 + d13));
-        FILTRATION__MOMENTS(3, 2.0 / 9.0)
-        const FILTRATION__REAL axis_even = axis_plus * q, corner_even = corner_plus * q + b * (FILTRATION__REAL)(1.0 / 24.0);
-        FILTRATION__STORE(1, ux, fx, axis)
-        FILTRATION__STORE(3, uy, fy, axis)
-        FILTRATION__STORE(5, uz, fz, axis)
-        FILTRATION__STORE(7, ux + uy + uz, fx + fy + fz, corner)
-        FILTRATION__STORE(9, ux + uy - uz, fx + fy - fz, corner)
-        FILTRATION__STORE(11, ux - uy + uz, fx - fy + fz, corner)
-        FILTRATION__STORE(13, uy + uz - ux, fy + fz - fx, corner)
-    }
-    return bad != 0;
-}
-
-/* A row of n nodes: whole cache lines first, whose loops have a constant length. */
-#define FILTRATION__ROW(nodes, directions)                                                                                                 \
-    const int line = FILTRATION__LINE / (int)sizeof **p;                                                                                   \
-    int bad = 0, x = 0;                                                                                                                    \
-    for (; x + line <= n; x += line) {                                                                                                     \
-        for (int i = 0; i < directions; i++) FILTRATION__PREFETCH(p[i] + x + ahead);                                                       \
-        bad |= nodes(p, rates, x, line, forced);                                                                                           \
-    }                                                                                                                                      \
-    if (x < n) bad |= nodes(p, rates, x, n - x, forced);                                                                                   \
-    return bad;
-FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead,
-                                                         const int forced){
-    FILTRATION__ROW(FILTRATION__OF(filtration__nodes19), 19)} FILTRATION__INLINE
-    int FILTRATION__OF(filtration__row15)(FILTRATION__REAL *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead,
-                                          const int forced) {
-    FILTRATION__ROW(FILTRATION__OF(filtration__nodes15), 15)
-}
-#undef FILTRATION__LOAD
-#undef FILTRATION__STORE
-#undef FILTRATION__POINTERS
-#undef FILTRATION__CONSTANTS
-#undef FILTRATION__WEIGHT
-#undef FILTRATION__MOMENTS
-#undef FILTRATION__SETUP
-#undef FILTRATION__ROW
-
-/* ----------------------------------------------------------------------------------------------------- >>collide.h */
-/* collide.h: one step of a pair over all rows: halos of periodic rows, collision, skipped slabs, detection of divergence. Relies on
-   lattice.h and kernel.h.
-   May be changed here alone: everything. */
-
-/* ==== >>collide ==== */
-
-#define FILTRATION__KERNEL(name, real, row, forced)                                                                                        \
-    FILTRATION__CLONES(name, (real *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead, int *bad),                           \
-                       (p, rates, n, ahead, bad), *bad = row(p, rates, n, ahead, forced))
-FILTRATION__KERNEL(filtration__collide19d, double, filtration__row19d, 0)
-FILTRATION__KERNEL(filtration__collide19d_forced, double, filtration__row19d, 1)
-FILTRATION__KERNEL(filtration__collide19f, float, filtration__row19f, 0)
-FILTRATION__KERNEL(filtration__collide19f_forced, float, filtration__row19f, 1)
-FILTRATION__KERNEL(filtration__collide15d, double, filtration__row15d, 0)
-FILTRATION__KERNEL(filtration__collide15d_forced, double, filtration__row15d, 1)
-
-static inline int filtration__forced(const filtration__rates *r) { return r->force[0] != 0.0 || r->force[1] != 0.0 || r->force[2] != 0.0; }
-
-/* Collides the nodes of a row. p[i]: where direction i of node 0 is read. Returns whether a node is bad. */
-static inline int filtration__collide_row(const filtration__lattice *l, const ptrdiff_t *place) {
-    int bad = 0, forced = filtration__forced(&l->rates);
-    if (l->single) {
-        float *p[FILTRATION__Q];
-        for (int i = 0; i < l->q; i++) p[i] = (float *)l->f + place[i];
-        if (forced) filtration__collide19f_forced(p, &l->rates, l->nx, l->bundle, &bad);
-        else filtration__collide19f(p, &l->rates, l->nx, l->bundle, &bad);
-        return bad;
-    }
-    double *p[FILTRATION__Q];
-    for (int i = 0; i < l->q; i++) p[i] = (double *)l->f + place[i];
-    if (l->q == 15 && forced) filtration__collide15d_forced(p, &l->rates, l->nx, l->bundle, &bad);
-    else if (l->q == 15) filtration__collide15d(p, &l->rates, l->nx, l->bundle, &bad);
-    else if (forced) filtration__collide19d_forced(p, &l->rates, l->nx, l->bundle, &bad);
-    else filtration__collide19d(p, &l->rates, l->nx, l->bundle, &bad);
-    return bad;
-}
-
-/* Moves what left a periodic row from its halo to the nodes at the other end, before an even step. */
-static inline void filtration__fold(filtration__lattice *l, ptrdiff_t row) {
-    for (int i = 1; i < l->q; i++) {
-        int c = l->c[i][0];
-        if (c > 0) filtration__put(l, filtration__place(l, row, i, 0), filtration__get(l, filtration__place(l, row, i, l->nx)));
-        if (c < 0) filtration__put(l, filtration__place(l, row, i, l->nx - 1), filtration__get(l, filtration__place(l, row, i, -1)));
-    }
-}
-
-/* Copies the ends of a periodic row to its halo, where the next odd step reads them, after an even step. */
-static inline void filtration__spread(filtration__lattice *l, ptrdiff_t row) {
-    for (int i = 1; i < l->q; i++) {
-        int c = l->c[i][0];
-        if (c > 0) filtration__put(l, filtration__place(l, row, i, l->nx), filtration__get(l, filtration__place(l, row, i, 0)));
-        if (c < 0) filtration__put(l, filtration__place(l, row, i, -1), filtration__get(l, filtration__place(l, row, i, l->nx - 1)));
-    }
-}
-
-static inline void filtration__collide_at(filtration__lattice *l, int y, int z) {
-    ptrdiff_t place[FILTRATION__Q], row = filtration__row(l, y, z);
-    unsigned char *state = l->row_state + (ptrdiff_t)z * l->ny + y;
-    if (l->odd) {
-        ptrdiff_t near[3][3];
-        for (int b = -1; b <= 1; b++)
-            for (int a = -1; a <= 1; a++) near[b + 1][a + 1] = filtration__row(l, y + a, z + b) * l->bundle;
-        for (int i = 0; i < l->q; i++)
-            place[i] = near[1 - l->c[i][2]][1 - l->c[i][1]] + filtration__opposite(i) * l->stride + l->lead - l->c[i][0];
-    } else {
-        for (int i = 0; i < l->q; i++) place[i] = filtration__place(l, row, i, 0);
-        if (l->periodic_x) filtration__fold(l, row);
-    }
-    if (filtration__collide_row(l, place)) *state |= FILTRATION__ROW_BAD;
-    if (!l->odd && l->periodic_x) filtration__spread(l, row);
-}
-
-static inline void filtration__task_range(ptrdiff_t n, int task, ptrdiff_t *first, ptrdiff_t *end) {
-    *first = n * task / FILTRATION__TASKS;
-    *end = n * (task + 1) / FILTRATION__TASKS;
-}
-
-FILTRATION__STATIC void filtration__collide_task(void *context, int task) {
-    filtration__lattice *l = (filtration__lattice *)context;
-    ptrdiff_t first, end;
-    filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
-    l->bad[task] = 0;
-    l->updated[task] = 0;
-    for (ptrdiff_t k = first; k < end; k++) {
-        int y = (int)(k % l->ny), z = (int)(k / l->ny);
-        if (!l->slab_active[z] || (l->row_state[k] & FILTRATION__ROW_SOLID)) continue;
-        filtration__collide_at(l, y, z);
-        l->bad[task] |= l->row_state[k] & FILTRATION__ROW_BAD;
-        l->updated[task] += l->nx;
-    }
-}
-
-/* Wakes slabs at exact rest next to moving ones. An odd step reads the neighbouring slabs and writes to them, so that motion reaches two
-   slabs farther. always: wakes all. */
-static inline void filtration__wake(filtration__lattice *l, int always) {
-    unsigned char *a = l->slab_active;
-    int reach = l->odd ? 2 : 0;
-    if (always) {
-        memset(a, 1, (size_t)l->nz);
-        return;
-    }
-    for (int pass = 0; pass < reach; pass++) {
-        int wraps = !l->ghost_z && (a[0] || a[l->nz - 1]);
-        for (int z = 0; z < l->nz; z++)
-            if (a[z] == 1 && z + 1 < l->nz && !a[z + 1]) a[z + 1] = 2;
-        for (int z = l->nz - 1; z >= 0; z--)
-            if (a[z] == 1 && z > 0 && !a[z - 1]) a[z - 1] = 2;
-        if (wraps) a[0] = a[l->nz - 1] = 1;
-        for (int z = 0; z < l->nz; z++) a[z] = a[z] != 0;
-    }
-}
-
-/* Returns whether a node lies in a film between surfaces: fewer than half of its neighbours within the box are fluid. The flow there is not
-   resolved; lubrication stands for it. */
-static inline int filtration__in_film(const filtration__lattice *l, int x, int y, int z) {
-    int fluid = 0;
-    for (int i = 1; i < l->q; i++) {
-        int p[3] = {filtration__wrap(x + l->c[i][0], l->nx), filtration__wrap(y + l->c[i][1], l->ny),
-                    filtration__wrap(z + l->c[i][2], l->nz)};
-        fluid += l->owner[filtration__node(l, p[0], p[1], p[2])] == FILTRATION__FLUID;
-    }
-    return 2 * fluid < l->q;
-}
-
-/* Returns the density that a film has beside a sphere, or the mean where there is none. */
-static inline double filtration__film_density(const filtration__lattice *l, int x, int y, int z) {
-    for (int i = 1; i < l->q; i++) {
-        const int32_t owner = l->owner[filtration__node(l, filtration__wrap(x + l->c[i][0], l->nx), filtration__wrap(y + l->c[i][1], l->ny),
-                                                        filtration__wrap(z + l->c[i][2], l->nz))];
-        if (owner >= 0) return l->balls[owner].density;
-    }
-    return 0.0;
-}
-
-/* Finds the first node of a row that is too fast or not a number. Solids and films do not count; they are put to rest. Returns 0 if there
-   is none. */
-static inline int filtration__bad_node(filtration__lattice *l, int y, int z, filtration_problem *problem) {
-    for (int x = 0; x < l->nx; x++) {
-        double u[3] = {0, 0, 0}, r = 0.0;
-        int fluid = l->owner[filtration__node(l, x, y, z)] == FILTRATION__FLUID;
-        for (int i = 0; i < l->q; i++) {
-            double h = filtration__get(l, filtration__outgoing(l, x, y, z, i));
-            r += h;
-            for (int a = 0; a < 3; a++) u[a] += l->c[i][a] * h;
-        }
-        for (int a = 0; a < 3; a++) u[a] -= 0.5 * l->rates.force[a];
-        double uu = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-        if (uu < l->rates.limit && fabs(r) < 1e30) continue;
-        if (!fluid || filtration__in_film(l, x, y, z)) {
-            const double rest = fluid ? filtration__film_density(l, x, y, z) : 0.0;
-            for (int i = 0; i < l->q; i++) filtration__put(l, filtration__outgoing(l, x, y, z, i), l->w[i] * rest);
-            continue;
-        }
-        problem->cause = uu < HUGE_VAL ? FILTRATION_SPEED : FILTRATION_NOT_FINITE;
-        problem->node[0] = x, problem->node[1] = y, problem->node[2] = z;
-        problem->speed = sqrt(uu);
-        return 1;
-    }
-    return 0;
-}
-
-/* Returns whether a row marked bad has a bad fluid node. */
-static inline int filtration__find_problem(filtration__lattice *l, filtration_problem *problem) {
-    for (int task = 0; task < FILTRATION__TASKS; task++) {
-        ptrdiff_t first, end;
-        filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
-        for (ptrdiff_t k = first; l->bad[task] && k < end; k++) {
-            if (!(l->row_state[k] & FILTRATION__ROW_BAD)) continue;
-            l->row_state[k] = (unsigned char)(l->row_state[k] & ~FILTRATION__ROW_BAD);
-            if (filtration__bad_node(l, (int)(k % l->ny), (int)(k / l->ny), problem)) return 1;
-        }
-    }
-    return 0;
-}
-
-/* ------------------------------------------------------------------------------------------------------- >>faces.h */
-/* faces.h: populations that enter through non-periodic faces of the box: walls, given pressure, symmetry. Relies on lattice.h, collide.h
-   (task_range).
-   May be changed here alone: everything. */
-
-/* ==== >>faces ==== */
-
-#define FILTRATION__BLOCK 64 /* nodes that a face processes together */
-
-/* What lies beyond a face. */
-enum { FILTRATION__NOTHING, FILTRATION__REPEATED, FILTRATION__MIRRORED };
-
-/* A kind of face; filtration__face_kinds has a row for each. */
-typedef struct filtration__face_kind {
-    filtration_face kind;
-    int beyond;
-    int rank;         /* at an edge of the box a population belongs to the face of the highest rank */
-    int is_touched;   /* 1: spheres touch it */
-    int has_velocity; /* 1: along the face, 2: through it, too */
-    int has_pressure;
-    int reads_flow; /* 1: enter needs the velocity of the nodes */
-    /* Computes what enters n nodes from what leaves, h. u: their velocity, or 0. NULL: what leaves is what enters. */
-    void (*enter)(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK], double *h);
-} filtration__face_kind;
-
-/* Bounce-back half way from a surface that moves. */
-FILTRATION__STATIC void filtration__enter_wall(const filtration__lattice *l, const filtration__entry *e, int n,
-                                               double u[3][FILTRATION__BLOCK], double *h) {
-    const signed char *c = l->c[e->i];
-    const double *v = l->face_velocity[e->face], push = 6.0 * l->w[e->i] * (c[0] * v[0] + c[1] * v[1] + c[2] * v[2]);
-    (void)u;
-    for (int k = 0; k < n; k++) h[k] -= push;
-}
-
-/* A given pressure by anti-bounce-back (Ginzburg et al. 2008). */
-FILTRATION__STATIC void filtration__enter_open(const filtration__lattice *l, const filtration__entry *e, int n,
-                                               double u[3][FILTRATION__BLOCK], double *h) {
-    const signed char *c = l->c[e->i];
-    const double r = l->face_density[e->face];
-    for (int k = 0; k < n; k++) {
-        double cu = c[0] * u[0][k] + c[1] * u[1][k] + c[2] * u[2][k];
-        double uu = u[0][k] * u[0][k] + u[1][k] * u[1][k] + u[2][k] * u[2][k];
-        h[k] = 2.0 * l->w[e->i] * (r + 4.5 * cu * cu - 1.5 * uu) - h[k];
-    }
-}
-
-/* clang-format off */
-static const filtration__face_kind filtration__face_kinds[] = {
-    /* kind                 beyond                 rank  touched velocity pressure reads flow  enter */
-    {FILTRATION_PERIODIC, FILTRATION__REPEATED, 0, 0, 0, 0, 0, NULL},
-    {FILTRATION_WALL,     FILTRATION__NOTHING,  3, 1, 1, 0, 0, filtration__enter_wall},
-    {FILTRATION_PRESSURE, FILTRATION__NOTHING,  2, 0, 0, 1, 1, filtration__enter_open},
-    {FILTRATION_SYMMETRY, FILTRATION__MIRRORED, 1, 0, 0, 0, 0, NULL},
-};
-/* clang-format on */
-
-/* Returns the row of a kind, or NULL. */
-static inline const filtration__face_kind *filtration__kind_of(filtration_face kind) {
-    for (size_t k = 0; k < sizeof filtration__face_kinds / sizeof *filtration__face_kinds; k++)
-        if (filtration__face_kinds[k].kind == kind) return &filtration__face_kinds[k];
-    return NULL;
-}
-
-static inline int filtration__repeats(const filtration__lattice *l, int axis) { return l->face[2 * axis]->beyond == FILTRATION__REPEATED; }
-
-/* Returns the direction with the signs of some axes (as bits) reversed. */
-static inline int filtration__turned(const filtration__lattice *l, int i, int axes) {
-    for (int j = 0; j < l->q; j++) {
-        int same = 1;
-        for (int a = 0; a < 3; a++) same &= l->c[j][a] == ((axes >> a & 1) ? -l->c[i][a] : l->c[i][a]);
-        if (same) return j;
-    }
-    return i;
-}
-
-/* Moves p, beyond the box by at most one node, into the box: wrapped, or mirrored with the axes as bits in *mirrored. Returns 0 beyond
-   walls and open faces. */
-static inline int filtration__inside(const filtration__lattice *l, int p[3], int *mirrored) {
-    const int n[3] = {l->nx, l->ny, l->nz};
-    *mirrored = 0;
-    for (int a = 0; a < 3; a++) {
-        if (p[a] >= 0 && p[a] < n[a]) continue;
-        const int beyond = l->face[2 * a + (p[a] > 0)]->beyond;
-        if (beyond == FILTRATION__REPEATED) {
-            p[a] %= n[a];
-            if (p[a] < 0) p[a] += n[a];
-        } else if (beyond == FILTRATION__MIRRORED && p[a] >= -1 && p[a] <= n[a]) {
-            p[a] = p[a] < 0 ? -1 - p[a] : 2 * n[a] - 1 - p[a];
-            *mirrored |= 1 << a;
-        } else {
-            return 0;
-        }
-    }
-    return 1;
-}
-
-static inline void filtration__load(const filtration__lattice *l, ptrdiff_t place, int n, double *h) {
-    if (l->single)
-        for (int k = 0; k < n; k++) h[k] = (double)((const float *)l->f)[place + k];
-    else memcpy(h, (const double *)l->f + place, (size_t)n * sizeof *h);
-}
-
-static inline void filtration__store(filtration__lattice *l, ptrdiff_t place, int n, const double *h) {
-    if (l->single)
-        for (int k = 0; k < n; k++) ((float *)l->f)[place + k] = (float)h[k];
-    else memcpy((double *)l->f + place, h, (size_t)n * sizeof *h);
-}
-
-/* Computes the velocity of n nodes of a row after collision. */
-static inline void filtration__row_velocity(const filtration__lattice *l, int x, int n, int y, int z, double u[3][FILTRATION__BLOCK]) {
-    double h[FILTRATION__BLOCK];
-    for (int a = 0; a < 3; a++)
-        for (int k = 0; k < n; k++) u[a][k] = -0.5 * l->rates.force[a];
-    for (int i = 1; i < l->q; i++) {
-        filtration__load(l, filtration__outgoing(l, x, y, z, i), n, h);
-        for (int a = 0; a < 3; a++)
-            for (int k = 0; l->c[i][a] && k < n; k++) u[a][k] += l->c[i][a] * h[k];
-    }
-}
-
-/* Finds how the opposite of direction i enters a node with that many faces beside it (2 bits an axis: low, high). Returns 0 if it does not
-   enter through a face. */
-static inline int filtration__find_entry(const filtration__lattice *l, int beside, int i, filtration__entry *e) {
-    int rank = 0, crossed = 0;
-    memset(e, 0, sizeof *e);
-    for (int a = 0; a < 3; a++) {
-        const int c = l->c[i][a], f = 2 * a + (c > 0);
-        if (c == 0 || !(beside >> f & 1) || l->face[f]->beyond == FILTRATION__REPEATED) continue;
-        crossed |= 1 << a;
-        if (l->face[f]->rank > rank) rank = l->face[f]->rank, e->face = (signed char)f;
-    }
-    if (!crossed) return 0;
-    e->i = e->along = (signed char)i;
-    if (l->face[e->face]->beyond != FILTRATION__MIRRORED) return 1;
-    for (int a = 0; a < 3; a++) e->offset[a] = (crossed >> a & 1) ? (signed char)0 : l->c[i][a];
-    e->along = (signed char)filtration__turned(l, i, 7 & ~crossed);
-    return 1;
-}
-
-/* Lists the populations that enter through faces, for nodes beside any of them. */
-static inline void filtration__list_entries(filtration__lattice *l) {
-    for (int beside = 0; beside < 64; beside++) {
-        l->entry_count[beside] = 0;
-        for (int i = 1; i < l->q; i++)
-            l->entry_count[beside] += filtration__find_entry(l, beside, i, &l->entries[beside][l->entry_count[beside]]);
-    }
-}
-
-static inline int filtration__beside(int i, int n) { return (i == 0) + 2 * (i == n - 1); }
-
-/* Processes n nodes of a row, at most FILTRATION__BLOCK, beside the same faces. */
-static inline void filtration__face_block(filtration__lattice *l, int x, int n, int y, int z) {
-    double u[3][FILTRATION__BLOCK] = {{0.0}}, h[FILTRATION__BLOCK];
-    const int beside = filtration__beside(x, l->nx) + 4 * filtration__beside(y, l->ny) + 16 * filtration__beside(z, l->nz);
-    int have_velocity = 0;
-    for (int k = 0; k < l->entry_count[beside]; k++) {
-        const filtration__entry *e = &l->entries[beside][k];
-        const filtration__face_kind *kind = l->face[e->face];
-        int m[3] = {x + e->offset[0], y + e->offset[1], z + e->offset[2]}, none;
-        filtration__inside(l, m, &none);
-        filtration__load(l, filtration__outgoing(l, m[0], m[1], m[2], e->along), n, h);
-        if (kind->reads_flow && !have_velocity) filtration__row_velocity(l, x, n, y, z, u), have_velocity = 1;
-        if (kind->enter) kind->enter(l, e, n, u, h);
-        filtration__store(l, filtration__incoming(l, x, y, z, filtration__opposite(e->i)), n, h);
-    }
-}
-
-static inline void filtration__face_row(filtration__lattice *l, int y, int z) {
-    int at_face = (l->ghost_y && (y == 0 || y == l->ny - 1)) || (l->ghost_z && (z == 0 || z == l->nz - 1));
-    if (!at_face && l->periodic_x) return;
-    filtration__face_block(l, 0, 1, y, z);
-    for (int x = 1; at_face && x < l->nx - 1; x += FILTRATION__BLOCK)
-        filtration__face_block(l, x, l->nx - 1 - x < FILTRATION__BLOCK ? l->nx - 1 - x : FILTRATION__BLOCK, y, z);
-    if (l->nx > 1) filtration__face_block(l, l->nx - 1, 1, y, z);
-}
-
-FILTRATION__STATIC void filtration__face_task(void *context, int task) {
-    filtration__lattice *l = (filtration__lattice *)context;
-    ptrdiff_t first, end;
-    filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
-    for (ptrdiff_t k = first; k < end; k++) {
-        int y = (int)(k % l->ny), z = (int)(k / l->ny);
-        if (l->slab_active[z] && !(l->row_state[k] & FILTRATION__ROW_SOLID)) filtration__face_row(l, y, z);
-    }
-}
-
-/* ------------------------------------------------------------------------------------------------------- >>links.h */
-/* links.h: lattice links that a surface cuts: the boundary law, the links of the solid at rest. Relies on faces.h.
-   May be changed here alone: the law (filtration__bounce). */
-
-/* ==== >>links ==== */
-
-/* A link from a fluid node along i to a solid. */
-typedef struct filtration__cut {
-    int x, y, z, i;
-    double fraction; /* q [-] */
-} filtration__cut;
-
-/* Reads the outgoing population i of the node behind (against i). Returns 0 if that node is not fluid. */
-static inline int filtration__behind(const filtration__lattice *l, const filtration__cut *k, double *h) {
-    int p[3] = {k->x - l->c[k->i][0], k->y - l->c[k->i][1], k->z - l->c[k->i][2]}, mirrored;
-    if (!filtration__inside(l, p, &mirrored) || l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) return 0;
-    int i = mirrored ? filtration__turned(l, k->i, mirrored) : k->i;
-    *h = filtration__get(l, filtration__outgoing(l, p[0], p[1], p[2], i));
-    return 1;
-}
-
-/* Computes the population that returns along a link, and stores it where the next step reads it: by central linear interpolation (Ginzburg
-   et al. 2008), or half way where there is no second fluid node. cu: c_i . velocity of the surface. Returns the outgoing population; *back:
-   the returning one. */
-static inline double filtration__bounce(filtration__lattice *l, const filtration__cut *k, double cu, double *back) {
-    int opposite = filtration__opposite(k->i);
-    double out = filtration__get(l, filtration__outgoing(l, k->x, k->y, k->z, k->i)), behind = 0.0;
-    if (l->half_way || !filtration__behind(l, k, &behind)) {
-        *back = out - 6.0 * l->w[k->i] * cu;
-    } else {
-        double other = filtration__get(l, filtration__outgoing(l, k->x, k->y, k->z, opposite));
-        double weight = 1.0 / (1.0 + 2.0 * k->fraction);
-        *back = out + (1.0 - 2.0 * k->fraction) * weight * (behind - other) - 12.0 * weight * l->w[k->i] * cu;
-    }
-    filtration__put(l, filtration__incoming(l, k->x, k->y, k->z, opposite), *back);
-    return out;
-}
-
-static inline filtration__cut filtration__link_cut(const filtration__link *link) {
-    filtration__cut k = {link->x, link->y, link->z, link->i, (double)link->fraction};
-    return k;
-}
-
-FILTRATION__STATIC void filtration__link_task(void *context, int task) {
-    filtration__lattice *l = (filtration__lattice *)context;
-    ptrdiff_t first, end;
-    double back;
-    filtration__task_range(l->link_count, task, &first, &end);
-    for (ptrdiff_t n = first; n < end; n++) {
-        filtration__cut k = filtration__link_cut(&l->links[n]);
-        if (l->owner[filtration__node(l, k.x, k.y, k.z)] == FILTRATION__FLUID) filtration__bounce(l, &k, 0.0, &back);
-    }
-}
-
-static inline void filtration__point(const filtration_fluid_def *def, int x, int y, int z, double point[3]) {
-    point[0] = (x + 0.5) * def->voxel, point[1] = (y + 0.5) * def->voxel, point[2] = (z + 0.5) * def->voxel;
-}
-
-/* Returns whether the neighbour of a node along i belongs to the solid at rest; beyond walls and open faces there is none. */
-static inline int filtration__meets_solid(const filtration__lattice *l, int x, int y, int z, int i) {
-    int p[3] = {x + l->c[i][0], y + l->c[i][1], z + l->c[i][2]}, mirrored;
-    return filtration__inside(l, p, &mirrored) && l->owner[filtration__node(l, p[0], p[1], p[2])] == FILTRATION__SOLID;
-}
-
-static inline double filtration__solid_fraction(const filtration_fluid_def *def, const filtration__lattice *l, int x, int y, int z, int i) {
-    double a[3], b[3], q = 0.5;
-    filtration__point(def, x, y, z, a);
-    filtration__point(def, x + l->c[i][0], y + l->c[i][1], z + l->c[i][2], b);
-    if (def->boundary == FILTRATION_CENTRAL_LINEAR)
-        q = def->solid.cut ? def->solid.cut(def->solid.self, a, b) : filtration_solid_cut(&def->solid, a, b);
-    return q >= 0.0 && q <= 1.0 ? q : 0.5;
-}
-
-/* Lists the links of the solid. Called twice: first only to count them (links NULL). */
-static inline void filtration__list_links(const filtration_fluid_def *def, filtration__lattice *l) {
-    l->link_count = 0;
-    for (int z = 0; z < l->nz; z++)
-        for (int y = 0; y < l->ny; y++)
-            for (int x = 0; x < l->nx; x++) {
-                if (l->owner[filtration__node(l, x, y, z)] == FILTRATION__SOLID) continue;
-                for (int i = 1; i < l->q; i++) {
-                    if (!filtration__meets_solid(l, x, y, z, i)) continue;
-                    if (l->links) {
-                        filtration__link link = {x, y, z, i, (float)filtration__solid_fraction(def, l, x, y, z, i)};
-                        l->links[l->link_count] = link;
-                    }
-                    l->link_count++;
-                }
-            }
-}
-
-/* Marks the nodes of the solid, and the rows that are all solid. */
-static inline void filtration__mark_solid(const filtration_fluid_def *def, filtration__lattice *l) {
-    for (int z = 0; z < l->nz; z++)
-        for (int y = 0; y < l->ny; y++) {
-            int solid = 0;
-            for (int x = 0; x < l->nx; x++) {
-                double point[3];
-                filtration__point(def, x, y, z, point);
-                if (def->solid.distance(def->solid.self, point) > 0.0) continue;
-                l->owner[filtration__node(l, x, y, z)] = FILTRATION__SOLID;
-                solid++;
-            }
-            l->fluid_nodes -= solid;
-            l->solid_nodes += solid;
-            if (solid == l->nx) l->row_state[(ptrdiff_t)z * l->ny + y] = FILTRATION__ROW_SOLID;
-        }
-}
-
-/* ----------------------------------------------------------------------------------------------------- >>spheres.h */
-/* spheres.h: moving spheres on the lattice: the nodes that they cover, their links, the force on them, nodes that they leave. Relies on
-   links.h.
-   May be changed here alone: everything but the meaning of owner. Coordinates: lattice units, node i at i. */
-
-/* ==== >>spheres ==== */
-
-/* Finds the nodes first .. end of the row at (y, z) inside a sphere; first > end: none. */
-static inline void filtration__chord(const filtration__ball *b, int y, int z, int *first, int *end) {
-    double dy = y - b->centre[1], dz = z - b->centre[2], rest = b->radius * b->radius - (dy * dy + dz * dz);
-    *first = 1, *end = 0;
-    if (!(rest > 0.0)) return;
-    double half = sqrt(rest);
-    *first = (int)floor(b->centre[0] - half) + 1, *end = (int)ceil(b->centre[0] + half) - 1;
-}
-
-/* Finds the rows that a sphere may cover along an axis. */
-static inline void filtration__extent(const filtration__ball *b, int axis, int *first, int *end) {
-    *first = (int)ceil(b->centre[axis] - b->radius);
-    *end = (int)floor(b->centre[axis] + b->radius);
-}
-
-/* Returns the index of another sphere that covers the node at p (within the box), or FILTRATION__FRESH. */
-static inline int32_t filtration__cover(const filtration__lattice *l, const int p[3], ptrdiff_t not_this) {
-    const int n[3] = {l->nx, l->ny, l->nz};
-    for (ptrdiff_t k = 0; k < l->ball_count; k++) {
-        const filtration__ball *b = &l->balls[k];
-        if (k == not_this || !(b->radius > 0.0)) continue;
-        double rr = 0.0;
-        for (int a = 0; a < 3; a++) {
-            double d = p[a] - b->centre[a];
-            if (filtration__repeats(l, a)) d -= n[a] * floor(d / n[a] + 0.5);
-            rr += d * d;
-        }
-        if (rr < b->radius * b->radius) return (int32_t)k;
-    }
-    return FILTRATION__FRESH;
-}
-
-/* Makes `index` the owner of nodes that are inside `now` and not inside `before` (NULL: nothing). With leave 1, and both exchanged, such
-   nodes are left. */
-static inline void filtration__swap_nodes(filtration__lattice *l, ptrdiff_t index, const filtration__ball *now,
-                                          const filtration__ball *before, int leave) {
-    int y0, y1, z0, z1, mirrored;
-    filtration__extent(now, 1, &y0, &y1);
-    filtration__extent(now, 2, &z0, &z1);
-    for (int z = z0; z <= z1; z++)
-        for (int y = y0; y <= y1; y++) {
-            int a, b, from = 1, to = 0;
-            filtration__chord(now, y, z, &a, &b);
-            if (before) filtration__chord(before, y, z, &from, &to);
-            for (int x = a; x <= b; x++) {
-                if (x >= from && x <= to) x = to + 1;
-                if (x > b) break;
-                int p[3] = {x, y, z};
-                if (!filtration__inside(l, p, &mirrored) || mirrored) continue;
-                int32_t *owner = &l->owner[filtration__node(l, p[0], p[1], p[2])];
-                if (leave && *owner == (int32_t)index) *owner = filtration__cover(l, p, index), l->left = 1;
-                if (!leave && (*owner == FILTRATION__FLUID || *owner == FILTRATION__FRESH)) *owner = (int32_t)index;
-            }
-        }
-}
-
-/* Computes the velocity of a sphere, on its surface or inside, at a point relative to its centre. */
-static inline void filtration__surface_velocity(const filtration__ball *b, const double d[3], double u[3]) {
-    u[0] = b->velocity[0] + b->spin[1] * d[2] - b->spin[2] * d[1];
-    u[1] = b->velocity[1] + b->spin[2] * d[0] - b->spin[0] * d[2];
-    u[2] = b->velocity[2] + b->spin[0] * d[1] - b->spin[1] * d[0];
-}
-
-/* Sums over the links of a sphere, weighted as the lattice is: of the density at its surface and of places, for a line fitted to it. */
-typedef struct filtration__surface {
-    double weight, density, place[3], rise[3]; /* sums of w, w r, w d, w r d */
-    double spread[6];                          /* of w d d: xx, yy, zz, yz, zx, xy */
-    double arm[3];                             /* of w (d x c) */
-} filtration__surface;
-
-/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Half of what goes and comes is w times the density there. */
-static inline void filtration__exchange(const filtration__lattice *l, filtration__ball *b, filtration__surface *s, int i, const double d[3],
-                                        const double u[3], double out, double back) {
-    const double w = l->w[i], c[3] = {(double)l->c[i][0], (double)l->c[i][1], (double)l->c[i][2]}, wr = 0.5 * (out + back);
-    double f[3];
-    for (int a = 0; a < 3; a++) {
-        const int y = (a + 1) % 3, z = (a + 2) % 3;
-        f[a] = c[a] * (out + back) - u[a] * (out - back);
-        b->force[0][a] += f[a];
-        b->hull[a] += l->c[i][a] * l->whole_weight[i];
-        s->place[a] += w * d[a], s->rise[a] += wr * d[a];
-        s->spread[a] += w * d[a] * d[a], s->spread[3 + a] += w * d[y] * d[z];
-        s->arm[a] += w * (d[y] * c[z] - d[z] * c[y]);
-    }
-    s->weight += w, s->density += wr;
-    b->torque[0][0] += d[1] * f[2] - d[2] * f[1];
-    b->torque[0][1] += d[2] * f[0] - d[0] * f[2];
-    b->torque[0][2] += d[0] * f[1] - d[1] * f[0];
-}
-
-/* Fits density + slope . d to the density at a sphere's links, by least squares; the more of the surface is hidden, the more the slope is
-   held down. A constant density is met exactly. */
-static inline void filtration__fit_density(filtration__ball *b, const filtration__surface *s) {
-    double mean[3], m[6], right[3], minor[3];
-    b->density = b->slope[0] = b->slope[1] = b->slope[2] = 0.0;
-    if (!(s->weight > 0.0)) return;
-    for (int a = 0; a < 3; a++) mean[a] = s->place[a] / s->weight, right[a] = s->rise[a] - s->density * mean[a];
-    for (int a = 0; a < 3; a++) {
-        const int y = (a + 1) % 3, z = (a + 2) % 3;
-        m[a] = s->spread[a] - s->weight * mean[a] * mean[a] + 0.01 * s->weight * b->radius * b->radius;
-        m[3 + a] = s->spread[3 + a] - s->weight * mean[y] * mean[z];
-    }
-    minor[0] = m[1] * m[2] - m[3] * m[3], minor[1] = m[3] * m[4] - m[5] * m[2], minor[2] = m[5] * m[3] - m[1] * m[4];
-    const double whole = m[0] * minor[0] + m[5] * minor[1] + m[4] * minor[2];
-    if (whole > 0.0) {
-        b->slope[0] = (right[0] * minor[0] + right[1] * minor[1] + right[2] * minor[2]) / whole;
-        b->slope[1] = (right[0] * minor[1] + right[1] * (m[0] * m[2] - m[4] * m[4]) + right[2] * (m[4] * m[5] - m[0] * m[3])) / whole;
-        b->slope[2] = (right[0] * minor[2] + right[1] * (m[4] * m[5] - m[0] * m[3]) + right[2] * (m[0] * m[1] - m[5] * m[5])) / whole;
-    }
-    b->density = s->density / s->weight - filtration__dot(b->slope, mean);
-}
-
-/* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one; otherwise counts a film. */
-static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
-                                         int z, int j) {
-    int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
-    double d[3], e[3], u[3], back, cd = 0.0, dd = 0.0, cc = 0.0;
-    for (int a = 0; a < 3; a++) d[a] = p[a] - b->centre[a];
-    if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
-    const int from_image = mirrored;
-    if (!filtration__inside(l, p, &mirrored)) {
-        b->films += !from_image;
-        return;
-    }
-    if (mirrored) return;
-    if (l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) {
-        b->films += !from_image;
-        return;
-    }
-    for (int a = 0; a < 3; a++) cd -= d[a] * l->c[j][a], dd += d[a] * d[a], cc += (double)(l->c[j][a] * l->c[j][a]);
-    double root = cd * cd - cc * (dd - b->radius * b->radius);
-    filtration__cut k = {p[0], p[1], p[2], filtration__opposite(j), l->half_way ? 0.5 : (-cd - sqrt(root > 0.0 ? root : 0.0)) / cc};
-    for (int a = 0; a < 3; a++) e[a] = d[a] - k.fraction * l->c[j][a];
-    filtration__surface_velocity(b, e, u);
-    double cu = -(l->c[j][0] * u[0] + l->c[j][1] * u[1] + l->c[j][2] * u[2]);
-    double out = filtration__bounce(l, &k, cu, &back);
-    filtration__exchange(l, b, sum, k.i, e, u, out, back);
-}
-
-/* What is done with a link of a sphere, from its node (x, y, z) along j. */
-typedef void (*filtration__link_fn)(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
-                                    int z, int j);
-
-/* Visits all links of a sphere: in every row those of its nodes whose neighbour along j is outside. */
-FILTRATION__INLINE void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum,
-                                               const filtration__link_fn link) {
-    int y0, y1, z0, z1;
-    filtration__extent(b, 1, &y0, &y1);
-    filtration__extent(b, 2, &z0, &z1);
-    for (int z = z0; z <= z1; z++)
-        for (int y = y0; y <= y1; y++) {
-            int first, end, from[3][3], to[3][3];
-            filtration__chord(b, y, z, &first, &end);
-            if (first > end) continue;
-            for (int dz = 0; dz < 3; dz++)
-                for (int dy = 0; dy < 3; dy++) {
-                    filtration__chord(b, y + dy - 1, z + dz - 1, &from[dz][dy], &to[dz][dy]);
-                    if (from[dz][dy] > to[dz][dy]) from[dz][dy] = to[dz][dy] = end + 4;
-                }
-            for (int j = 1; j < l->q; j++) {
-                const signed char *c = l->c[j];
-                int in = from[c[2] + 1][c[1] + 1] - c[0], out = to[c[2] + 1][c[1] + 1] - c[0];
-                for (int x = first; x <= end && x < in; x++) link(l, index, b, sum, x, y, z, j);
-                for (int x = out + 1 > first ? out + 1 : first; x <= end; x++) link(l, index, b, sum, x, y, z, j);
-            }
-        }
-}
-
-FILTRATION__STATIC void filtration__ball_task(void *context, int task) {
-    filtration__lattice *l = (filtration__lattice *)context;
-    filtration__surface sum;
-    for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
-        filtration__ball *b = &l->balls[n];
-        if (!(b->radius > 0.0)) continue;
-        memcpy(b->force[1], b->force[0], sizeof b->force[0]);
-        memcpy(b->torque[1], b->torque[0], sizeof b->torque[0]);
-        memset(b->force[0], 0, sizeof b->force[0]);
-        memset(b->torque[0], 0, sizeof b->torque[0]);
-        memset(&sum, 0, sizeof sum);
-        b->films = b->hull[0] = b->hull[1] = b->hull[2] = 0;
-        filtration__ball_links(l, (int32_t)n, b, &sum, filtration__ball_link);
-        filtration__fit_density(b, &sum);
-        for (int a = 0; a < 3; a++) b->torque[0][a] -= 2.0 * b->density * sum.arm[a]; /* a constant pressure turns no sphere */
-        b->steps++;
-    }
-}
-
-/* Returns the deviation of density, and the velocity, of a node between steps, from the populations that the next step reads. */
-static inline double filtration__moments(const filtration__lattice *l, int x, int y, int z, double u[3]) {
-    double r = 0.0;
-    for (int a = 0; a < 3; a++) u[a] = 0.5 * l->rates.force[a];
-    for (int i = 0; i < l->q; i++) {
-        double h = filtration__get(l, filtration__incoming(l, x, y, z, i));
-        r += h;
-        for (int a = 0; a < 3; a++) u[a] += l->c[i][a] * h;
-    }
-    return r;
-}
-
-/* Sets the populations of a node that a sphere has left. d: from the sphere's centre. Without a fluid neighbour: the density at the
-   sphere's surface. */
-static inline void filtration__fill(filtration__lattice *l, const filtration__ball *b, int x, int y, int z, const double d[3]) {
-    double r = 0.0, u[3], near_u[3] = {0, 0, 0}, best = -HUGE_VAL, near_r = 0.0, mean[FILTRATION__Q] = {0};
-    int count = 0, from[3] = {0, 0, 0}, mirrored;
-    for (int j = 1; j < l->q; j++) {
-        int p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]};
-        if (!filtration__inside(l, p, &mirrored) || mirrored) continue;
-        if (l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) continue;
-        double v[3], density = filtration__moments(l, p[0], p[1], p[2], v), cc = 0.0, along = 0.0;
-        for (int a = 0; a < 3; a++) cc += (double)(l->c[j][a] * l->c[j][a]), along += l->c[j][a] * d[a];
-        along /= sqrt(cc);
-        r += density;
-        count++;
-        for (int i = 0; i < l->q; i++) mean[i] += filtration__get(l, filtration__incoming(l, p[0], p[1], p[2], i));
-        if (!(along > best)) continue;
-        best = along, near_r = density;
-        memcpy(from, p, sizeof from);
-        memcpy(near_u, v, sizeof near_u);
-    }
-    r = count ? r / count : filtration__density_at(b, d);
-    filtration__surface_velocity(b, d, u);
-    for (int i = 0; i < l->q; i++) {
-        double h = filtration__equilibrium(l, i, r, u);
-        if (count && l->refill == (int)FILTRATION_REFILL_NONEQUILIBRIUM)
-            h += filtration__get(l, filtration__incoming(l, from[0], from[1], from[2], i)) - filtration__equilibrium(l, i, near_r, near_u);
-        if (count && l->refill == (int)FILTRATION_REFILL_INTERPOLATION) h = mean[i] / count;
-        filtration__put(l, filtration__incoming(l, x, y, z, i), h);
-    }
-}
-
-/* Fills the nodes that a sphere has left, all from old fluid. A second call with done 1 makes them fluid. */
-static inline void filtration__fill_left(filtration__lattice *l, const filtration__ball *now, const filtration__ball *before, int done) {
-    int y0, y1, z0, z1, mirrored;
-    filtration__extent(before, 1, &y0, &y1);
-    filtration__extent(before, 2, &z0, &z1);
-    for (int z = z0; z <= z1; z++)
-        for (int y = y0; y <= y1; y++) {
-            int a, b, from, to;
-            filtration__chord(before, y, z, &a, &b);
-            filtration__chord(now, y, z, &from, &to);
-            for (int x = a; x <= b; x++) {
-                if (x >= from && x <= to) x = to + 1;
-                if (x > b) break;
-                int p[3] = {x, y, z};
-                if (!filtration__inside(l, p, &mirrored) || mirrored) continue;
-                int32_t *owner = &l->owner[filtration__node(l, p[0], p[1], p[2])];
-                if (*owner != FILTRATION__FRESH) continue;
-                double d[3] = {x - before->centre[0], y - before->centre[1], z - before->centre[2]};
-                if (done) *owner = FILTRATION__FLUID;
-                else filtration__fill(l, now, p[0], p[1], p[2], d);
-            }
-        }
-}
-
-/* ------------------------------------------------------------------------------------------------------- >>films.h */
-/* films.h: pressure in films that are too thin for nodes, between spheres, at the solid and at faces; the force on the solid at rest. A
-   pressure has no level: a constant added to it changes no force.
-   Relies on spheres.h.
-   May be changed here alone: everything. */
-
-/* ==== >>films ==== */
-
-/* Adds the pressure on a link between two solids, or through a face, from node (x, y, z) of the sphere along j. There the mean of the
-   densities that the two spheres would have counts for both, so that the film pushes them apart with equal forces. */
-static inline void filtration__film_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
-                                         int z, int j) {
-    const int n[3] = {l->nx, l->ny, l->nz};
-    int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
-    double d[3];
-    for (int a = 0; a < 3; a++) d[a] = s[a] + 0.5 * l->c[j][a] - b->centre[a];
-    if (!filtration__inside(l, s, &mirrored) || mirrored || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
-    double density = filtration__density_at(b, d);
-    if (filtration__inside(l, p, &mirrored)) {
-        const int32_t owner = l->owner[filtration__node(l, p[0], p[1], p[2])];
-        if (mirrored || owner == FILTRATION__FLUID) return;
-        if (owner >= 0) {
-            const filtration__ball *other = &l->balls[owner];
-            double away[3];
-            for (int a = 0; a < 3; a++) {
-                away[a] = p[a] - other->centre[a];
-                if (filtration__repeats(l, a)) away[a] -= n[a] * floor(away[a] / n[a] + 0.5);
-                away[a] -= 0.5 * l->c[j][a];
-            }
-            density = 0.5 * (density + filtration__density_at(other, away));
-        }
-    }
-    (void)sum;
-    for (int a = 0; a < 3; a++) {
-        b->force[0][a] -= 2.0 * l->w[j] * l->c[j][a] * density;
-        b->hull[a] -= l->c[j][a] * l->whole_weight[j];
-    }
-}
-
-/* Adds the pressure of films. What leaves the surface open (mirrors, spheres that overlap) has the density at the centre, so that a
-   constant pressure moves no sphere. */
-FILTRATION__STATIC void filtration__film_task(void *context, int task) {
-    filtration__lattice *l = (filtration__lattice *)context;
-    for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
-        filtration__ball *b = &l->balls[n];
-        if (!(b->radius > 0.0)) continue;
-        if (b->films) filtration__ball_links(l, (int32_t)n, b, NULL, filtration__film_link);
-        for (int a = 0; a < 3; a++) b->force[0][a] -= 2.0 / 72.0 * (double)b->hull[a] * b->density;
-    }
-}
-
-/* Computes the force of the last step on the solid at rest, in lattice units: the momentum exchanged over its links (Ladd 1994), and the
-   pressure of films under spheres. */
-static inline void filtration__solid_force(const filtration__lattice *l, double force[3]) {
-    force[0] = force[1] = force[2] = 0.0;
-    for (ptrdiff_t n = 0; n < l->link_count; n++) {
-        const filtration__cut k = filtration__link_cut(&l->links[n]);
-        const int at[3] = {k.x, k.y, k.z}, size[3] = {l->nx, l->ny, l->nz};
-        const int32_t owner = l->owner[filtration__node(l, k.x, k.y, k.z)];
-        double h, d[3];
-        if (owner == FILTRATION__FLUID) {
-            h = filtration__get(l, filtration__outgoing(l, k.x, k.y, k.z, k.i)) +
-                filtration__get(l, filtration__incoming(l, k.x, k.y, k.z, filtration__opposite(k.i)));
-        } else if (owner >= 0) {
-            const filtration__ball *b = &l->balls[owner];
-            for (int a = 0; a < 3; a++) {
-                d[a] = at[a] - b->centre[a];
-                if (filtration__repeats(l, a)) d[a] -= size[a] * floor(d[a] / size[a] + 0.5);
-                d[a] += 0.5 * l->c[k.i][a];
-            }
-            h = 2.0 * l->w[k.i] * filtration__density_at(b, d);
-        } else {
-            continue;
-        }
-        for (int a = 0; a < 3; a++) force[a] += l->c[k.i][a] * h;
-    }
-}
-
-/* ------------------------------------------------------------------------------------------------------- >>shear.h */
-/* shear.h: the paper's force on a sphere, for comparison: shear over a layer of one voxel, no pressure.
-   Relies on spheres.h.
-   May be changed here alone: everything. */
-
-/* ==== >>shear ==== */
-
-/* Computes the velocity at a point between nodes, trilinearly. Solid nodes have the velocity of the sphere that owns them. */
-static inline void filtration__velocity_at(const filtration__lattice *l, const double at[3], double u[3]) {
-    int base[3], mirrored;
-    double part[3];
-    for (int a = 0; a < 3; a++) base[a] = (int)floor(at[a]), part[a] = at[a] - base[a];
-    u[0] = u[1] = u[2] = 0.0;
-    for (int corner = 0; corner < 8; corner++) {
-        int p[3];
-        double weight = 1.0, v[3] = {0, 0, 0};
-        for (int a = 0; a < 3; a++) {
-            int up = corner >> a & 1;
-            p[a] = base[a] + up;
-            weight *= up ? part[a] : 1.0 - part[a];
-        }
-        double d[3] = {(double)p[0], (double)p[1], (double)p[2]};
-        if (!filtration__inside(l, p, &mirrored)) continue;
-        int32_t owner = l->owner[filtration__node(l, p[0], p[1], p[2])];
-        if (owner == FILTRATION__FLUID) {
-            filtration__moments(l, p[0], p[1], p[2], v);
-            for (int a = 0; a < 3; a++) v[a] *= (mirrored >> a & 1) ? -1.0 : 1.0;
-        } else if (owner >= 0) {
-            for (int a = 0; a < 3; a++) d[a] -= l->balls[owner].centre[a];
-            filtration__surface_velocity(&l->balls[owner], d, v);
-        }
-        for (int a = 0; a < 3; a++) u[a] += weight * v[a];
-    }
-}
-
-/* Returns whether a point of a surface lies in the box; beyond a mirror it is the mirror's image that has the force. */
-static inline int filtration__in_box(const filtration__lattice *l, const double centre[3], const double d[3]) {
-    const int n[3] = {l->nx, l->ny, l->nz};
-    for (int a = 0; a < 3; a++) {
-        const double x = centre[a] + d[a];
-        if ((x < -0.5 || x > n[a] - 0.5) && !filtration__repeats(l, a)) return 0;
-    }
-    return 1;
-}
-
-/* (9) Computes F = mu / dx * integral of the tangential relative velocity one voxel from the surface, as far as it lies in the box. Points
-   are spread evenly by a golden spiral, about one on a voxel's face. */
-static inline void filtration__shear_force(const filtration__lattice *l, double viscosity, filtration__ball *b) {
-    int points = (int)(12.566370614359172 * b->radius * b->radius) + 64;
-    double area = 12.566370614359172 * b->radius * b->radius / points, cosine = 1.0, sine = 0.0;
-    for (int k = 0; k < points; k++) {
-        double nz = 1.0 - (2.0 * k + 1.0) / points, rim = sqrt(1.0 - nz * nz), n[3] = {rim * cosine, rim * sine, nz}, d[3], at[3], u[3],
-               w[3];
-        const double turn = -0.73736887807831963 * cosine - 0.67549029426152364 * sine; /* by the golden angle */
-        sine = -0.73736887807831963 * sine + 0.67549029426152364 * cosine;
-        cosine = turn;
-        for (int a = 0; a < 3; a++) d[a] = n[a] * b->radius, at[a] = b->centre[a] + n[a] * (b->radius + 1.0);
-        if (!filtration__in_box(l, b->centre, d)) continue;
-        filtration__velocity_at(l, at, u);
-        filtration__surface_velocity(b, d, w);
-        double along = 0.0, f[3];
-        for (int a = 0; a < 3; a++) u[a] -= w[a], along += u[a] * n[a];
-        for (int a = 0; a < 3; a++) f[a] = viscosity * area * (u[a] - along * n[a]), b->force[0][a] += f[a];
-        b->torque[0][0] += d[1] * f[2] - d[2] * f[1];
-        b->torque[0][1] += d[2] * f[0] - d[0] * f[2];
-        b->torque[0][2] += d[0] * f[1] - d[1] * f[0];
-    }
-}
-
-static inline void filtration__shear_forces(const filtration_fluid *fluid) {
-    filtration__lattice *l = fluid->lattice;
-    for (ptrdiff_t n = 0; n < l->ball_count; n++) {
-        filtration__ball *b = &l->balls[n];
-        if (!(b->radius > 0.0)) continue;
-        memset(b->force[0], 0, sizeof b->force[0]);
-        memset(b->torque[0], 0, sizeof b->torque[0]);
-        filtration__shear_force(l, (fluid->def.tau - 0.5) / 3.0, b);
-    }
-}
-
-/* ------------------------------------------------------------------------------------------------------- >>fluid.h */
-/* fluid.h: definition, setting up, the step.
-   Relies on spheres.h.
-   May be changed here alone: defaults, checks. */
-
-/* ==== >>fluid ==== */
-
-#define FILTRATION__COOKIE 0x46494c54u
-
-FILTRATION_API const char *filtration_cause_text(filtration_cause cause) {
-    static const char *const texts[] = {FILTRATION_CAUSES(FILTRATION__TEXT)};
-    return (int)cause >= 0 && (int)cause < (int)FILTRATION_CAUSE_COUNT ? texts[cause] : "unknown cause";
-}
-
-FILTRATION_API filtration_fluid_def filtration_fluid_default_def(void) {
-    filtration_fluid_def def;
-    memset(&def, 0, sizeof def);
-    def.cookie = FILTRATION__COOKIE;
-    def.nodes[0] = def.nodes[1] = def.nodes[2] = 32;
-    def.voxel = 2.5e-6;
-    def.density = 1000.0;
-    def.viscosity = 1e-3;
-    def.tau = 1.0;
-    def.bulk_ratio = 2.0 / 3.0;
-    def.magic = 3.0 / 16.0;
-    def.speed_limit = 0.3;
-    def.keep_mass = 1;
-    def.skip = 1;
-    def.threads = 1;
-    return def;
-}
-
-/* Computes rates, faces and units of a lattice. Returns the time step [s]. */
-static inline double filtration__find_units(const filtration_fluid_def *d, filtration__lattice *l) {
-    double nu = (d->tau - 0.5) / 3.0, dt = nu * d->voxel * d->voxel * d->density / d->viscosity, bulk = 1.5 * d->bulk_ratio * nu;
-    l->to_velocity = d->voxel / dt;
-    l->to_pressure = d->density * l->to_velocity * l->to_velocity;
-    l->to_force = l->to_pressure * d->voxel * d->voxel;
-    l->rates.plus = 1.0 / d->tau;
-    l->rates.minus = d->magic < HUGE_VAL ? 1.0 / (0.5 + d->magic / (d->tau - 0.5)) : l->rates.plus;
-    l->rates.bulk = d->bulk_ratio == 2.0 / 3.0 ? l->rates.plus : 1.0 / (0.5 + 3.0 * bulk);
-    l->rates.limit = d->speed_limit * d->speed_limit;
-    for (int a = 0; a < 3; a++) l->rates.force[a] = d->body_force[a] * d->voxel / l->to_pressure;
-    for (int f = 0; f < 6; f++) {
-        l->face_density[f] = 3.0 * d->face_pressure[f] / l->to_pressure;
-        for (int a = 0; a < 3; a++) l->face_velocity[f][a] = d->face_velocity[f][a] / l->to_velocity;
-    }
-    return dt;
-}
-
-static inline void filtration__set_units(filtration_fluid *fluid) { fluid->dt = filtration__find_units(&fluid->def, fluid->lattice); }
-
-/* Largest population, and largest pressure, speed and force of a source, in lattice units [-]: no sum of a step or of a reader overflows,
-   and a step tells that the flow diverges. */
-#define FILTRATION__LARGEST_POPULATION 1e25
-#define FILTRATION__LARGEST_SOURCE 1e3
-
-static inline const char *filtration__bad_source(const filtration_fluid_def *d) {
-    filtration__lattice l;
-    filtration__find_units(d, &l);
-    for (int f = 0; f < 6; f++) {
-        if (!(fabs(l.face_density[f]) < FILTRATION__LARGEST_SOURCE)) return "face_pressure";
-        for (int a = 0; a < 3; a++)
-            if (!(fabs(l.face_velocity[f][a]) < FILTRATION__LARGEST_SOURCE)) return "face_velocity";
-    }
-    for (int a = 0; a < 3; a++)
-        if (!(fabs(l.rates.force[a]) < FILTRATION__LARGEST_SOURCE)) return "body_force";
-    return NULL;
-}
-
-/* Returns whether a property of the fluid is in a range whose products stay far from the limits of doubles. */
-static inline int filtration__is_property(double x) { return x >= 1e-15 && x <= 1e15; }
-
-static inline const char *filtration__bad_face(const filtration_fluid_def *d) {
-    for (int f = 0; f < 6; f++) {
-        const filtration__face_kind *kind = filtration__kind_of(d->face[f]), *opposite = filtration__kind_of(d->face[f ^ 1]);
-        if (!kind || !opposite) return "face";
-        if ((kind->beyond == FILTRATION__REPEATED) != (opposite->beyond == FILTRATION__REPEATED)) return "face";
-        if (kind->has_velocity < 2 && d->face_velocity[f][f / 2] != 0.0) return "face_velocity";
-    }
-    return NULL;
-}
-
-static inline const char *filtration__bad_field(const filtration_fluid_def *d) {
-    double nodes = 1.0;
-    if (d->cookie != FILTRATION__COOKIE) return "cookie";
-    for (int a = 0; a < 3; a++) {
-        if (d->nodes[a] < 1) return "nodes";
-        nodes *= d->nodes[a];
-    }
-    if (!(nodes < 2147483648.0)) return "nodes";
-    if (!filtration__is_property(d->voxel)) return "voxel";
-    if (!filtration__is_property(d->density)) return "density";
-    if (!filtration__is_property(d->viscosity)) return "viscosity";
-    if (!(d->tau > 0.5 && d->tau <= 20.0)) return "tau";
-    if (!(d->bulk_ratio >= 0.0 && d->bulk_ratio < HUGE_VAL)) return "bulk_ratio";
-    if (!(d->magic > 0.0)) return "magic";
-    if (d->lattice != FILTRATION_D3Q19 && d->lattice != FILTRATION_D3Q15) return "lattice";
-    if (d->precision != FILTRATION_DOUBLE && (d->precision != FILTRATION_FLOAT || d->lattice == FILTRATION_D3Q15)) return "precision";
-    if (d->boundary != FILTRATION_CENTRAL_LINEAR && d->boundary != FILTRATION_HALF_WAY) return "boundary";
-    if ((int)d->refill < 0 || d->refill > FILTRATION_REFILL_INTERPOLATION) return "refill";
-    if (d->force != FILTRATION_MOMENTUM_EXCHANGE && d->force != FILTRATION_SHEAR_LAYER) return "force";
-    if (filtration__bad_face(d)) return filtration__bad_face(d);
-    if (!(d->speed_limit >= 1e-15 && d->speed_limit <= 0.5)) return "speed_limit";
-    if (d->keep_mass != 0 && d->keep_mass != 1) return "keep_mass";
-    if (d->skip != 0 && d->skip != 1) return "skip";
-    if (d->threads < 1) return "threads";
-    return filtration__bad_source(d);
-}
-
-FILTRATION_API filtration_status filtration_fluid_check_def(const filtration_fluid_def *def, const char **field) {
-    const char *bad = def ? filtration__bad_field(def) : "def";
-    if (field) *field = bad;
-    return bad ? FILTRATION_BAD_DEF : FILTRATION_OK;
-}
-
-/* Wakes the slabs that faces and forces move. */
-static inline void filtration__wake_sources(filtration_fluid *fluid) {
-    filtration__lattice *l = fluid->lattice;
-    int all = !fluid->def.skip || filtration__forced(&l->rates);
-    for (int f = 0; f < 6; f++) {
-        const double *v = l->face_velocity[f];
-        const int moves = (l->face[f]->has_pressure && l->face_density[f] != 0.0) ||
-                          (l->face[f]->has_velocity && (v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0));
-        if (moves && f < 4) all = 1;
-        if (moves && f >= 4) l->slab_active[f == 4 ? 0 : l->nz - 1] = 1;
-    }
-    filtration__wake(l, all);
-}
-
-static inline void filtration__set_shape(const filtration_fluid_def *d, filtration__lattice *l) {
-    l->q = d->lattice == FILTRATION_D3Q15 ? 15 : 19;
-    l->c = l->q == 15 ? filtration__c15 : filtration__c19;
-    for (int i = 0; i < l->q; i++) {
-        int cc = l->c[i][0] * l->c[i][0] + l->c[i][1] * l->c[i][1] + l->c[i][2] * l->c[i][2];
-        l->w[i] = l->q == 15 ? (cc == 0   ? 2.0 / 9.0
-                                : cc == 1 ? 1.0 / 9.0
-                                          : 1.0 / 72.0)
-                             : (cc == 0   ? 1.0 / 3.0
-                                : cc == 1 ? 1.0 / 18.0
-                                          : 1.0 / 36.0);
-        l->whole_weight[i] = (int)(72.0 * l->w[i] + 0.5);
-    }
-    l->single = d->precision == FILTRATION_FLOAT;
-    l->half_way = d->boundary == FILTRATION_HALF_WAY;
-    l->refill = (int)d->refill;
-    l->nx = d->nodes[0], l->ny = d->nodes[1], l->nz = d->nodes[2];
-    for (int f = 0; f < 6; f++) l->face[f] = filtration__kind_of(d->face[f]);
-    l->periodic_x = filtration__repeats(l, 0);
-    l->ghost_y = !filtration__repeats(l, 1);
-    l->ghost_z = !filtration__repeats(l, 2);
-    filtration__list_entries(l);
-    int line = FILTRATION__LINE / (l->single ? (int)sizeof(float) : (int)sizeof(double));
-    l->lead = line;
-    l->stride = line + ((ptrdiff_t)l->nx + line - 1) / line * line;
-    l->bundle = l->q * l->stride;
-    l->rows = (ptrdiff_t)(l->ny + 2 * l->ghost_y) * (l->nz + 2 * l->ghost_z);
-    l->fluid_nodes = (ptrdiff_t)l->nx * l->ny * l->nz;
-    l->block_bytes = (size_t)(l->rows * l->bundle + line) * (l->single ? sizeof(float) : sizeof(double)) + FILTRATION__LINE;
-}
-
-FILTRATION_API double filtration_fluid_bytes(const filtration_fluid_def *def) {
-    filtration__lattice l;
-    if (filtration_fluid_check_def(def, NULL) != FILTRATION_OK) return 0.0;
-    memset(&l, 0, sizeof l);
-    filtration__set_shape(def, &l);
-    return (double)l.block_bytes + (double)l.fluid_nodes * sizeof(int32_t) + (double)l.ny * l.nz + l.nz + (double)sizeof l;
-}
-
-static inline size_t filtration__nodes(const filtration__lattice *l) { return (size_t)l->nx * (size_t)l->ny * (size_t)l->nz; }
-
-FILTRATION_API void filtration_fluid_free(filtration_fluid *fluid) {
-    filtration__lattice *l = fluid ? fluid->lattice : NULL;
-    if (!l) return;
-    const filtration_memory *m = &fluid->def.memory;
-    if (l->block) filtration__resize(m, l->block, l->block_bytes, 0);
-    if (l->owner) filtration__resize(m, l->owner, filtration__nodes(l) * sizeof *l->owner, 0);
-    if (l->row_state) filtration__resize(m, l->row_state, (size_t)l->ny * (size_t)l->nz, 0);
-    if (l->slab_active) filtration__resize(m, l->slab_active, (size_t)l->nz, 0);
-    if (l->links) filtration__resize(m, l->links, (size_t)l->link_count * sizeof *l->links, 0);
-    if (l->balls) filtration__resize(m, l->balls, (size_t)l->ball_room * sizeof *l->balls, 0);
-    filtration__resize(m, l, sizeof *l, 0);
-    fluid->lattice = NULL;
-}
-
-static inline int filtration__allocate(const filtration_fluid_def *def, filtration__lattice *l) {
-    const filtration_memory *m = &def->memory;
-    l->block = filtration__resize(m, NULL, 0, l->block_bytes);
-    l->owner = (int32_t *)filtration__resize(m, NULL, 0, filtration__nodes(l) * sizeof *l->owner);
-    l->row_state = (unsigned char *)filtration__resize(m, NULL, 0, (size_t)l->ny * (size_t)l->nz);
-    l->slab_active = (unsigned char *)filtration__resize(m, NULL, 0, (size_t)l->nz);
-    if (!l->block || !l->owner || !l->row_state || !l->slab_active) return 0;
-    memset(l->block, 0, l->block_bytes);
-    l->f = (void *)(((uintptr_t)l->block + FILTRATION__LINE - 1) / FILTRATION__LINE * FILTRATION__LINE);
-    for (size_t k = 0; k < filtration__nodes(l); k++) l->owner[k] = FILTRATION__FLUID;
-    memset(l->row_state, 0, (size_t)l->ny * (size_t)l->nz);
-    memset(l->slab_active, 0, (size_t)l->nz);
-    if (!def->solid.distance) return 1;
-    filtration__mark_solid(def, l);
-    filtration__list_links(def, l);
-    if (!l->link_count) return 1;
-    l->links = (filtration__link *)filtration__resize(m, NULL, 0, (size_t)l->link_count * sizeof *l->links);
-    if (l->links) filtration__list_links(def, l);
-    return l->links != NULL;
-}
-
-FILTRATION_API filtration_status filtration_fluid_init(filtration_fluid *fluid, const filtration_fluid_def *def) {
-    if (!fluid) return FILTRATION_BAD_ARGUMENT;
-    memset(fluid, 0, sizeof *fluid);
-    if (filtration_fluid_check_def(def, NULL) != FILTRATION_OK) return FILTRATION_BAD_DEF;
-    fluid->def = *def;
-    filtration__lattice *l = fluid->lattice = (filtration__lattice *)filtration__resize(&def->memory, NULL, 0, sizeof *l);
-    if (!l) return FILTRATION_NO_MEMORY;
-    memset(l, 0, sizeof *l);
-    filtration__set_shape(def, l);
-    filtration__set_units(fluid);
-    if (filtration__allocate(def, l)) return FILTRATION_OK;
-    filtration_fluid_free(fluid);
-    return FILTRATION_NO_MEMORY;
-}
-
-/* Reads sphere n of the caller in lattice units. Returns NULL, or what it would have to be. */
-static inline const char *filtration__read_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
-                                                filtration__ball *b) {
-    const filtration__lattice *l = fluid->lattice;
-    const int nodes[3] = {l->nx, l->ny, l->nz};
-    b->radius = s->radius[n] / fluid->def.voxel;
-    if (!(s->radius[n] >= 0.0)) return "radius: at least 0";
-    if (b->radius == 0.0) return NULL;
-    if (!(b->radius < (fluid->def.force == FILTRATION_SHEAR_LAYER ? 1e4 : 1e5))) /* points on a sphere are counted in int */
-        return "radius: below 1e5 voxels (1e4 with the shear layer)";
-    for (int a = 0; a < 3; a++) {
-        double x = s->centre[3 * n + a] / fluid->def.voxel - 0.5;
-        b->velocity[a] = s->velocity[3 * n + a] / l->to_velocity;
-        b->spin[a] = s->spin[3 * n + a] * fluid->dt;
-        if (!(fabs(x) < 1e6)) return "centre: within 1e6 voxels";
-        if (!(fabs(b->velocity[a]) < 0.5)) return "velocity: below half a voxel a step";
-        if (!(fabs(b->spin[a]) * b->radius < 0.5)) return "spin: a surface below half a voxel a step";
-        if (filtration__repeats(l, a)) { /* the image nearest to its last place, or in the box */
-            double home = b->steps ? b->centre[a] : 0.5 * (nodes[a] - 1);
-            x -= nodes[a] * floor((x - home) / nodes[a] + 0.5);
-            if (!(2.0 * b->radius <= nodes[a] * (1.0 + 1e-12))) return "radius: at most half a periodic box";
-        }
-        b->centre[a] = x;
-    }
-    return NULL;
-}
-
-static inline filtration_status filtration__room_for_balls(filtration_fluid *fluid, ptrdiff_t n) {
-    filtration__lattice *l = fluid->lattice;
-    if (n > l->ball_room) {
-        ptrdiff_t room = n + n / 2 + 4;
-        filtration__ball *balls = (filtration__ball *)filtration__resize(&fluid->def.memory, l->balls, (size_t)l->ball_room * sizeof *balls,
-                                                                         (size_t)room * sizeof *balls);
-        if (!balls) return FILTRATION_NO_MEMORY;
-        l->balls = balls;
-        l->ball_room = room;
-    }
-    for (; l->ball_count < n; l->ball_count++) memset(&l->balls[l->ball_count], 0, sizeof *l->balls);
-    return FILTRATION_OK;
-}
-
-/* Returns how far a sphere's surface has moved since the last step [nodes]. */
-static inline double filtration__moved(const filtration__ball *now, const filtration__ball *before) {
-    double dd = 0.0;
-    for (int a = 0; a < 3; a++) dd += (now->centre[a] - before->centre[a]) * (now->centre[a] - before->centre[a]);
-    return sqrt(dd);
-}
-
-/* Moves a sphere from its last place to the present one: nodes change owner. A radius of 0, before or now, is no sphere. */
-static inline void filtration__move_ball(filtration__lattice *l, ptrdiff_t n, const filtration__ball *now) {
-    filtration__ball before = l->balls[n];
-    int was = before.radius > 0.0, is = now->radius > 0.0;
-    l->balls[n] = *now;
-    if (was) filtration__swap_nodes(l, n, &before, is ? now : NULL, 1);
-    if (is) filtration__swap_nodes(l, n, now, was ? &before : NULL, 0);
-    if (was) filtration__fill_left(l, is ? now : &before, &before, 0);
-    if (was) filtration__fill_left(l, is ? now : &before, &before, 1);
-    for (int z = (int)floor(now->centre[2] - now->radius) - 2; is && z <= (int)ceil(now->centre[2] + now->radius) + 2; z++) {
-        int k = l->ghost_z ? z : ((z % l->nz) + l->nz) % l->nz;
-        if (k >= 0 && k < l->nz) l->slab_active[k] = 1;
-    }
-}
-
-/* Reads sphere n of the caller; none beyond his last. Returns OK, BAD_ARGUMENT or TOO_FAST, and the rule that it breaks. */
-static inline filtration_status filtration__next_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
-                                                      filtration__ball *now, const char **rule) {
-    const filtration__ball *before = &fluid->lattice->balls[n];
-    *now = *before;
-    now->radius = 0.0;
-    *rule = s && n < s->n ? filtration__read_ball(fluid, s, n, now) : NULL;
-    if (*rule) return FILTRATION_BAD_ARGUMENT;
-    if (now->radius == 0.0) now->steps = 0;
-    else if (before->radius > 0.0 && !(filtration__moved(now, before) <= 0.5)) *rule = "centre: moved by at most half a voxel a step";
-    return *rule ? FILTRATION_TOO_FAST : FILTRATION_OK;
-}
-
-/* Moves the spheres to their present places: all or, if one is refused, none. */
-static inline filtration_status filtration__bring_balls(filtration_fluid *fluid, const filtration_spheres *s) {
-    filtration__lattice *l = fluid->lattice;
-    filtration__ball now;
-    const char *rule;
-    ptrdiff_t n = s ? s->n : 0;
-    if (n < 0 || (n > 0 && !(s->centre && s->velocity && s->spin && s->radius && s->force && s->torque))) return FILTRATION_BAD_ARGUMENT;
-    if (filtration__room_for_balls(fluid, n) != FILTRATION_OK) return FILTRATION_NO_MEMORY;
-    for (ptrdiff_t k = 0; k < l->ball_count; k++) {
-        const filtration_status status = filtration__next_ball(fluid, s, k, &now, &rule);
-        if (status == FILTRATION_OK) continue;
-        fluid->problem.cause = FILTRATION_SPHERE, fluid->problem.rule = rule;
-        fluid->problem.node[0] = (int)k, fluid->problem.node[1] = fluid->problem.node[2] = 0;
-        fluid->problem.step = fluid->steps;
-        return status;
-    }
-    for (ptrdiff_t k = 0; k < l->ball_count; k++) {
-        (void)filtration__next_ball(fluid, s, k, &now, &rule);
-        filtration__move_ball(l, k, &now);
-    }
-    return FILTRATION_OK;
-}
-
-static inline void filtration__give_forces(const filtration_fluid *fluid, const filtration_spheres *s) {
-    const filtration__lattice *l = fluid->lattice;
-    for (ptrdiff_t n = 0; s && n < s->n; n++) {
-        const filtration__ball *b = &l->balls[n];
-        double share = b->steps > 1 ? 0.5 : 1.0, other = b->steps > 1 ? 0.5 : 0.0, force = l->to_force, torque = force * fluid->def.voxel;
-        for (int a = 0; a < 3; a++) {
-            int none = !(b->radius > 0.0);
-            s->force[3 * n + a] = none ? 0.0 : force * (share * b->force[0][a] + other * b->force[1][a]);
-            s->torque[3 * n + a] = none ? 0.0 : torque * (share * b->torque[0][a] + other * b->torque[1][a]);
-        }
-    }
-}
-
-static inline int filtration__is_closed(const filtration__lattice *l) {
-    for (int f = 0; f < 6; f++)
-        if (l->face[f]->beyond == FILTRATION__NOTHING && !l->face[f]->is_touched) return 0;
-    return 1;
-}
-
-/* Adds the same density to every fluid node, so that the mean is def.density. */
-static inline filtration_status filtration__level(filtration_fluid *fluid) {
-    filtration__lattice *l = fluid->lattice;
-    double sum = 0.0, u[3];
-    ptrdiff_t count = 0;
-    for (int z = 0; z < l->nz; z++)
-        for (int y = 0; y < l->ny; y++) {
-            double row = 0.0;
-            for (int x = 0; x < l->nx; x++) {
-                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
-                row += filtration__moments(l, x, y, z, u);
-                count++;
-            }
-            sum += row;
-        }
-    if (count == 0 || sum == 0.0) return FILTRATION_OK;
-    const double r = -sum / (double)count;
-    if (!(fabs(r) < HUGE_VAL)) return FILTRATION_DIVERGED;
-    for (int z = 0; z < l->nz; z++)
-        for (int y = 0; y < l->ny; y++)
-            for (int x = 0; x < l->nx; x++) {
-                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
-                for (int i = 0; i < l->q; i++) {
-                    ptrdiff_t place = filtration__incoming(l, x, y, z, i);
-                    filtration__put(l, place, filtration__get(l, place) + l->w[i] * r);
-                }
-            }
-    memset(l->slab_active, 1, (size_t)l->nz);
-    for (ptrdiff_t n = 0; n < l->ball_count; n++) l->balls[n].density += r;
-    fluid->mass_correction += r;
-    return FILTRATION_OK;
-}
-
-FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, const filtration_spheres *spheres) {
-    if (!fluid || !fluid->lattice) return FILTRATION_BAD_ARGUMENT;
-    filtration__lattice *l = fluid->lattice;
-    if (fluid->problem.cause == FILTRATION_SPEED || fluid->problem.cause == FILTRATION_NOT_FINITE) return FILTRATION_DIVERGED;
-    memset(&fluid->problem, 0, sizeof fluid->problem);
-    filtration_status status = filtration__bring_balls(fluid, spheres);
-    if (status != FILTRATION_OK) return status;
-    const filtration_parallel *p = &fluid->def.parallel;
-    int threads = fluid->def.threads;
-    filtration__wake_sources(fluid);
-    filtration__for_each(p, threads, FILTRATION__TASKS, filtration__collide_task, l);
-    for (int task = 0; task < FILTRATION__TASKS; task++) fluid->updates += l->updated[task];
-    l->odd = !l->odd;
-    fluid->steps++;
-    fluid->time += fluid->dt;
-    if (filtration__find_problem(l, &fluid->problem)) {
-        fluid->problem.step = fluid->steps;
-        fluid->problem.cell_reynolds = fluid->problem.speed * 3.0 / (fluid->def.tau - 0.5);
-        return FILTRATION_DIVERGED;
-    }
-    if (!l->periodic_x || l->ghost_y || l->ghost_z) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__face_task, l);
-    if (l->link_count) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__link_task, l);
-    if (l->ball_count) {
-        filtration__for_each(p, threads, FILTRATION__TASKS, filtration__ball_task, l);
-        filtration__for_each(p, threads, FILTRATION__TASKS, filtration__film_task, l);
-    }
-    if (fluid->def.force == FILTRATION_SHEAR_LAYER) filtration__shear_forces(fluid);
-    filtration__give_forces(fluid, spheres);
-    if (fluid->def.keep_mass && l->left && fluid->steps % 256 == 0 && filtration__is_closed(l)) {
-        l->left = 0;
-        return filtration__level(fluid);
-    }
-    return FILTRATION_OK;
-}
-
-FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, int64_t steps, const filtration_spheres *spheres) {
-    filtration_status status = FILTRATION_OK;
-    if (!fluid || !fluid->lattice || steps < 0) return FILTRATION_BAD_ARGUMENT;
-    for (int64_t n = 0; n < steps && status == FILTRATION_OK; n++) status = filtration_fluid_step(fluid, spheres);
-    return status;
-}
-
-/* -------------------------------------------------------------------------------------------------------- >>flow.h */
-/* flow.h: reads and changes the flow between steps: samples, fields, sums, another time step, a flow to start from. Relies on fluid.h.
-   May be changed here alone: everything. */
-
-/* ==== >>flow ==== */
-
-FILTRATION_API filtration_status filtration_fluid_at(const filtration_fluid *fluid, int x, int y, int z, filtration_sample *sample) {
-    const filtration__lattice *l = fluid ? fluid->lattice : NULL;
-    if (!l || !sample || x < 0 || y < 0 || z < 0 || x >= l->nx || y >= l->ny || z >= l->nz) return FILTRATION_BAD_ARGUMENT;
-    memset(sample, 0, sizeof *sample);
-    sample->owner = l->owner[filtration__node(l, x, y, z)];
-    if (sample->owner != FILTRATION__FLUID) return FILTRATION_OK;
-    sample->pressure = filtration__moments(l, x, y, z, sample->velocity) * l->to_pressure / 3.0;
-    for (int a = 0; a < 3; a++) sample->velocity[a] *= l->to_velocity;
-    return FILTRATION_OK;
-}
-
-FILTRATION_API void filtration_fluid_fields(const filtration_fluid *fluid, float *velocity, float *pressure, int32_t *owner) {
-    const filtration__lattice *l = fluid ? fluid->lattice : NULL;
-    filtration_sample s;
-    for (int z = 0; l && z < l->nz; z++)
-        for (int y = 0; y < l->ny; y++)
-            for (int x = 0; x < l->nx; x++) {
-                ptrdiff_t n = filtration__node(l, x, y, z);
-                (void)filtration_fluid_at(fluid, x, y, z, &s);
-                for (int a = 0; velocity && a < 3; a++) velocity[3 * n + a] = (float)s.velocity[a];
-                if (pressure) pressure[n] = (float)s.pressure;
-                if (owner) owner[n] = s.owner;
-            }
-}
-
-/* Sums over the fluid nodes of a part of the box, in lattice units: deviation of density, momentum, number of nodes, largest squared
-   speed. */
-static inline void filtration__sum(const filtration__lattice *l, const int low[3], const int high[3], double sum[6]) {
-    for (int k = 0; k < 6; k++) sum[k] = 0.0;
-    for (int z = low[2]; z < high[2]; z++)
-        for (int y = low[1]; y < high[1]; y++) {
-            double row[4] = {0, 0, 0, 0};
-            for (int x = low[0]; x < high[0]; x++) {
-                double u[3];
-                if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
-                row[0] += filtration__moments(l, x, y, z, u);
-                for (int a = 0; a < 3; a++) row[a + 1] += u[a];
-                double uu = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-                sum[4] += 1.0;
-                if (uu > sum[5]) sum[5] = uu;
-            }
-            for (int k = 0; k < 4; k++) sum[k] += row[k];
-        }
-}
-
-static inline void filtration__sum_all(const filtration__lattice *l, double sum[6]) {
-    const int low[3] = {0, 0, 0}, high[3] = {l->nx, l->ny, l->nz};
-    filtration__sum(l, low, high, sum);
-}
-
-FILTRATION_API void filtration_fluid_mean_velocity(const filtration_fluid *fluid, double velocity[3]) {
-    double sum[6];
-    for (int a = 0; a < 3 && velocity; a++) velocity[a] = (double)NAN;
-    if (!fluid || !fluid->lattice || !velocity) return;
-    filtration__sum_all(fluid->lattice, sum);
-    for (int a = 0; a < 3; a++) velocity[a] = sum[a + 1] * fluid->lattice->to_velocity / (double)filtration__nodes(fluid->lattice);
-}
-
-FILTRATION_API double filtration_fluid_flux(const filtration_fluid *fluid, int axis, int slab) {
-    if (!fluid || !fluid->lattice) return (double)NAN;
-    const filtration__lattice *l = fluid->lattice;
-    int low[3] = {0, 0, 0}, high[3] = {l->nx, l->ny, l->nz};
-    double sum[6];
-    if (axis < 0 || axis > 2 || slab < 0 || slab >= high[axis]) return (double)NAN;
-    double nodes = (double)filtration__nodes(l) / high[axis];
-    low[axis] = slab, high[axis] = slab + 1;
-    filtration__sum(l, low, high, sum);
-    return sum[axis + 1] * l->to_velocity / nodes;
-}
-
-FILTRATION_API double filtration_fluid_mass(const filtration_fluid *fluid) {
-    if (!fluid || !fluid->lattice) return (double)NAN;
-    double sum[6], dx = fluid->def.voxel;
-    filtration__sum_all(fluid->lattice, sum);
-    return (sum[0] + sum[4]) * fluid->def.density * dx * dx * dx;
-}
-
-FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid) {
-    if (!fluid || !fluid->lattice) return (double)NAN;
-    double fluid_nodes = 0.0;
-    size_t nodes = filtration__nodes(fluid->lattice);
-    for (size_t k = 0; k < nodes; k++) fluid_nodes += fluid->lattice->owner[k] == FILTRATION__FLUID;
-    return fluid_nodes / (double)nodes;
-}
-
-FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid) {
-    double sum[6];
-    if (!fluid || !fluid->lattice) return (double)NAN;
-    filtration__sum_all(fluid->lattice, sum);
-    return sqrt(sum[5]) * fluid->lattice->to_velocity;
-}
-
-FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, double force[3]) {
-    for (int a = 0; a < 3 && force; a++) force[a] = (double)NAN;
-    if (!fluid || !fluid->lattice || !force) return;
-    filtration__solid_force(fluid->lattice, force);
-    for (int a = 0; a < 3; a++) force[a] *= fluid->lattice->to_force;
-}
-
-/* ---- changes ---- */
-
-/* Takes a definition over, unless it is out of range. */
-static inline filtration_status filtration__change(filtration_fluid *fluid, const filtration_fluid_def *def) {
-    if (filtration_fluid_check_def(def, NULL) != FILTRATION_OK) return FILTRATION_BAD_ARGUMENT;
-    fluid->def = *def;
-    filtration__set_units(fluid);
-    return FILTRATION_OK;
-}
-
-FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_fluid *fluid, const double force[3]) {
-    if (!fluid || !force) return FILTRATION_BAD_ARGUMENT;
-    filtration_fluid_def def = fluid->def;
-    memcpy(def.body_force, force, sizeof def.body_force);
-    return filtration__change(fluid, &def);
-}
-
-FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure) {
-    if (!fluid) return FILTRATION_BAD_ARGUMENT;
-    filtration_fluid_def def = fluid->def;
-    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_pressure) return FILTRATION_BAD_ARGUMENT;
-    def.face_pressure[face] = pressure;
-    return filtration__change(fluid, &def);
-}
-
-FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]) {
-    if (!fluid || !velocity) return FILTRATION_BAD_ARGUMENT;
-    filtration_fluid_def def = fluid->def;
-    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_velocity) return FILTRATION_BAD_ARGUMENT;
-    memcpy(def.face_velocity[face], velocity, sizeof def.face_velocity[face]);
-    return filtration__change(fluid, &def);
-}
-
-/* Computes the populations of a node that a change gives it. */
-typedef struct filtration__new_flow {
-    void (*node)(const filtration_fluid *fluid, const struct filtration__new_flow *flow, int x, int y, int z, double h[FILTRATION__Q]);
-    double speed, stress;                                                                /* factors of a rescaled flow [-] */
-    void (*fn)(void *user, const double point[3], double velocity[3], double *pressure); /* of a flow to start from */
-    void *user;
-} filtration__new_flow;
-
-/* Gives every fluid node its new populations or, if a number is out of range, none. Returns whether it did. */
-static inline int filtration__set_nodes(filtration_fluid *fluid, const filtration__new_flow *flow) {
-    filtration__lattice *l = fluid->lattice;
-    double h[FILTRATION__Q];
-    for (int store = 0; store < 2; store++)
-        for (int z = 0; z < l->nz; z++)
-            for (int y = 0; y < l->ny; y++)
-                for (int x = 0; x < l->nx; x++) {
-                    if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
-                    flow->node(fluid, flow, x, y, z, h);
-                    for (int i = 0; i < l->q; i++) {
-                        if (!(fabs(h[i]) < FILTRATION__LARGEST_POPULATION)) return 0;
-                        if (store) filtration__put(l, filtration__incoming(l, x, y, z, i), h[i]);
-                    }
-                }
-    return 1;
-}
-
-/* Rescales a node: velocity by s, pressure and force by s^2, the non-equilibrium part as stress: by s and the ratio of relaxation times.
-   Before a collision, half of the force is missing in the momentum. */
-FILTRATION__STATIC void filtration__rescale(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
-                                double h[FILTRATION__Q]) {
-    const filtration__lattice *l = fluid->lattice;
-    double u[3], v[3], s = flow->speed, stress = flow->stress, r = filtration__moments(l, x, y, z, u);
-    for (int a = 0; a < 3; a++) v[a] = u[a] * s;
-    for (int i = 0; i < l->q; i++) {
-        double cf = 0.0;
-        for (int a = 0; a < 3; a++) cf += l->c[i][a] * l->rates.force[a];
-        h[i] = filtration__get(l, filtration__incoming(l, x, y, z, i)) - filtration__equilibrium(l, i, r, u);
-        h[i] = filtration__equilibrium(l, i, r * s * s, v) + stress * h[i] + 1.5 * l->w[i] * (stress - s * s) * cf;
-    }
-}
-
-FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *fluid, double tau) {
-    if (!fluid) return FILTRATION_BAD_ARGUMENT;
-    filtration_fluid_def def = fluid->def;
-    filtration__lattice *l = fluid->lattice;
-    double s = (tau - 0.5) / (def.tau - 0.5);
-    const filtration__new_flow flow = {filtration__rescale, s, s * tau / def.tau, NULL, NULL};
-    def.tau = tau;
-    if (filtration_fluid_check_def(&def, NULL) != FILTRATION_OK || !filtration__set_nodes(fluid, &flow)) return FILTRATION_BAD_ARGUMENT;
-    for (ptrdiff_t n = 0; n < l->ball_count; n++) {
-        filtration__ball *b = &l->balls[n];
-        b->density *= s * s;
-        for (int a = 0; a < 3; a++) {
-            b->slope[a] *= s * s;
-            for (int k = 0; k < 2; k++) b->force[k][a] *= s * s, b->torque[k][a] *= s * s;
-        }
-    }
-    return filtration__change(fluid, &def);
-}
-
-/* Computes a node's equilibrium plus the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) : grad u to first
-   order. */
-FILTRATION__STATIC void filtration__start_node(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
-                                   double h[FILTRATION__Q]) {
-    const filtration__lattice *l = fluid->lattice;
-    double point[3], u[3] = {0, 0, 0}, p = 0.0, grad[3][3], trace = 0.0, aside = 0.0;
-    filtration__point(&fluid->def, x, y, z, point);
-    flow->fn(flow->user, point, u, &p);
-    for (int b = 0; b < 3; b++) {
-        double low[3] = {0, 0, 0}, high[3] = {0, 0, 0}, q[3] = {point[0], point[1], point[2]};
-        q[b] = point[b] - 0.5 * fluid->def.voxel;
-        flow->fn(flow->user, q, low, &aside);
-        q[b] = point[b] + 0.5 * fluid->def.voxel;
-        flow->fn(flow->user, q, high, &aside);
-        for (int a = 0; a < 3; a++) grad[a][b] = (high[a] - low[a]) / l->to_velocity;
-        trace += grad[b][b];
-    }
-    for (int a = 0; a < 3; a++) u[a] /= l->to_velocity;
-    for (int i = 0; i < l->q; i++) {
-        double cgc = 0.0, cf = 0.0;
-        for (int a = 0; a < 3; a++) {
-            cf += l->c[i][a] * l->rates.force[a];
-            for (int b = 0; b < 3; b++) cgc += l->c[i][a] * grad[a][b] * l->c[i][b];
-        }
-        h[i] =
-            filtration__equilibrium(l, i, 3.0 * p / l->to_pressure, u) - l->w[i] * (3.0 * fluid->def.tau * (cgc - trace / 3.0) + 1.5 * cf);
-    }
-}
-
-FILTRATION_API filtration_status filtration_fluid_set_flow(
-    filtration_fluid *fluid, void (*fn)(void *user, const double point[3], double velocity[3], double *pressure), void *user) {
-    filtration__lattice *l = fluid ? fluid->lattice : NULL;
-    const filtration__new_flow flow = {filtration__start_node, 1.0, 1.0, fn, user};
-    if (!l || !fn || !filtration__set_nodes(fluid, &flow)) return FILTRATION_BAD_ARGUMENT;
-    memset(l->slab_active, 1, (size_t)l->nz);
-    return FILTRATION_OK;
-}
-
-FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fluid) {
-    return fluid && fluid->lattice ? filtration__level(fluid) : FILTRATION_BAD_ARGUMENT;
-}
-
-/* -------------------------------------------------------------------------------------------------------- >>save.h */
-/* save.h: writes a fluid as bytes and reads it back, bit for bit. Relies on flow.h.
-   May be changed here alone: the format, with its version. */
-
-/* ==== >>save ==== */
-
-/* Everything but arrays. All fields have eight bytes, so that there is no padding. */
-typedef struct filtration__header {
-    uint64_t magic;
-    int64_t nodes[3], directions, single, faces[6], boundary, refill, force_mode, keep_mass, links, solid_nodes, balls, odd, left, steps,
-        updates;
-    double bulk_ratio, lambda, tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel, density, viscosity;
-} filtration__header;
-
-#define FILTRATION__MAGIC UINT64_C(0x336c6966656c6472) /* changes with the format */
-
-static inline uint64_t filtration__checksum(uint64_t sum, const void *data, size_t bytes) {
-    const unsigned char *p = (const unsigned char *)data;
-    size_t k = 0;
-    for (; k + 8 <= bytes; k += 8) {
-        uint64_t word;
-        memcpy(&word, p + k, 8);
-        sum = (sum ^ word) * UINT64_C(0x100000001b3);
-        sum ^= sum >> 29;
-    }
-    for (; k < bytes; k++) sum = (sum ^ p[k]) * UINT64_C(0x100000001b3);
-    return sum;
-}
-
-static inline filtration__header filtration__make_header(const filtration_fluid *fluid) {
-    const filtration__lattice *l = fluid->lattice;
-    const filtration_fluid_def *d = &fluid->def;
-    filtration__header h;
-    memset(&h, 0, sizeof h);
-    h.magic = FILTRATION__MAGIC;
-    for (int a = 0; a < 3; a++) h.nodes[a] = d->nodes[a];
-    for (int f = 0; f < 6; f++) h.faces[f] = (int64_t)d->face[f];
-    h.boundary = (int64_t)d->boundary, h.refill = (int64_t)d->refill, h.force_mode = (int64_t)d->force, h.keep_mass = d->keep_mass;
-    h.bulk_ratio = d->bulk_ratio, h.lambda = d->magic, h.left = l->left;
-    h.directions = l->q, h.single = l->single, h.links = l->link_count, h.solid_nodes = l->solid_nodes;
-    h.balls = l->ball_count, h.odd = l->odd, h.steps = fluid->steps, h.updates = fluid->updates;
-    h.tau = d->tau, h.time = fluid->time, h.mass_correction = fluid->mass_correction;
-    h.voxel = d->voxel, h.density = d->density, h.viscosity = d->viscosity;
-    memcpy(h.body_force, d->body_force, sizeof h.body_force);
-    memcpy(h.face_velocity, d->face_velocity, sizeof h.face_velocity);
-    memcpy(h.face_pressure, d->face_pressure, sizeof h.face_pressure);
-    return h;
-}
-
-/* Lists the arrays of a save, in order. Returns their number. */
-static inline int filtration__saved_arrays(const filtration__lattice *l, void *data[4], size_t bytes[4]) {
-    data[0] = l->slab_active, bytes[0] = (size_t)l->nz;
-    data[1] = l->owner, bytes[1] = filtration__nodes(l) * sizeof *l->owner;
-    data[2] = l->balls, bytes[2] = (size_t)l->ball_count * sizeof *l->balls;
-    data[3] = l->f, bytes[3] = l->block_bytes - FILTRATION__LINE;
-    return 4;
-}
-
-FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write, void *user) {
-    if (!fluid || !fluid->lattice || !write) return FILTRATION_BAD_ARGUMENT;
-    filtration__header h = filtration__make_header(fluid);
-    void *data[4];
-    size_t bytes[4];
-    uint64_t sum = filtration__checksum(0, &h, sizeof h);
-    if (!write(user, &h, sizeof h)) return FILTRATION_STREAM;
-    int n = filtration__saved_arrays(fluid->lattice, data, bytes);
-    for (int k = 0; k < n; k++) {
-        if (!bytes[k]) continue;
-        if (!write(user, data[k], bytes[k])) return FILTRATION_STREAM;
-        sum = filtration__checksum(sum, data[k], bytes[k]);
-    }
-    return write(user, &sum, sizeof sum) ? FILTRATION_OK : FILTRATION_STREAM;
-}
-
-/* Puts the fluid at rest at time 0, without spheres. */
-static inline void filtration__rest(filtration_fluid *fluid) {
-    filtration__lattice *l = fluid->lattice;
-    memset(l->block, 0, l->block_bytes);
-    memset(l->slab_active, 0, (size_t)l->nz);
-    for (size_t k = 0; k < filtration__nodes(l); k++)
-        if (l->owner[k] != FILTRATION__SOLID) l->owner[k] = FILTRATION__FLUID;
-    l->ball_count = 0;
-    l->odd = l->left = 0;
-    fluid->time = fluid->mass_correction = 0.0;
-    fluid->steps = fluid->updates = 0;
-    memset(&fluid->problem, 0, sizeof fluid->problem);
-}
-
-/* Returns whether a save belongs to this fluid. */
-static inline int filtration__fits(const filtration_fluid *fluid, const filtration__header *h) {
-    filtration__header own = filtration__make_header(fluid);
-    int same = h->magic == own.magic && h->directions == own.directions && h->single == own.single && h->links == own.links &&
-               h->solid_nodes == own.solid_nodes && h->voxel == own.voxel && h->density == own.density && h->viscosity == own.viscosity &&
-               h->boundary == own.boundary && h->refill == own.refill && h->force_mode == own.force_mode && h->keep_mass == own.keep_mass &&
-               h->bulk_ratio == own.bulk_ratio && h->lambda == own.lambda && (h->left == 0 || h->left == 1) &&
-               h->balls >= 0 && h->balls < INT32_MAX && (h->odd == 0 || h->odd == 1) && h->time >= 0.0 && h->time < HUGE_VAL &&
-               fabs(h->mass_correction) < HUGE_VAL && h->steps >= 0 && h->updates >= 0;
-    for (int a = 0; a < 3; a++) same = same && h->nodes[a] == own.nodes[a];
-    for (int f = 0; f < 6; f++) same = same && h->faces[f] == own.faces[f];
-    return same;
-}
-
-static inline filtration_status filtration__read_arrays(filtration_fluid *fluid, const filtration__header *h, filtration_read_fn read,
-                                                        void *user) {
-    filtration__lattice *l = fluid->lattice;
-    void *data[4];
-    size_t bytes[4];
-    uint64_t sum = filtration__checksum(0, h, sizeof *h), stored = 0;
-    if (filtration__room_for_balls(fluid, (ptrdiff_t)h->balls) != FILTRATION_OK) return FILTRATION_NO_MEMORY;
-    int n = filtration__saved_arrays(l, data, bytes);
-    for (int k = 0; k < n; k++) {
-        if (!bytes[k]) continue;
-        if (!read(user, data[k], bytes[k])) return FILTRATION_STREAM;
-        sum = filtration__checksum(sum, data[k], bytes[k]);
-    }
-    if (!read(user, &stored, sizeof stored)) return FILTRATION_STREAM;
-    return stored == sum ? FILTRATION_OK : FILTRATION_BAD_DATA;
-}
-
-/* Marks the solid's nodes again, because a damaged save may have changed the map. */
-static inline void filtration__remark(filtration_fluid *fluid) {
-    filtration__lattice *l = fluid->lattice;
-    for (size_t k = 0; k < filtration__nodes(l); k++) l->owner[k] = FILTRATION__FLUID;
-    l->fluid_nodes = (ptrdiff_t)filtration__nodes(l);
-    l->solid_nodes = 0;
-    if (fluid->def.solid.distance) filtration__mark_solid(&fluid->def, l);
-}
-
-FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, filtration_read_fn read, void *user) {
-    filtration__header h;
-    if (!fluid || !fluid->lattice || !read) return FILTRATION_BAD_ARGUMENT;
-    filtration__rest(fluid);
-    if (!read(user, &h, sizeof h)) return FILTRATION_STREAM;
-    filtration_fluid_def def = fluid->def;
-    def.tau = h.tau;
-    memcpy(def.body_force, h.body_force, sizeof h.body_force);
-    memcpy(def.face_velocity, h.face_velocity, sizeof h.face_velocity);
-    memcpy(def.face_pressure, h.face_pressure, sizeof h.face_pressure);
-    if (!filtration__fits(fluid, &h) || filtration_fluid_check_def(&def, NULL) != FILTRATION_OK) return FILTRATION_BAD_DATA;
-    filtration_status status = filtration__read_arrays(fluid, &h, read, user);
-    if (status != FILTRATION_OK) {
-        filtration__remark(fluid);
-        filtration__rest(fluid);
-        return status;
-    }
-    (void)filtration__change(fluid, &def);
-    fluid->lattice->odd = (int)h.odd, fluid->lattice->left = (int)h.left;
-    fluid->time = h.time, fluid->mass_correction = h.mass_correction;
-    fluid->steps = h.steps, fluid->updates = h.updates;
-    return FILTRATION_OK;
-}
-
-/* ------------------------------------------------------------------------------------------------------ >>motion.h */
-/* motion.h: spheres moved through one step of the fluid: weight, the fluid's force, contacts, lubrication.
-   Relies on fluid.h.
-   May be changed here alone: everything. */
+/* ----------------------------------------------------------------------------------------------- >>motion/motion.h */
+/* Spheres moved through one step of the fluid: weight, the fluid's force, contacts, lubrication. */
 
 /* ==== >>motion ==== */
 
@@ -5082,10 +5048,8 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
     return FILTRATION_OK;
 }
 
-/* ------------------------------------------------------------------------------------------------ >>permeability.h */
-/* permeability.h: steady flow through what stands in the box.
-   Relies on flow.h.
-   May be changed here alone: everything. */
+/* ------------------------------------------------------------------------------------------ >>fluid/permeability.h */
+/* Steady flow through what stands in the box. */
 
 /* ==== >>permeability ==== */
 

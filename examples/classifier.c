@@ -91,8 +91,11 @@ typedef struct measured {
     double x[MOST_ROWS], t[MOST_ROWS], sd[MOST_ROWS]; /* [m] [-] [-] */
     bool has_sd;
     double coarse_share, chi_squared; /* from size distributions */
-    double scale;                     /* of the guessed deviations of the shares, from chi_squared */
+    bool guessed;                     /* nobody gave deviations of the shares: they are found from the data */
+    bool from_curve;                  /* found from the scatter about the curve, which the balance does not show */
     int freedom;
+    int classes;                      /* of the distributions, with what the balance makes of them */
+    double low[MOST_ROWS], high[MOST_ROWS], tromp[MOST_ROWS], tromp_sd[MOST_ROWS], share[3][MOST_ROWS]; /* [m] [-] [-]; feed, coarse, fine */
 } measured;
 
 static void read_sizes(const program *self, const char *path, measured *m) {
@@ -121,30 +124,73 @@ static void read_sizes(const program *self, const char *path, measured *m) {
     }
     classifier_balance_data balance = {n, share[0], share[1], share[2], sd[0], sd[1], sd[2], (double)NAN, (double)NAN};
     classifier_balance_result result;
-    classifier_status status = classifier_reconcile(&balance, t, t_sd, NULL, NULL, NULL, &result);
+    classifier_status status = classifier_reconcile(&balance, t, t_sd, m->share[0], m->share[1], m->share[2], &result);
     if (status != CLASSIFIER_OK) refuse_file(self, "sizes", path, classifier_status_text(status));
     m->coarse_share = result.coarse_share;
     m->chi_squared = result.chi_squared;
     m->freedom = result.freedom;
     m->has_sd = true;
     /* Where nobody gave deviations, 2 % is a guess: the misfit of the balance says how large they are. */
-    const bool guessed = !data.amount[3] || !data.amount[4] || !data.amount[5];
-    m->scale = guessed && m->freedom > 0 && m->chi_squared > 0.0 ? sqrt(m->chi_squared / m->freedom) : 1.0;
+    m->guessed = !data.amount[3] || !data.amount[4] || !data.amount[5];
+    const double scale = m->guessed && m->freedom > 0 ? fmax(sqrt(m->chi_squared / m->freedom), 1e-6) : 1.0;
+    m->classes = n;
     for (int i = 0; i < n; i++) {
         const double low = i + first > 0 ? data.size[i + first - 1] : 0.0, high = data.size[i + first];
+        m->low[i] = low, m->high[i] = high, m->tromp[i] = t[i], m->tromp_sd[i] = scale * t_sd[i];
         if (!(t[i] == t[i] && t_sd[i] < 0.3)) continue; /* a class with next to no feed says nothing */
         m->x[m->n] = low > 0.0 ? sqrt(low * high) : 0.5 * high;
         m->t[m->n] = t[i];
-        m->sd[m->n++] = m->scale * (t_sd[i] > 0.003 ? t_sd[i] : 0.003);
+        m->sd[m->n++] = scale * (t_sd[i] > 0.003 ? t_sd[i] : 0.003);
     }
     sheet_free_sizes(&data);
 }
 
-/* Writes the range of a fitted value, or why there is none. */
-static const char *range_of(char *text, size_t size, const classifier_fit_result *fit, double sd, bool at_border, int digits) {
-    if (at_border) return " (at its border)";
-    if (!(sd < HUGE_VAL)) return " (left open by the points)";
-    snprintf(text, size, " +- %.*f", digits, fit->student * sd);
+/* Fits a curve with a bypass. Guessed deviations are those of the balance, but no less than the scatter about the curve shows: a feed that
+   was computed from the products closes every balance. They come from few points, so the ranges count Student's t. */
+static classifier_status fit_measured(measured *m, classifier_fit_result *fit) {
+    double widened[MOST_ROWS], chi = 0.0;
+    classifier_fit_result plain;
+    classifier_status status = classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_BYPASS, m->x, m->t, m->has_sd ? m->sd : NULL, m->n, fit);
+    if (status != CLASSIFIER_OK || !m->guessed) return status;
+    for (int i = 0; i < m->n; i++) chi += pow((m->t[i] - classifier_curve_value(&fit->curve, m->x[i])) / m->sd[i], 2.0);
+    const double factor = sqrt(chi / fit->dof);
+    m->from_curve = factor > 1.0;
+    for (int i = 0; i < m->n && m->from_curve; i++) m->sd[i] *= factor;
+    for (int i = 0; i < m->classes && m->from_curve; i++) m->tromp_sd[i] *= factor;
+    if (classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_BYPASS, m->x, m->t, NULL, m->n, &plain) != CLASSIFIER_OK) return status;
+    for (int i = 0; i < m->n; i++) widened[i] = m->sd[i] * plain.student / fit->student;
+    return classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_BYPASS, m->x, m->t, widened, m->n, fit);
+}
+
+/* Prints and writes what the balance makes of three size distributions: T of each class with its standard deviation, adjusted shares. */
+static void write_balance(const program *self, const measured *m) {
+    riddle_io_file *file = csv_open(self->out, "balance.csv",
+                                    "# share of a class that goes to the coarse product, its standard deviation; adjusted shares\n"
+                                    "low_m,high_m,t,t_sd,feed,coarse,fine");
+    riddle_io_table out = riddle_io_table_begin("class [um]|T [-]|sd [-]|feed [-]|coarse [-]|fine [-]");
+    for (int i = 0; i < m->classes; i++) {
+        const double row[7] = {m->low[i],      m->high[i],     m->tromp[i],    m->tromp_sd[i],
+                               m->share[0][i], m->share[1][i], m->share[2][i]};
+        char text[60];
+        riddle_io_row(file, row, 7);
+        snprintf(text, sizeof text, "%.4g .. %.4g", 1e6 * m->low[i], 1e6 * m->high[i]);
+        riddle_io_table_cell(&out, "%s", text);
+        for (int k = 2; k < 7; k++) riddle_io_table_cell(&out, "%.4f", row[k]);
+    }
+    riddle_io_close(file);
+    table_end(&out);
+    common_print("Coarse product %.4f of the feed; balance: chi squared %.3g with %d degrees of freedom.\n", m->coarse_share, m->chi_squared,
+                 m->freedom);
+    if (m->from_curve)
+        common_print("The balance closes better than T follows a curve: was the feed computed from the products? Deviations are those of the "
+                     "points about the curve.\n");
+    common_print("\n");
+}
+
+/* Writes the 95 % range of a fitted value, or that there is none. */
+static const char *range_of(char *text, size_t size, double low, double high, int digits) {
+    if (!(high < HUGE_VAL)) return " (left open by the points)";
+    snprintf(text, size, " (%.*f .. %.*f)", digits, low, digits, high);
     return text;
 }
 
@@ -648,13 +694,11 @@ static void print_outcome(const outcome *o, const char *material) {
 }
 
 static void print_fit(const classifier_fit_result *fit) {
-    char range[3][40];
-    common_print("Measured curve: x50 %.2f%s um, slope %.2f%s, bypass %.3f%s, rms %.3f (+- 95 %% range by Student's t, %.0f "
-                 "degrees of freedom)\n",
-                 1e6 * fit->curve.size, range_of(range[0], sizeof *range, fit, 1e6 * fit->size_sd, false, 2), fit->curve.slope,
-                 range_of(range[1], sizeof *range, fit, fit->slope_sd, (fit->at_border & CLASSIFIER_SLOPE) != 0, 2), fit->curve.bypass,
-                 range_of(range[2], sizeof *range, fit, fit->bypass_sd, (fit->at_border & CLASSIFIER_FREE_BYPASS) != 0, 3), fit->rms,
-                 fit->dof);
+    char range[3][60];
+    common_print("Measured curve: x50 %.2f%s um, slope %.2f%s, bypass %.3f%s, rms %.3f (95 %% ranges, %.0f degrees of freedom)\n",
+                 1e6 * fit->curve.size, range_of(range[0], sizeof *range, 1e6 * fit->size_low, 1e6 * fit->size_high, 2), fit->curve.slope,
+                 range_of(range[1], sizeof *range, fit->slope_low, fit->slope_high, 2), fit->curve.bypass,
+                 range_of(range[2], sizeof *range, fit->bypass_low, fit->bypass_high, 3), fit->rms, fit->dof);
 }
 
 static void report_outcome(json *report, const outcome *o, const char *material) {
@@ -690,10 +734,15 @@ static void report_fit(json *report, const classifier_fit_result *fit) {
     json_object_begin(report, "fit");
     json_number(report, "x50_m", fit->curve.size);
     json_number(report, "x50_sd_m", fit->size_sd);
-    json_number(report, "x50_range_m", fit->student * fit->size_sd);
+    json_number(report, "x50_low_m", fit->size_low);
+    json_number(report, "x50_high_m", fit->size_high);
     json_number(report, "degrees_of_freedom", fit->dof);
     json_number(report, "slope", fit->curve.slope);
     json_number(report, "bypass", fit->curve.bypass);
+    json_number(report, "slope_low", fit->slope_low);
+    json_number(report, "slope_high", fit->slope_high);
+    json_number(report, "bypass_low", fit->bypass_low);
+    json_number(report, "bypass_high", fit->bypass_high);
     json_number(report, "rms", fit->rms);
     json_object_end(report);
 }
@@ -761,12 +810,11 @@ int main(int argc, char **argv) {
     if (sizes) read_sizes(&self, sizes, &m);
     if (points) read_measured(&self, points, &m);
     if (m.n) {
-        const classifier_status status =
-            classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_BYPASS, m.x, m.t, m.has_sd ? m.sd : NULL, m.n, &fit);
+        const classifier_status status = fit_measured(&m, &fit);
         fitted = status == CLASSIFIER_OK;
         if (!fitted && calibrate) refuse_file(&self, sizes ? "sizes" : "measured", sizes ? sizes : points, classifier_status_text(status));
         if (!fitted) common_print("The points are drawn without a curve: %s\n", classifier_status_text(status));
-        if (calibrate && x50 <= 0.0) x50 = 1e6 * classifier_curve_size(&fit.curve, 0.5);
+        if (calibrate && x50 <= 0.0) x50 = 1e6 * fit.curve.size; /* of the curve without bypass: the model has none */
     }
     if (x50 > 0.0) calibrate_to(&self, x50, &o.def, defs);
 
@@ -778,6 +826,7 @@ int main(int argc, char **argv) {
     if (status != CLASSIFIER_OK) return common_fail("%s", classifier_status_text(status)), common_exit_status();
     write_curve(&self, &model, o.x);
     print_outcome(&o, material_names[material]);
+    if (m.classes) write_balance(&self, &m);
     if (fitted) print_fit(&fit);
 
     const char *const keys[3] = {"limestone", "ground-glass", "beads"};

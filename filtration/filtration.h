@@ -35,43 +35,33 @@
    Shared copy instead of static inline: #define FILTRATION_API extern everywhere and FILTRATION_IMPLEMENTATION in one file. */
 #ifndef RIDDLE_FILTRATION_H
 #define RIDDLE_FILTRATION_H
-#include "compiler.h"
-#include "base.h"
-#include "process_api.h"
-#include "solids_api.h"
-#include "api.h"
-#include "../base/portable_math.h"
-#include "process_laws.h"
-#include "settling_laws.h"
+
+#include "base/compiler.h"
+
+/* clang fuses products and sums only if it may. */
+#if defined(__clang__)
+#pragma float_control(push)
+#pragma clang fp contract(off)
+#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
+#pragma GCC push_options
+#pragma GCC optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")
+#endif
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Declarations, and pure laws. */
+#include "process/process_api.h"
+#include "fluid/api.h"
+#include "process/process_laws.h"
+#include "process/settling_laws.h"
+
+/* Bodies: the parts that no other one includes. */
 #ifdef FILTRATION__BODIES
-#include "process.h"
-#include "process_line.h"
-#include "evaluate.h"
-#include "compressibility.h"
-#include "solids.h"
-#include "lattice.h"
-#define FILTRATION__REAL double
-#define FILTRATION__FLAG int64_t
-#define FILTRATION__OF(name) name##d
-#include "kernel.h"
-#undef FILTRATION__REAL
-#undef FILTRATION__FLAG
-#undef FILTRATION__OF
-#define FILTRATION__REAL float
-#define FILTRATION__FLAG int32_t
-#define FILTRATION__OF(name) name##f
-#include "kernel.h"
-#include "collide.h"
-#include "faces.h"
-#include "links.h"
-#include "spheres.h"
-#include "films.h"
-#include "shear.h"
-#include "fluid.h"
-#include "flow.h"
-#include "save.h"
-#include "motion.h"
-#include "permeability.h"
+#include "process/compressibility.h"
+#include "fluid/save.h"
+#include "motion/motion.h"
+#include "fluid/permeability.h"
 #endif
 
 #ifdef __cplusplus

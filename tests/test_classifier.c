@@ -1311,6 +1311,78 @@ static void test_a_failure_is_not_hidden_by_a_later_success(void **state) {
     assert_true(tried > 5);
 }
 
+/* Speed and air for a wanted fine product: a setting's own product is found back, and its sensitivities are differences of it. */
+static void settings_by_wish(void **state) {
+    (void)state;
+    enum { N = 12 };
+    double edge[N + 1], feed[N], sum = 0.0;
+    classifier_def def = classifier_paper_def(CLASSIFIER_LIMESTONE, 9000.0, NULL);
+    classifier_setting s, known;
+    def.points = 64, def.shifts = 2;
+    for (int i = 0; i <= N; i++) edge[i] = i ? 2e-6 * pow(1.45, i) : 0.0;
+    for (int i = 0; i < N; i++) sum += feed[i] = exp(-0.5 * pow((i - 6.0) / 2.5, 2.0));
+    for (int i = 0; i < N; i++) feed[i] /= sum;
+    classifier_wish wish = {N, edge, feed, 25e-6, 0.97, nan_, 1000.0, 20000.0, 30.0 / 3600.0, 120.0 / 3600.0};
+    assert_int_equal(classifier_for(&def, &wish, NULL, &s), CLASSIFIER_OK);
+    close_to(s.size, 25e-6, 1e-6);
+    assert_true(s.air_flow == def.air_flow && s.rpm > 1000.0 && s.rpm < 20000.0 && s.x50 > 0.0 && s.x50 < 25e-6);
+    assert_true(s.size_by_rpm < -0.3 && s.size_by_air > 0.1 && s.yield_by_rpm < 0.0 && s.yield_by_air > 0.0);
+    /* the model at that setting: yield and share below the size, summed on a fine grid */
+    def.rpm = s.rpm;
+    classifier_model model = model_of(def);
+    double all = 0.0, below = 0.0;
+    for (int i = 0; i < N; i++)
+        for (int k = 0; k < 40; k++) {
+            const double low = i ? edge[i] : 1e-9, x = low * pow(edge[i + 1] / low, (k + 0.5) / 40.0),
+                         mass = feed[i] / 40.0 * (1.0 - classifier_tromp(&model, i ? x : edge[1] * (k + 0.5) / 40.0, NULL));
+            all += mass, below += (i ? x : 0.0) < 25e-6 ? mass : 0.0;
+        }
+    classifier_free(&model);
+    near(s.yield, all, 0.01), near(below / all, 0.97, 0.01);
+    /* another d: a d50, from whose setting a wish with its yield leads back */
+    known = s;
+    wish.yield = known.yield;
+    assert_int_equal(classifier_for(&def, &wish, NULL, &s), CLASSIFIER_OK);
+    close_to(s.size, 25e-6, 1e-5), near(s.yield, known.yield, 1e-5);
+    assert_true(s.yield_low <= s.yield + 1e-9 && s.yield <= s.yield_high + 1e-9);
+    close_to(s.rpm, known.rpm, 0.02), close_to(s.air_flow, known.air_flow, 0.03);
+    /* limits: a yield that cannot be had has the nearest, a size that cannot has none */
+    wish.yield = 0.999;
+    assert_int_equal(classifier_for(&def, &wish, NULL, &s), CLASSIFIER_OUTSIDE);
+    near(s.yield, s.yield_high, 1e-3), close_to(s.size, 25e-6, 1e-5);
+    wish.yield = nan_, wish.size = 1e-6;
+    assert_int_equal(classifier_for(&def, &wish, NULL, &s), CLASSIFIER_OUTSIDE);
+    assert_true(isnan(s.rpm) && isnan(s.yield) && isnan(s.size_by_air));
+    const classifier_wish good = {N, edge, feed, 25e-6, 0.5, nan_, 1000.0, 20000.0, 0.01, 0.03};
+    for (int k = 0; k < 10; k++) {
+        classifier_wish bad = good;
+        if (k == 0) bad.edge = NULL;
+        if (k == 1) bad.feed = NULL;
+        if (k == 2) bad.classes = 0;
+        if (k == 3) bad.size = nan_;
+        if (k == 4) bad.share = 1.0;
+        if (k == 5) bad.yield = 0.0;
+        if (k == 6) bad.rpm_low = 0.0;
+        if (k == 7) bad.rpm_high = 500.0;
+        if (k == 8) bad.air_high = HUGE_VAL;
+        if (k == 9) bad.feed = edge;
+        assert_int_equal(classifier_for(&def, &bad, NULL, &s), k == 2   ? CLASSIFIER_EMPTY
+                                                               : k == 9 ? CLASSIFIER_NOT_NORMALISED
+                                                                        : CLASSIFIER_BAD_ARGUMENT);
+        assert_true(isnan(s.rpm));
+    }
+    assert_int_equal(classifier_for(NULL, &good, NULL, &s), classifier_check_def(NULL, NULL));
+    assert_int_equal(classifier_for(&def, NULL, NULL, &s), CLASSIFIER_BAD_ARGUMENT);
+    assert_int_equal(classifier_for(&def, &good, NULL, NULL), CLASSIFIER_BAD_ARGUMENT);
+    failing_allocator m;
+    classifier_memory hook = {failing_fn, &m};
+    for (int k = 0; k < 3; k++) {
+        failing_init_at(&m, k), m.fail_count = 1;
+        assert_int_equal(classifier_for(&def, &good, &hook, &s), CLASSIFIER_OUT_OF_MEMORY);
+        assert_true(isnan(s.rpm));
+    }
+}
+
 /* Noisy curves of a machine without a bypass, fitted with a free bypass and with a free hook: never refused, never worse than without. */
 static void test_fits_whose_best_value_lies_on_a_border(void **state) {
     uint64_t random = 12345;
@@ -1607,6 +1679,7 @@ static void approach_in_gas(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(approach_in_gas),
+        cmocka_unit_test(settings_by_wish),
         cmocka_unit_test(test_fits_whose_best_value_lies_on_a_border),
         cmocka_unit_test(test_bypasses_of_wet_classifiers),
         cmocka_unit_test(test_ranges_of_curves),

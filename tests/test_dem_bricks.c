@@ -457,6 +457,79 @@ static void test_memory(void **state) {
     assert_true(done);
 }
 
+/* Corners of the core of body 0, where the engine has them, are where a rotation q from the given frame puts them. */
+static void lies_by(const dem_world *w, const dem_convex *s, dem_quaternion q) {
+    const dem__rigid *r = dem__rigid_of(w, 0);
+    const dem__posture p = dem__posture_at(w, r, dem__now(w, 0));
+    const dem_quaternion own = dem__turns(p.turn, dem__opposite_turn(r->frame)), told = dem_orientation(w, 0);
+    const dem_quaternion of = dem_get_body(w, 0).orientation;
+    for (int k = 0; k < s->corners; k++) {
+        const double *c = s->corner[k];
+        const dem_vec given = dem__plus(dem__plus(dem__scale(c[0], s->axis[0]), c[1], s->axis[1]), c[2], s->axis[2]);
+        assert_true(dem__length(dem__sub(dem__to_lab(own, dem__point(c)), dem__to_lab(q, given))) < 1e-14 * (1.0 + s->reach / 1e-3));
+    }
+    assert_true(fabs(fabs(told.w * q.w + told.x * q.x + told.y * q.y + told.z * q.z) - 1.0) < 1e-14);
+    assert_true(of.w == told.w && of.x == told.x && of.y == told.y && of.z == told.z);
+}
+
+/* Orientations are from the frame in which a shape was given, as for clumps; without any, it lies as it was given: a wedge on its face. */
+static void test_as_given(void **state) {
+    (void)state;
+    uint64_t random = 7;
+    int cases = 0, largest[4] = {0, 0, 0, 0};
+    for (int k = 0; k < 300; k++) {
+        double corner[6][3] = {{0, 0, 0}, {3e-3, 0, 0}, {0, 1e-3, 0}, {3e-3, 1e-3, 0}, {0, 0, 2e-3}, {0, 1e-3, 2e-3}}, v[8];
+        for (int n = 0; n < 12 && k > 0; n++) {
+            random = random * 6364136223846793005u + 1442695040888963407u;
+            corner[n / 3][n % 3] = 4e-3 * (double)(random >> 11) / 9007199254740992.0;
+        }
+        for (int n = 0; n < 8; n++) {
+            random = random * 6364136223846793005u + 1442695040888963407u;
+            v[n] = (double)(random >> 11) / 9007199254740992.0 - 0.5;
+        }
+        dem_convex s;
+        if (dem_make_convex(&s, k > 0 ? 4 : 6, corner[0], 0.03, NULL) != DEM_OK) continue; /* too flat */
+        dem_def def = dem_default_def();
+        dem_world w;
+        dem_add_material(&def, 2500.0, 1e9, 0.2);
+        def.dt = 1e-6, dem_pair(&def, 0, 0)->stiffness = 1e4;
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        const int shape = dem_add_shape(&w, &s);
+        const double at[3] = {0, 0, s.centroid.z - 1e-9};
+        const dem_quaternion one = {1, 0, 0, 0}, any = {v[4], v[5], v[6], v[7]};
+        dem_quaternion q, other;
+        assert_true(dem__unit_turn(dem__quaternion(v[0], dem_vec3(v[1], v[2], v[3])), &q) && dem__unit_turn(any, &other));
+        if (k == 0) {
+            assert_true(dem_add_plane(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) >= 0);
+            assert_int_equal(dem_add_convex(&w, shape, 1, at, NULL, 0, 0), DEM_OK);
+            lies_by(&w, &s, one);
+            assert_int_equal(dem_run(&w, 1e-6, DEM_LINEAR | DEM_FRICTION), DEM_OK);
+            assert_int_equal(dem_contact_count(&w), 4); /* flat on its four corners */
+        } else {
+            assert_int_equal(dem_add_convex(&w, shape, 1, at, k % 2 ? v : NULL, 0, 0), DEM_OK);
+            lies_by(&w, &s, k % 2 ? q : one);
+            assert_int_equal(dem_set_orientation(&w, 0, any), DEM_OK);
+            lies_by(&w, &s, other);
+            assert_int_equal(dem_set_motion(&w, 0, dem_vec3(0, 0, 0), dem_vec3(300, -200, 500)), DEM_OK);
+            assert_int_equal(dem_run(&w, 1e-3, DEM_LINEAR | DEM_FRICTION), DEM_OK);
+            lies_by(&w, &s, dem_orientation(&w, 0));
+            const dem_quaternion now = dem_orientation(&w, 0);
+            assert_true(fabs(now.w * other.w + now.x * other.x + now.y * other.y + now.z * other.z) < 1.0 - 1e-3);
+        }
+        s.axis[0] = dem__first_axis(q), s.axis[1] = dem__second_axis(q), s.axis[2] = dem__third_axis(q); /* any axes, as a host may set */
+        const dem_quaternion turned = dem__turn_of_shape(&s);
+        assert_true(fabs(fabs(turned.w * q.w + turned.x * q.x + turned.y * q.y + turned.z * q.z) - 1.0) < 1e-14);
+        const double four[4] = {fabs(turned.w), fabs(turned.x), fabs(turned.y), fabs(turned.z)};
+        int most = 0;
+        for (int n = 1; n < 4; n++) most = four[n] > four[most] ? n : most;
+        largest[most]++, cases++;
+        dem_free(&w);
+    }
+    print_message("%d shapes; largest of the numbers of their rotations: w %d, x %d, y %d, z %d\n", cases, largest[0], largest[1],
+                  largest[2], largest[3]);
+    assert_true(cases > 200 && largest[0] > 20 && largest[1] > 20 && largest[2] > 20 && largest[3] > 20);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rest),
@@ -472,6 +545,7 @@ int main(void) {
         cmocka_unit_test(test_memory),
         cmocka_unit_test(test_groups),
         cmocka_unit_test(test_saved_in_a_funnel),
+        cmocka_unit_test(test_as_given),
     };
     if (getenv("RIDDLE_TEST")) cmocka_set_test_filter(getenv("RIDDLE_TEST"));
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -498,6 +498,21 @@ static void test_polyhedra(void **state) {
     }
     dem_io_free_surface(&s);
     series_of_polyhedra(&w);
+    /* a wedge is drawn as it was given: on its large face */
+    const double wedge[18] = {0, 0, 0, 3, 0, 0, 0, 1, 0, 3, 1, 0, 0, 0, 2, 0, 1, 2};
+    assert_int_equal(dem_make_convex(&shape[1], 6, wedge, 0.02, NULL), DEM_OK);
+    const double place[3] = {shape[1].centroid.x, shape[1].centroid.y, shape[1].centroid.z};
+    assert_int_equal(dem_add_convex(&w, dem_add_shape(&w, &shape[1]), 1, place, NULL, 0, 0), DEM_OK);
+    assert_int_equal(dem_io_polyhedra_of(&w, &s), DEM_OK);
+    int on_floor = 0;
+    for (int k = 0; k < s.vertices; k++) {
+        if (s.wall[k] != 2) continue;
+        const dem_vec v = corner(&s, k);
+        assert_true(v.x > -1e-12 && v.x < 3.0 && v.y > -1e-12 && v.y < 1.0 + 1e-12 && v.z > -1e-12 && v.z < 2.0);
+        on_floor += v.z < 1e-12;
+    }
+    assert_int_equal(on_floor, 4);
+    dem_io_free_surface(&s);
     assert_int_equal(dem_io_polyhedra_of(NULL, &s), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_io_polyhedra_of(&w, NULL), DEM_BAD_ARGUMENT);
     dem_free(&w);

@@ -47,11 +47,11 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
 /* Adds a shape to a world, which keeps a copy of it. Returns its number from 0 on, or minus a dem_status. */
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
 /* Adds n polyhedra of a shape at rest. centres: of mass, shape [n][3] [m]; orientations: [n][4], quaternions of any
-   length but 0, scalar first, from the shape's principal axes to the world's; NULL: none is turned. Otherwise as
-   dem_add_spheres. Each is one particle, whose radius is that of the sphere around it. A contact is a point: a corner
-   at the other body, or two edges that cross. At each point the pair's law acts between spheres with the rounding radii
-   (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass; so a face on a face has as many
-   springs as points. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs
+   length but 0, scalar first, from the frame in which the shape was given to the world's; NULL: as it was given.
+   Otherwise as dem_add_spheres. Each is one particle, whose radius is that of the sphere around it. A contact is a
+   point: a corner at the other body, or two edges that cross. At each point the pair's law acts between spheres with
+   the rounding radii (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass; so a face on a
+   face has as many springs as points. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs
    need DEM_FRICTION (otherwise DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the sum of
    the radii: cores that overlap are pushed apart, too, but their normals may jump. Corners, edges and faces touch walls
    of every kind. Links of polyhedra are refused with DEM_POLYHEDRON. */

@@ -2,6 +2,7 @@
    lab's; its scalar part comes first. */
 #pragma once
 #include "vectors.h"
+#include "polyhedron.h"
 
 DEM_INLINE dem_quaternion dem__quaternion(double w, dem_vec v) {
     dem_quaternion q;
@@ -43,6 +44,21 @@ static inline int dem__unit_turn(dem_quaternion q, dem_quaternion *unit) {
                  f = 1.0 / sqrt(w * w + x * x + y * y + z * z);
     *unit = dem__quaternion(f * w, dem_vec3(f * x, f * y, f * z));
     return 1;
+}
+
+/* Returns the rotation from the frame of a shape's corners, its principal axes, to that in which it was given: exactly
+   none if both are one, as those of a brick. By the largest of the four numbers, whose square is 1/4 or more. */
+static inline dem_quaternion dem__turn_of_shape(const dem_convex *s) {
+    const dem_vec a = s->axis[0], b = s->axis[1], c = s->axis[2]; /* columns of its matrix */
+    const double four[4] = {1.0 + a.x + b.y + c.z, 1.0 + a.x - b.y - c.z, 1.0 - a.x + b.y - c.z, 1.0 - a.x - b.y + c.z};
+    const dem_quaternion none = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    dem_quaternion q = dem__quaternion(four[0], dem_vec3(b.z - c.y, c.x - a.z, a.y - b.x));
+    int k = 0;
+    for (int n = 1; n < 4; n++) k = four[n] > four[k] ? n : k;
+    if (k == 1) q = dem__quaternion(b.z - c.y, dem_vec3(four[1], a.y + b.x, a.z + c.x));
+    if (k == 2) q = dem__quaternion(c.x - a.z, dem_vec3(a.y + b.x, four[2], b.z + c.y));
+    if (k == 3) q = dem__quaternion(a.y - b.x, dem_vec3(a.z + c.x, b.z + c.y, four[3]));
+    return dem__unit_turn(q, &q) ? q : none; /* a forged save may hold anything */
 }
 
 /* Directions of a body's own axes in the lab's frame: the matrix of its orientation. It costs fewer operations than a

@@ -24,12 +24,21 @@ DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
     return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
 }
 
+/* Returns the rotation from the principal axes of the body of particle i to the frame in which its shape was given. */
+static inline dem_quaternion dem__given_frame(const dem_world *w, ptrdiff_t i, const dem__rigid *r) {
+    const dem_convex *s = dem__shape_of(w, i);
+    if (!s) return r->frame;
+    const dem_quaternion own = dem__turn_of_shape(s);
+    return own.w != 1.0 ? dem__turns(own, r->frame) : r->frame;
+}
+
 DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count)
         return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
     const dem__rigid *r = dem__rigid_of(world, i);
     if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
+    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn,
+                      dem__opposite_turn(dem__given_frame(world, i, r)));
 }
 
 /* Returns the position of a rigid body now, within the periodic box. */
@@ -70,7 +79,7 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     dem__restart(w, i);
     dem__book_motion(w, -dem__rotational(w, r->first));
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    r->turn = dem__turns(q, r->frame);
+    r->turn = dem__turns(q, dem__given_frame(w, i, r));
     w->engine->bodies.calls->set_motion(w, r, r->v, spin);
     dem__book_motion(w, dem__rotational(w, r->first));
     if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */

@@ -1,7 +1,7 @@
 /* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. */
 #pragma once
 #include "getters.h"
-#include "../feed/filling.h"
+#include "../feed/sources.h"
 
 /* Returns the volume of the unit ball where z > c. */
 DEM_INLINE double dem__cap(double c) { return RIDDLE_PI / 3.0 * (1.0 - c) * (1.0 - c) * (2.0 + c); }

@@ -83,12 +83,17 @@ DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, cons
     dem__body_def body;
     memset(&body, 0, sizeof body);
     body.mass = density * s->volume, body.moments = dem__scale(density, dem__point(s->moment));
-    body.frame = body.turn = dem__quaternion(1.0, none);
+    body.frame = dem__quaternion(1.0, none);
+    const dem_quaternion own = dem__turn_of_shape(s);
     body.pieces = 1, body.offset = &none, body.radius = &s->reach, body.material = material, body.group = group;
     for (ptrdiff_t k = 0; k < n; k++) {
         const double *o = orientations ? orientations + 4 * k : NULL;
         body.x = dem__point(centres + 3 * k);
-        if (o) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &body.turn);
+        body.turn = own;
+        if (o) {
+            dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &body.turn);
+            if (own.w != 1.0) body.turn = dem__turns(body.turn, own);
+        }
         w->engine->convex.shape_of[dem__add_body(w, &body)] = shape + 1;
     }
     return DEM_OK;

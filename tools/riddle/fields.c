@@ -159,6 +159,38 @@ static const char *range_of(const scene_field *f, char *text, size_t size) {
 
 static const char *kind_text[] = {"a text", "a list", "a map"};
 
+/* A unit as it may be written, as the table has it: "µm" um, "°" deg, "kg/m³" and "kg/m^3" kg/m3, "N·m" N m. */
+static void plain_unit(const char *written, char *plain, size_t size) {
+    static const char *const as[][2] = {{"\302\265", "u"}, {"\316\274", "u"}, {"\302\260", "deg"}, {"\302\262", "2"}, {"\302\263", "3"}, {"\302\267", " "}, {"*", " "}, {"^", ""}};
+    size_t n = 0;
+    while (*written && n + 4 < size) {
+        size_t k = 0;
+        while (k < sizeof as / sizeof *as && strncmp(written, as[k][0], strlen(as[k][0])) != 0) k++;
+        if (k < sizeof as / sizeof *as) {
+            n += (size_t)snprintf(plain + n, size - n, "%s", as[k][1]);
+            written += strlen(as[k][0]);
+        } else plain[n++] = *written++;
+    }
+    while (n > 0 && plain[n - 1] == ' ') n--;
+    plain[n] = '\0';
+}
+
+static int same_letters(const char *a, const char *b) {
+    while (*a && *b && (*a | 32) == (*b | 32)) a++, b++;
+    return !*a && !*b;
+}
+
+/* The unit's place in the table, or -1. Letters may be of any case where no prefix can be mistaken for another: not "MPa s" for "mPa s". */
+static int unit_of(unit_kind kind, const char *written) {
+    char plain[40];
+    plain_unit(written, plain, sizeof plain);
+    for (int u = 0; u < UNITS; u++)
+        if (units[u].kind == kind && strcmp(units[u].name, plain) == 0) return u;
+    for (int u = 0; u < UNITS && kind != UNIT_VISCOSITY && kind != UNIT_TENSION && kind != UNIT_STRESS; u++)
+        if (units[u].kind == kind && units[u].name[0] && same_letters(units[u].name, plain)) return u;
+    return -1;
+}
+
 /* "6 mm" in SI units. name: of the key, for messages. */
 static int read_number(tree_file *file, const tree *v, const char *name, const scene_field *f, double *number) {
     char names[120], range[120], *end;
@@ -169,14 +201,14 @@ static int read_number(tree_file *file, const tree *v, const char *name, const s
         if (f->unit == UNIT_NONE || f->unit == UNIT_SHARE) return tree_fail(file, v, "%s: '%.60s' is no number", name, text);
         return tree_fail(file, v, "%s: '%.60s' is no number (unit: %s)", name, text, names_of(f->unit, names, sizeof names));
     }
+    if (*end == ',' && end[1] >= '0' && end[1] <= '9')
+        return tree_fail(file, v, "%s: '%.60s': a decimal point is wanted: %.*s.%.40s", name, text, least_of((int)(end - text), 30), text, end + 1);
     while (*end == ' ') end++;
     if (*end == '\0') {
         if (must_name_unit(f->unit, value))
             return tree_fail(file, v, "%s: %.60s of what? It must name its unit: %s", name, text, names_of(f->unit, names, sizeof names));
     } else {
-        int found = -1;
-        for (int u = 0; u < UNITS; u++)
-            if (units[u].kind == f->unit && strcmp(units[u].name, end) == 0) found = u;
+        const int found = unit_of(f->unit, end);
         if (found < 0 && !names_of(f->unit, names, sizeof names)[0])
             return tree_fail(file, v, "%s: '%.60s': a plain number, without unit", name, text);
         if (found < 0) return tree_fail(file, v, "%s: unit '%.40s': allowed are %s", name, end, names);

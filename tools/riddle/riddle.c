@@ -10,19 +10,22 @@
 #include "common.h"
 #include "report.h"
 #include "scene.h"
+#include "scene_check.h"
 #include "scene_same.h"
 #include "templates.h"
 
 enum { SCENE_MB = 16 }; /* at most */
 static const char state_name[] = "scene.state";
 static const double OVERLAP_MAX = 0.1; /* of a diameter: beyond it contacts are no contacts any more */
-static const char usage[] =
-    "usage: riddle run FILE [options]; riddle run --template hopper|screen|drum|box|shapes; riddle keys; riddle run --help";
+static const char usage[] = "usage: riddle run FILE [options]; riddle run --template hopper|screen|drum|box|shapes; "
+                            "riddle keys; riddle run --help";
 
 typedef struct job {
     const char *file;
     program self;
     bool again, check;
+    char **set; /* [sets] "key=value" */
+    int sets;
     bool halfway; /* stopped while feeds looked for places, or failed: not a state to go on from */
     double saved; /* time of the save that this run has written last [s]; NaN: none */
     tree_file tree;
@@ -70,9 +73,19 @@ static int read_scene(job *j, bool seed_given) {
     size_t size;
     char *text = input_read_most(j->file, SCENE_MB, &size, message, sizeof message);
     if (!text) return refuse(message);
-    const int failed = tree_read(&j->tree, j->file, text, size) || scene_read(&j->tree, &j->def);
+    int failed = tree_read(&j->tree, j->file, text, size);
     free(text);
-    if (failed) return refuse(j->tree.message);
+    for (int k = 0; k < j->sets && !failed; k++) {
+        char path[200];
+        const char *equals = strchr(j->set[k], '=');
+        if (!equals || equals == j->set[k] || (size_t)(equals - j->set[k]) >= sizeof path) {
+            snprintf(message, sizeof message, "--set %.100s: allowed: KEY=VALUE, such as materials.glass.density=2600", j->set[k]);
+            return refuse(message);
+        }
+        snprintf(path, sizeof path, "%.*s", (int)(equals - j->set[k]), j->set[k]);
+        failed = tree_set(&j->tree, path, equals + 1);
+    }
+    if (failed || scene_read(&j->tree, &j->def)) return refuse(j->tree.message);
     if (j->self.quick) j->def.duration *= 0.1;
     if (scene_make(&j->s, &j->def, &j->tree, seed_given ? j->self.seed : (uint64_t)j->def.seed, j->self.threads))
         return refuse(j->tree.message);
@@ -86,7 +99,8 @@ static int exchange_keys(job *j, scene_state *io) {
     uint64_t size = strlen(j->keys) + 1;
     char *saved = j->keys;
     state_whole(io, &size);
-    if (io->reading && !io->failed) saved = size > 0 && size <= io->size - io->at ? tree_memory(&j->tree, (size_t)size) : NULL;
+    if (io->reading && !io->failed)
+        saved = size > 0 && size <= io->size - io->at ? tree_memory(&j->tree, (size_t)size) : NULL;
     if (!saved) io->failed = 1;
     state_bytes(io, saved, (size_t)size);
     if (!io->reading || io->failed) return io->failed;
@@ -103,8 +117,8 @@ static int read_state(job *j) {
     char path[1000], message[400];
     size_t size;
     scene_state io;
-    unsigned char *bytes =
-        (unsigned char *)input_read(riddle_io_path(path, sizeof path, j->self.out, state_name), &size, message, sizeof message);
+    unsigned char *bytes = (unsigned char *)input_read(riddle_io_path(path, sizeof path, j->self.out, state_name),
+                                                       &size, message, sizeof message);
     if (!bytes) return refuse(message);
     const int begun = state_begin_reading(&io, bytes, size), failed = begun || exchange(j, &io);
     state_free(&io);
@@ -137,9 +151,11 @@ static void fail_run(const job *j, dem_status status) {
     const dem_world *w = &j->s.world;
     const material_def *m = j->s.def->materials.item;
     if (status == DEM_PAIR_NOT_SET)
-        common_fail("t = %.6g s: %s and %s touch: how, is not said under contacts", w->time, m[w->failed_pair[0]].part.name,
-                    m[w->failed_pair[1]].part.name);
-    else common_fail("t = %.6g s: %s (particle %llu)", w->time, dem_status_text(status), (unsigned long long)w->failed_id);
+        common_fail("t = %.6g s: %s and %s touch: how, is not said under contacts", w->time,
+                    m[w->failed_pair[0]].part.name, m[w->failed_pair[1]].part.name);
+    else
+        common_fail("t = %.6g s: %s (particle %llu)", w->time, dem_status_text(status),
+                    (unsigned long long)w->failed_id);
 }
 
 static void end_early(job *j, dem_status status) {
@@ -181,30 +197,43 @@ static const stop_def *run(job *j) {
 }
 
 static void tell(const job *j, const stop_def *stop, const char *written) {
-    double missed, missed_mass;
-    char hash[24], saved[80] = "";
+    const scene_lack lack = scene_missed(&j->s);
+    char hash[24], saved[80] = "", lag[200] = "";
     const double last_tick = j->s.ticks * j->s.tick;
     json *out = json_open(j->self.json);
-    scene_missed(&j->s, &missed, &missed_mass);
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)dem_hash(&j->s.world));
     json_program(out, &j->self);
     json_string(out, "scene", j->file);
     json_string(out, "stopped_by", stop ? stop->column : NULL);
     json_number(out, "time_s", scene_time(&j->s));
     json_number(out, "time_step_s", j->s.world.def.dt);
-    json_number(out, "missed_particles", missed);
-    json_number(out, "missed_kg", missed_mass);
+    json_number(out, "missed_particles", lack.missed);
+    json_number(out, "missed_kg", lack.missed_mass);
+    json_object_begin(out, "fed_kg");
+    for (int g = 0; g < j->s.groups; g++) json_number(out, j->s.group[g].name, j->s.group[g].fed);
+    json_object_end(out);
+    json_number(out, "feed_lag_kg", lack.late);
+    json_number(out, "feed_lag_share", lack.asked > 0.0 ? lack.late / lack.asked : 0.0);
     json_string(out, "hash", hash);
     report_json(j->r, out);
     json_close(out);
     if (stop) common_print("stopped at %g s: %s\n", scene_time(&j->s), stop->column);
-    if (missed_mass > 0.0) common_print("%g kg found no place: a larger region, a longer way or more speed gives it one\n", missed_mass);
+    if (lack.missed_mass > 0.0)
+        common_print("%g kg found no place: a larger region, a longer way or more speed gives it one\n",
+                     lack.missed_mass);
     if (report_overlap(j->r) > OVERLAP_MAX)
         common_print("overlap reached %.0f %% of a diameter: %s\n", 100.0 * report_overlap(j->r),
-                     isnan(j->def.time_step) ? "the stiffness is too small" : "the stiffness is too small, or the time step too large");
+                     isnan(j->def.time_step) ? "the stiffness is too small"
+                                             : "the stiffness is too small, or the time step too large");
     if (j->saved < last_tick) snprintf(saved, sizeof saved, ", %s of %g s", state_name, j->saved);
     else if (!isnan(j->saved)) snprintf(saved, sizeof saved, ", %s", state_name);
-    common_print("%g s in steps of %.3g s; %s has %s%s\n", scene_time(&j->s), j->s.world.def.dt, j->self.out, written, saved);
+    if (lack.late > 0.0)
+        snprintf(lag, sizeof lag,
+                 "; the feed lags by %.4g kg of %.4g kg (%.3g %%): a larger region, a longer way or more speed gives "
+                 "it room",
+                 lack.late, lack.asked, 100.0 * lack.late / lack.asked);
+    common_print("%g s in steps of %.3g s; %s has %s%s%s\n", scene_time(&j->s), j->s.world.def.dt, j->self.out, written,
+                 saved, lag);
 }
 
 static int hold_folder(const job *j) {
@@ -214,14 +243,33 @@ static int hold_folder(const job *j) {
     return refuse(message);
 }
 
+/* What --check says: sizes, what is allowed and yet may be a mistake; 2 where a pair has no contact. */
+static int tell_check(job *j) {
+    char line[300];
+    const scene_size size = scene_estimate(&j->s);
+    common_print("%s: walls: %d, feeds: %d, time step: %.3g s\n", j->file, j->s.world.walls, j->s.sources, j->s.world.def.dt);
+    scene_say_size(&size, line, sizeof line);
+    common_print("%s\n%s", line, j->tree.notes);
+    if (!scene_lacks_contact(&j->s, line, sizeof line)) return 0;
+    return tree_fail(&j->tree, NULL, "%s", line), refuse(j->tree.message);
+}
+
+/* Before a run that takes more than a minute, and where it may end early. */
+static void tell_begin(job *j) {
+    char line[300];
+    const scene_size size = scene_estimate(&j->s);
+    scene_say_size(&size, line, sizeof line);
+    if (size.seconds > 60.0) common_print("%s\n", line);
+    if (scene_lacks_contact(&j->s, line, sizeof line)) common_print("%s: %s\n", j->file, line);
+}
+
 static int run_scene(job *j, bool seed_given) {
     int failed = read_scene(j, seed_given);
     if (!failed && !j->check) failed = hold_folder(j);
     if (!failed && j->again) failed = read_state(j);
-    if (!failed && j->check)
-        common_print("%s: walls: %d, feeds: %d, time step: %.3g s\n", j->file, j->s.world.walls, j->s.sources, j->s.world.def.dt),
-            common_print("%s", j->tree.notes);
+    if (!failed && j->check) failed = tell_check(j);
     else if (!failed) {
+        tell_begin(j);
         const stop_def *stop = run(j);
         tell(j, stop, report_write(j->r));
     }
@@ -233,7 +281,7 @@ static int run_scene(job *j, bool seed_given) {
 
 /* ---- the command line ---- */
 
-static bool has_word(int argc, char **argv, const char *name) {
+static bool word_given(int argc, char **argv, const char *name) {
     const size_t length = strlen(name);
     for (int k = 1; k < argc; k++)
         if (strncmp(argv[k], name, length) == 0 && (argv[k][length] == '\0' || argv[k][length] == '=')) return true;
@@ -242,7 +290,7 @@ static bool has_word(int argc, char **argv, const char *name) {
 
 /* The place of the scene's file among the words behind "run", before or after the options; 0: there is none. */
 static int place_of_file(int argc, char **argv) {
-    static const char *const valued[] = {"--out", "--threads", "--seed", "--json", "--template"};
+    static const char *const valued[] = {"--out", "--threads", "--seed", "--json", "--template", "--set"};
     for (int k = 2; k < argc; k++) {
         bool takes = false;
         for (size_t v = 0; v < sizeof valued / sizeof *valued; v++) takes |= strcmp(argv[k], valued[v]) == 0;
@@ -252,18 +300,22 @@ static int place_of_file(int argc, char **argv) {
     return 0;
 }
 
-/* The options without "run FILE", and with --out out/<name of the file> where none is given. */
-static int rest_of(int argc, char **argv, int place, char *out, size_t size, char **rest) {
+/* The options without "run FILE" and those of --set, and with --out out/<name of the file> where none is given. */
+static int rest_of(job *j, int argc, char **argv, int place, char *out, size_t size, char **rest) {
     int n = 0;
     rest[n++] = argv[0];
-    if (place && !has_word(argc, argv, "--out")) {
+    if (place && !word_given(argc, argv, "--out")) {
         const char *file = argv[place], *slash = strrchr(file, '/'), *stem = slash ? slash + 1 : file, *dot = strrchr(stem, '.');
         snprintf(out, size, "out/%.*s", dot && dot > stem ? (int)(dot - stem) : (int)strlen(stem), stem);
         rest[n++] = (char *)"--out";
         rest[n++] = out;
     }
-    for (int k = 2; k < argc; k++)
-        if (k != place) rest[n++] = argv[k];
+    for (int k = 2; k < argc; k++) {
+        const bool apart = strcmp(argv[k], "--set") == 0 && k + 1 < argc;
+        if (apart) j->set[j->sets++] = argv[++k];
+        else if (strncmp(argv[k], "--set=", 6) == 0) j->set[j->sets++] = argv[k] + 6;
+        else if (k != place) rest[n++] = argv[k];
+    }
     rest[n] = NULL;
     return n;
 }
@@ -272,11 +324,13 @@ int main(int argc, char **argv) {
     static job j;
     j.saved = (double)NAN;
     char out[600];
-    const char *pattern = NULL;
+    const char *pattern = NULL, *set = NULL;
     if (argc > 0) called = argv[0];
     option options[] = {
-        option_flag("continue", &j.again, "go on from the save in --out, with the same bits as if it had never stopped"),
+        option_flag("continue", &j.again,
+                    "go on from the save in --out, with the same bits as if it had never stopped"),
         option_flag("check", &j.check, "read the file and build the scene, but do not run"),
+        option_string("set", "KEY=VALUE", &set, "another value than the file's: materials.glass.density=2600, feeds[1].rate='2 t/h'; may be given often"),
         option_string("template", "NAME", &pattern, "write NAME.yaml, to begin with: hopper, screen, drum, box or shapes"),
     };
     if (argc == 2 && strcmp(argv[1], "keys") == 0) {
@@ -289,12 +343,13 @@ int main(int argc, char **argv) {
     const int place = help ? 0 : place_of_file(argc, argv);
     j.file = place ? argv[place] : NULL;
     if (!j.file && argc == 4 && strcmp(argv[2], "--template") == 0) return write_template(argv[3]); /* without a folder for output */
-    char **rest = malloc(((size_t)argc + 4) * sizeof *rest);
+    char **rest = malloc(2 * ((size_t)argc + 4) * sizeof *rest);
     if (!rest) return 1;
-    const int n = help ? argc : rest_of(argc, argv, place, out, sizeof out, rest);
-    if (!help && !j.file && !has_word(argc, argv, "--help") && !has_word(argc, argv, "--version")) {
+    j.set = rest + argc + 4;
+    const int n = help ? argc : rest_of(&j, argc, argv, place, out, sizeof out, rest);
+    if (!help && !j.file && !word_given(argc, argv, "--help") && !word_given(argc, argv, "--version")) {
         free(rest);
-        return refuse(has_word(argc, argv, "--template") ? "--template NAME stands alone" : usage);
+        return refuse(word_given(argc, argv, "--template") ? "--template NAME stands alone" : usage);
     }
     program_say_defaults("out/<name of the scene>", "the scene's, else 1");
     j.self = program_start("riddle",
@@ -303,7 +358,7 @@ int main(int argc, char **argv) {
                            "       riddle run --template hopper|screen|drum|box|shapes\n"
                            "       riddle keys",
                            options, sizeof options / sizeof *options, n, help ? argv : rest);
-    const int status = pattern ? refuse("--template NAME stands alone") : run_scene(&j, has_word(argc, argv, "--seed"));
+    const int status = pattern ? refuse("--template NAME stands alone") : run_scene(&j, word_given(argc, argv, "--seed"));
     free(rest);
     return status;
 }

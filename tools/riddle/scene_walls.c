@@ -117,6 +117,30 @@ static int add_lifters(scene *s, int material, const lifters_shape *l) {
     return dem_add_mesh(&s->world, material, &m);
 }
 
+static void box_of(const dem_mesh *m, double *low, double *high) {
+    for (int c = 0; c < 3; c++) low[c] = HUGE_VAL, high[c] = -HUGE_VAL;
+    for (ptrdiff_t k = 0; k < 3 * m->vertices; k++) low[k % 3] = fmin(low[k % 3], m->vertex[k]), high[k % 3] = fmax(high[k % 3], m->vertex[k]);
+}
+
+/* Holes, or corners that differ by rounding? A reading that makes one of corners near each other tells. */
+static void note_open_edges(tree_file *file, const tree *at, const char *path, double unit, const dem_mesh *mesh, const dem_stl_report *found) {
+    char message[300];
+    double low[3], high[3], weld = 0.0;
+    size_t size;
+    dem_mesh welded;
+    dem_stl_report again;
+    box_of(mesh, low, high);
+    for (int c = 0; c < 3; c++) weld = fmax(weld, 1e-5 * (high[c] - low[c]));
+    char *bytes = input_read(path, &size, message, sizeof message);
+    const int read = bytes && dem_read_stl(bytes, size, unit, weld, NULL, &welded, &again) == DEM_OK;
+    free(bytes);
+    if (read && again.open_edges < found->open_edges)
+        tree_note(file, at, "file: %s: open edges: %.0f; with weld: %.2g mm, which makes one of corners that differ by rounding: %.0f", path,
+                  (double)found->open_edges, 1e3 * weld, (double)again.open_edges);
+    else tree_note(file, at, "file: %s: open edges: %.0f, the rims of holes", path, (double)found->open_edges);
+    if (read) dem_free_mesh(&welded);
+}
+
 int scene_read_stl(tree_file *file, const tree *at, const char *name, double unit, double weld, dem_mesh *mesh) {
     char path[1000], message[300];
     size_t size;
@@ -138,9 +162,12 @@ int scene_read_stl(tree_file *file, const tree *at, const char *name, double uni
                                (double)found.not_finite);
     }
     if (status == DEM_BAD_DATA) return tree_fail(file, at, "file: %s: no triangle in it: empty, damaged, or no STL", path);
-    if (found.open_edges > 0)
-        tree_note(file, at, "file: %s: open edges: %.0f, the rims of holes; triangles: %.0f", path, (double)found.open_edges,
-                  (double)mesh->triangles);
+    double low[3], high[3];
+    box_of(mesh, low, high);
+    tree_note(file, at, "file: %s: %.0f triangles in a box of %.4g x %.4g x %.4g mm, from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g) mm", path,
+              (double)mesh->triangles, 1e3 * (high[0] - low[0]), 1e3 * (high[1] - low[1]), 1e3 * (high[2] - low[2]), 1e3 * low[0], 1e3 * low[1],
+              1e3 * low[2], 1e3 * high[0], 1e3 * high[1], 1e3 * high[2]);
+    if (found.open_edges > 0) note_open_edges(file, at, path, unit, mesh, &found);
     return 0;
 }
 

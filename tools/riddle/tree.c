@@ -238,3 +238,79 @@ int tree_read(tree_file *file, const char *name, const char *bytes, size_t size)
     yaml_parser_delete(&r.parser);
     return failed ? (tree_fail(file, NULL, "unreadable"), -1) : 0;
 }
+
+/* ---- values from the command line ---- */
+
+/* The next step of a path: ".key" or "[3]" (or "key" at its beginning). Returns what is behind it, or NULL. index: -1 for a key. */
+static const char *step_of(const char *path, char *key, size_t size, int *index) {
+    char *end;
+    *index = -1, key[0] = '\0';
+    if (*path == '[') {
+        const long number = strtol(path + 1, &end, 10);
+        *index = number >= 1 && number <= VALUES_MAX ? (int)number - 1 : VALUES_MAX;
+        return end > path + 1 && *end == ']' ? end + 1 : NULL;
+    }
+    if (*path == '.') path++;
+    const size_t length = strcspn(path, ".[");
+    if (length == 0 || length >= size) return NULL;
+    memcpy(key, path, length);
+    key[length] = '\0';
+    return path + length;
+}
+
+static int refuse_path(tree_file *file, const char *path, const char *why) {
+    return tree_fail(file, NULL, "--set %.100s: %s", path, why);
+}
+
+/* Reads a value into the file that it becomes a part of. */
+static tree *read_piece(tree_file *file, const char *text) {
+    tree_file piece = *file;
+    reading r;
+    memset(&r, 0, sizeof r);
+    piece.root = NULL;
+    r.file = &piece;
+    if (!yaml_parser_initialize(&r.parser)) return tree_fail(file, NULL, "out of memory"), NULL;
+    yaml_parser_set_input_string(&r.parser, (const unsigned char *)text, strlen(text));
+    const int failed = read_document(&r);
+    yaml_parser_delete(&r.parser);
+    tree *root = failed ? NULL : piece.root;
+    piece.root = file->root;
+    *file = piece; /* with the memory of the piece */
+    return root;
+}
+
+int tree_set(tree_file *file, const char *path, const char *value) {
+    char key[80];
+    int index;
+    tree **place = &file->root, *fresh = read_piece(file, value);
+    if (!fresh) return -1;
+    const char *at = path;
+    while (*at) {
+        tree *now = *place;
+        at = step_of(at, key, sizeof key, &index);
+        if (!at) return refuse_path(file, path, "a path is wanted, such as materials.glass.density or feeds[1].rate");
+        if (index >= 0) {
+            if (now->kind != TREE_LIST || index >= now->n) return refuse_path(file, path, "there is no such element of a list");
+            place = &now->item[index];
+            continue;
+        }
+        if (now->kind != TREE_MAP) return refuse_path(file, path, "a key of what has none");
+        int k = 0;
+        while (k < now->n && strcmp(now->key[k]->text, key) != 0) k++;
+        if (k == now->n && *at) return refuse_path(file, path, "there is no such key on the way");
+        if (k == now->n) {
+            reading r;
+            memset(&r, 0, sizeof r);
+            r.file = file;
+            tree *name = tree_memory(file, sizeof *name);
+            if (!name) return -1;
+            name->line = now->line, name->column = now->column;
+            name->kind = TREE_TEXT, name->text = copied(file, key, strlen(key));
+            if (!name->text || append(&r, now, name, fresh)) return -1;
+        }
+        place = &now->item[k];
+    }
+    if (*place != fresh) fresh->line = (*place)->line, fresh->column = (*place)->column; /* where messages point */
+    *place = fresh;
+    return 0;
+}

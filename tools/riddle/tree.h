@@ -31,6 +31,9 @@ typedef struct tree_file {
 /* 0, or -1 with a message. Free with tree_free in both cases. name: kept, not copied. */
 int tree_read(tree_file *file, const char *name, const char *bytes, size_t size);
 void tree_free(tree_file *file);
+/* Sets what stands at a path, "materials.glass.density", "feeds[2].rate", "walls.deck.vibrate.amplitude[3]" (counted from 1), to a value in
+   YAML: in maps the last key may be new. 0, or -1 with a message. */
+int tree_set(tree_file *file, const char *path, const char *value);
 /* The value of a key, or NULL. */
 const tree *tree_find(const tree *map, const char *key);
 /* The path of a file whose name is relative to the folder of this one. */
