@@ -44,9 +44,8 @@ DEM_API void dem_free(dem_world *world); /* frees everything; safe on a zeroed o
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters,
                                    int material, int group);
 /* Makes a shape of n spheres, overlapping or not. centres: shape [n][3] [m], in a frame of the shape's own, anywhere;
-   diameters: [n] [m] > 0. Volume, centre of mass and moments are those of the union at one density: exact for spheres
-   that do not overlap and for centres on one line; otherwise overlaps are integrated to about 1e-5 of the whole.
-   Moments that differ by less than that are taken to be equal. A sphere within another is left out: it can touch
+   diameters: [n] [m] > 0. Volume, centre of mass and moments are those of the union at one density, to 1e-8 of the
+   whole in the worst case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere within another is left out: it can touch
    nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
 DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
 DEM_API double dem_clump_diameter(const dem_clump *clump); /* of the sphere of the same volume [m] */
