@@ -2198,6 +2198,9 @@ typedef struct filtration__lattice {
     int whole_weight[FILTRATION__Q]; /* 72 w */
     filtration__rates rates;
     int periodic_x, half_way, refill;
+    /* Of nodes whose neighbours all lie in the box, between steps; the first index is `odd`: where an outgoing and an incoming population
+       is, after the place of the node itself; how far the next node is, in places and in nodes. */
+    ptrdiff_t out_at[2][FILTRATION__Q], in_at[2][FILTRATION__Q], next_place[FILTRATION__Q], next_node[FILTRATION__Q];
     int left;                   /* 1: spheres have left nodes since the mass was corrected */
     int odd;                    /* which step of the pair comes next */
     int32_t *owner;             /* [nz][ny][nx]: FILTRATION__FLUID, FILTRATION__SOLID or a sphere */
@@ -2276,6 +2279,23 @@ static inline ptrdiff_t filtration__incoming(const filtration__lattice *l, int x
 
 static inline ptrdiff_t filtration__node(const filtration__lattice *l, int x, int y, int z) {
     return ((ptrdiff_t)z * l->ny + y) * l->nx + x;
+}
+
+/* Finds the places of populations of nodes whose neighbours all lie in the box. */
+static inline void filtration__list_places(filtration__lattice *l) {
+    for (int i = 0; i < l->q; i++) {
+        const signed char *c = l->c[i];
+        const int o = filtration__opposite(i);
+        l->next_place[i] = ((ptrdiff_t)c[2] * (l->ny + 2 * l->ghost_y) + c[1]) * l->bundle + c[0];
+        l->next_node[i] = ((ptrdiff_t)c[2] * l->ny + c[1]) * l->nx + c[0];
+        l->out_at[0][i] = l->next_place[i] + i * l->stride, l->out_at[1][i] = o * l->stride;
+        l->in_at[0][i] = i * l->stride, l->in_at[1][i] = o * l->stride - l->next_place[i];
+    }
+}
+
+/* Returns whether all neighbours of a node lie in the box. */
+static inline int filtration__is_inner(const filtration__lattice *l, int x, int y, int z) {
+    return x > 0 && y > 0 && z > 0 && x < l->nx - 1 && y < l->ny - 1 && z < l->nz - 1;
 }
 
 /* Returns the equilibrium of direction i: weight times r + 3 c.u + 4.5 (c.u)^2 - 1.5 u^2 (He and Luo 1997). */
@@ -2990,6 +3010,23 @@ static inline double filtration__bounce(filtration__lattice *l, const filtration
     return out;
 }
 
+/* The same at a node whose neighbours all lie in the box; place: of the node, node: its number. */
+FILTRATION__INLINE double filtration__bounce_inner(filtration__lattice *l, ptrdiff_t place, ptrdiff_t node, int i, double fraction, double cu,
+                                                   double *back) {
+    const ptrdiff_t *at = l->out_at[l->odd];
+    const int opposite = filtration__opposite(i);
+    const double out = filtration__get(l, place + at[i]);
+    if (l->half_way || l->owner[node - l->next_node[i]] != FILTRATION__FLUID) {
+        *back = out - 6.0 * l->w[i] * cu;
+    } else {
+        const double behind = filtration__get(l, place - l->next_place[i] + at[i]), other = filtration__get(l, place + at[opposite]);
+        const double weight = 1.0 / (1.0 + 2.0 * fraction);
+        *back = out + (1.0 - 2.0 * fraction) * weight * (behind - other) - 12.0 * weight * l->w[i] * cu;
+    }
+    filtration__put(l, place + l->in_at[l->odd][opposite], *back);
+    return out;
+}
+
 static inline filtration__cut filtration__link_cut(const filtration__link *link) {
     filtration__cut k = {link->x, link->y, link->z, link->i, (double)link->fraction};
     return k;
@@ -3001,8 +3038,16 @@ FILTRATION__STATIC void filtration__link_task(void *context, int task) {
     double back;
     filtration__task_range(l->link_count, task, &first, &end);
     for (ptrdiff_t n = first; n < end; n++) {
-        filtration__cut k = filtration__link_cut(&l->links[n]);
-        if (l->owner[filtration__node(l, k.x, k.y, k.z)] == FILTRATION__FLUID) filtration__bounce(l, &k, 0.0, &back);
+        const filtration__link *link = &l->links[n];
+        const ptrdiff_t node = filtration__node(l, link->x, link->y, link->z);
+        if (l->owner[node] != FILTRATION__FLUID) continue;
+        if (filtration__is_inner(l, link->x, link->y, link->z)) {
+            const ptrdiff_t place = filtration__home(l, link->x, link->y, link->z, 0);
+            filtration__bounce_inner(l, place, node, link->i, (double)link->fraction, 0.0, &back);
+        } else {
+            const filtration__cut k = filtration__link_cut(link);
+            filtration__bounce(l, &k, 0.0, &back);
+        }
     }
 }
 
@@ -3181,19 +3226,27 @@ static inline void filtration__fit_density(filtration__ball *b, const filtration
 /* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one; otherwise counts a film. */
 static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
                                          int z, int j) {
-    int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
+    const signed char *c = l->c[j];
+    int s[3] = {x, y, z}, p[3] = {x + c[0], y + c[1], z + c[2]}, mirrored;
     double d[3], e[3], u[3], back, cd = 0.0, dd = 0.0, cc = 0.0;
+    const int inner = filtration__is_inner(l, p[0], p[1], p[2]);
     for (int a = 0; a < 3; a++) d[a] = p[a] - b->centre[a];
-    if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
-    const int from_image = mirrored;
-    if (!filtration__inside(l, p, &mirrored)) {
-        b->films += !from_image;
-        return;
+    if (!inner) {
+        if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
+        const int from_image = mirrored, there = filtration__inside(l, p, &mirrored);
+        if (there && mirrored) return;
+        if (!there || l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) {
+            b->films += !from_image;
+            return;
+        }
     }
-    if (mirrored) return;
-    if (l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) {
-        b->films += !from_image;
-        return;
+    const ptrdiff_t node = filtration__node(l, p[0], p[1], p[2]);
+    if (inner) {
+        if (l->owner[node - l->next_node[j]] != index) return;
+        if (l->owner[node] != FILTRATION__FLUID) {
+            b->films++;
+            return;
+        }
     }
     for (int a = 0; a < 3; a++) cd -= d[a] * l->c[j][a], dd += d[a] * d[a], cc += (double)(l->c[j][a] * l->c[j][a]);
     double root = cd * cd - cc * (dd - b->radius * b->radius);
@@ -3201,7 +3254,8 @@ static inline void filtration__ball_link(filtration__lattice *l, int32_t index, 
     for (int a = 0; a < 3; a++) e[a] = d[a] - k.fraction * l->c[j][a];
     filtration__surface_velocity(b, e, u);
     double cu = -(l->c[j][0] * u[0] + l->c[j][1] * u[1] + l->c[j][2] * u[2]);
-    double out = filtration__bounce(l, &k, cu, &back);
+    const double out = inner ? filtration__bounce_inner(l, filtration__home(l, p[0], p[1], p[2], 0), node, k.i, k.fraction, cu, &back)
+                             : filtration__bounce(l, &k, cu, &back);
     filtration__exchange(l, b, sum, k.i, e, u, out, back);
 }
 
@@ -3630,6 +3684,7 @@ static inline void filtration__set_shape(const filtration_fluid_def *d, filtrati
     l->bundle = l->q * l->stride;
     l->rows = (ptrdiff_t)(l->ny + 2 * l->ghost_y) * (l->nz + 2 * l->ghost_z);
     l->fluid_nodes = (ptrdiff_t)l->nx * l->ny * l->nz;
+    filtration__list_places(l);
     l->block_bytes = (size_t)(l->rows * l->bundle + line) * (l->single ? sizeof(float) : sizeof(double)) + FILTRATION__LINE;
 }
 

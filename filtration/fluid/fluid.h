@@ -156,6 +156,7 @@ static inline void filtration__set_shape(const filtration_fluid_def *d, filtrati
     l->bundle = l->q * l->stride;
     l->rows = (ptrdiff_t)(l->ny + 2 * l->ghost_y) * (l->nz + 2 * l->ghost_z);
     l->fluid_nodes = (ptrdiff_t)l->nx * l->ny * l->nz;
+    filtration__list_places(l);
     l->block_bytes = (size_t)(l->rows * l->bundle + line) * (l->single ? sizeof(float) : sizeof(double)) + FILTRATION__LINE;
 }
 

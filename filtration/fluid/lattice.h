@@ -68,6 +68,9 @@ typedef struct filtration__lattice {
     int whole_weight[FILTRATION__Q]; /* 72 w */
     filtration__rates rates;
     int periodic_x, half_way, refill;
+    /* Of nodes whose neighbours all lie in the box, between steps; the first index is `odd`: where an outgoing and an incoming population
+       is, after the place of the node itself; how far the next node is, in places and in nodes. */
+    ptrdiff_t out_at[2][FILTRATION__Q], in_at[2][FILTRATION__Q], next_place[FILTRATION__Q], next_node[FILTRATION__Q];
     int left;                   /* 1: spheres have left nodes since the mass was corrected */
     int odd;                    /* which step of the pair comes next */
     int32_t *owner;             /* [nz][ny][nx]: FILTRATION__FLUID, FILTRATION__SOLID or a sphere */
@@ -146,6 +149,23 @@ static inline ptrdiff_t filtration__incoming(const filtration__lattice *l, int x
 
 static inline ptrdiff_t filtration__node(const filtration__lattice *l, int x, int y, int z) {
     return ((ptrdiff_t)z * l->ny + y) * l->nx + x;
+}
+
+/* Finds the places of populations of nodes whose neighbours all lie in the box. */
+static inline void filtration__list_places(filtration__lattice *l) {
+    for (int i = 0; i < l->q; i++) {
+        const signed char *c = l->c[i];
+        const int o = filtration__opposite(i);
+        l->next_place[i] = ((ptrdiff_t)c[2] * (l->ny + 2 * l->ghost_y) + c[1]) * l->bundle + c[0];
+        l->next_node[i] = ((ptrdiff_t)c[2] * l->ny + c[1]) * l->nx + c[0];
+        l->out_at[0][i] = l->next_place[i] + i * l->stride, l->out_at[1][i] = o * l->stride;
+        l->in_at[0][i] = i * l->stride, l->in_at[1][i] = o * l->stride - l->next_place[i];
+    }
+}
+
+/* Returns whether all neighbours of a node lie in the box. */
+static inline int filtration__is_inner(const filtration__lattice *l, int x, int y, int z) {
+    return x > 0 && y > 0 && z > 0 && x < l->nx - 1 && y < l->ny - 1 && z < l->nz - 1;
 }
 
 /* Returns the equilibrium of direction i: weight times r + 3 c.u + 4.5 (c.u)^2 - 1.5 u^2 (He and Luo 1997). */

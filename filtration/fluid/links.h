@@ -36,6 +36,23 @@ static inline double filtration__bounce(filtration__lattice *l, const filtration
     return out;
 }
 
+/* The same at a node whose neighbours all lie in the box; place: of the node, node: its number. */
+FILTRATION__INLINE double filtration__bounce_inner(filtration__lattice *l, ptrdiff_t place, ptrdiff_t node, int i, double fraction, double cu,
+                                                   double *back) {
+    const ptrdiff_t *at = l->out_at[l->odd];
+    const int opposite = filtration__opposite(i);
+    const double out = filtration__get(l, place + at[i]);
+    if (l->half_way || l->owner[node - l->next_node[i]] != FILTRATION__FLUID) {
+        *back = out - 6.0 * l->w[i] * cu;
+    } else {
+        const double behind = filtration__get(l, place - l->next_place[i] + at[i]), other = filtration__get(l, place + at[opposite]);
+        const double weight = 1.0 / (1.0 + 2.0 * fraction);
+        *back = out + (1.0 - 2.0 * fraction) * weight * (behind - other) - 12.0 * weight * l->w[i] * cu;
+    }
+    filtration__put(l, place + l->in_at[l->odd][opposite], *back);
+    return out;
+}
+
 static inline filtration__cut filtration__link_cut(const filtration__link *link) {
     filtration__cut k = {link->x, link->y, link->z, link->i, (double)link->fraction};
     return k;
@@ -47,8 +64,16 @@ FILTRATION__STATIC void filtration__link_task(void *context, int task) {
     double back;
     filtration__task_range(l->link_count, task, &first, &end);
     for (ptrdiff_t n = first; n < end; n++) {
-        filtration__cut k = filtration__link_cut(&l->links[n]);
-        if (l->owner[filtration__node(l, k.x, k.y, k.z)] == FILTRATION__FLUID) filtration__bounce(l, &k, 0.0, &back);
+        const filtration__link *link = &l->links[n];
+        const ptrdiff_t node = filtration__node(l, link->x, link->y, link->z);
+        if (l->owner[node] != FILTRATION__FLUID) continue;
+        if (filtration__is_inner(l, link->x, link->y, link->z)) {
+            const ptrdiff_t place = filtration__home(l, link->x, link->y, link->z, 0);
+            filtration__bounce_inner(l, place, node, link->i, (double)link->fraction, 0.0, &back);
+        } else {
+            const filtration__cut k = filtration__link_cut(link);
+            filtration__bounce(l, &k, 0.0, &back);
+        }
     }
 }
 

@@ -119,19 +119,27 @@ static inline void filtration__fit_density(filtration__ball *b, const filtration
 /* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one; otherwise counts a film. */
 static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
                                          int z, int j) {
-    int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
+    const signed char *c = l->c[j];
+    int s[3] = {x, y, z}, p[3] = {x + c[0], y + c[1], z + c[2]}, mirrored;
     double d[3], e[3], u[3], back, cd = 0.0, dd = 0.0, cc = 0.0;
+    const int inner = filtration__is_inner(l, p[0], p[1], p[2]);
     for (int a = 0; a < 3; a++) d[a] = p[a] - b->centre[a];
-    if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
-    const int from_image = mirrored;
-    if (!filtration__inside(l, p, &mirrored)) {
-        b->films += !from_image;
-        return;
+    if (!inner) {
+        if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
+        const int from_image = mirrored, there = filtration__inside(l, p, &mirrored);
+        if (there && mirrored) return;
+        if (!there || l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) {
+            b->films += !from_image;
+            return;
+        }
     }
-    if (mirrored) return;
-    if (l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) {
-        b->films += !from_image;
-        return;
+    const ptrdiff_t node = filtration__node(l, p[0], p[1], p[2]);
+    if (inner) {
+        if (l->owner[node - l->next_node[j]] != index) return;
+        if (l->owner[node] != FILTRATION__FLUID) {
+            b->films++;
+            return;
+        }
     }
     for (int a = 0; a < 3; a++) cd -= d[a] * l->c[j][a], dd += d[a] * d[a], cc += (double)(l->c[j][a] * l->c[j][a]);
     double root = cd * cd - cc * (dd - b->radius * b->radius);
@@ -139,7 +147,8 @@ static inline void filtration__ball_link(filtration__lattice *l, int32_t index, 
     for (int a = 0; a < 3; a++) e[a] = d[a] - k.fraction * l->c[j][a];
     filtration__surface_velocity(b, e, u);
     double cu = -(l->c[j][0] * u[0] + l->c[j][1] * u[1] + l->c[j][2] * u[2]);
-    double out = filtration__bounce(l, &k, cu, &back);
+    const double out = inner ? filtration__bounce_inner(l, filtration__home(l, p[0], p[1], p[2], 0), node, k.i, k.fraction, cu, &back)
+                             : filtration__bounce(l, &k, cu, &back);
     filtration__exchange(l, b, sum, k.i, e, u, out, back);
 }
 
