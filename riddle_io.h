@@ -83,7 +83,8 @@ typedef struct riddle_io_file riddle_io_file;
 RIDDLE_IO_API riddle_io_file *riddle_io_open(const char *folder, const char *name);
 RIDDLE_IO_API riddle_io_status riddle_io_print(riddle_io_file *file, const char *format, ...) RIDDLE_IO__PRINTF(2, 3);
 RIDDLE_IO_API riddle_io_status riddle_io_write(riddle_io_file *file, const void *bytes, size_t size);
-/* Writes one row of CSV: %.17g with commas between, an empty cell for a number that is not finite. */
+/* Writes one row of CSV: numbers with as many digits as they need to be read back as they are (0.06), commas between, an empty cell for a
+   number that is not finite. */
 RIDDLE_IO_API riddle_io_status riddle_io_row(riddle_io_file *file, const double *values, int n);
 /* Closes the file. RIDDLE_IO_OK: the file exists under its name. Otherwise nothing is left, whichever of the calls above failed. Frees the
    object. */
@@ -500,11 +501,23 @@ RIDDLE_IO_API riddle_io_status riddle_io_print(riddle_io_file *file, const char 
     return riddle_io__after(file, worked);
 }
 
+/* Returns the format of the fewest digits, of 15, 16 and 17, with which a number is read back as it is. */
+static inline const char *riddle_io__format_of(double value) {
+    static const char *const format[] = {"%.15g", "%.16g", "%.17g"};
+    char text[40];
+    int k = 0;
+    for (; k < 2; k++) {
+        snprintf(text, sizeof text, format[k], value);
+        if (strtod(text, NULL) == value) break;
+    }
+    return format[k];
+}
+
 RIDDLE_IO_API riddle_io_status riddle_io_row(riddle_io_file *file, const double *values, int n) {
     if (!file || (!values && n > 0)) return RIDDLE_IO_BAD_ARGUMENT;
     for (int i = 0; i < n; i++) {
         if (i) riddle_io_print(file, ",");
-        if (values[i] - values[i] == 0.0) riddle_io_print(file, "%.17g", values[i]);
+        if (values[i] - values[i] == 0.0) riddle_io_print(file, riddle_io__format_of(values[i]), values[i]);
     }
     return riddle_io_print(file, "\n");
 }

@@ -61,6 +61,31 @@ def bed(n=60, dt=1e-5):
     return world
 
 
+class Sources(unittest.TestCase):
+    def test_one_source_of_several_classes(self):
+        world, feeds = bed(0), []
+        for k, diameter in enumerate((5e-3, 2e-3)):
+            feeds.append(dem.default_feed())
+            feeds[k].region = dem.box_region((0, 0, 0.01), (0.05, 0.05, 0.05))
+            feeds[k].sizes, feeds[k].group = dem.one_size(diameter), k
+        source = dem.source(feed=feeds, share=[3, 1])
+        self.assertEqual(source.classes, 2)
+        world.fill_source_mass(source, 0.01)
+        world.feed_source_mass(source, 0.05, 0.1)
+        placed = [feed.placed_mass for feed in source.feed]
+        self.assertAlmostEqual(placed[0], 0.75 * sum(placed), delta=2e-4)
+        self.assertAlmostEqual(sum(placed), 0.015, delta=2e-4)
+        self.assertEqual(feeds[0].placed, 0)  # the source has copies
+        self.assertEqual(world.count, sum(feed.placed for feed in source.feed))
+        source.classes = 3
+        with self.assertRaises(ValueError):
+            world.feed_source(source, 1.0, 1.0)
+        with self.assertRaises(TypeError):
+            source.feed = [dem.one_size(1e-3)]
+        with self.assertRaises((ValueError, dem.Error)):
+            world.feed_source(dem.source(), 1.0, 1.0)
+
+
 class Complete(unittest.TestCase):
     def test_every_public_function_is_there(self):
         declared = set()
@@ -1034,6 +1059,15 @@ class Shown(unittest.TestCase):
         self.assertNotIn("1000", str(fit))
         self.assertIn("<table>", fit._repr_html_())
 
+    def test_the_readme(self):
+        with open(os.path.join(root, "README.md"), encoding="utf-8") as file:
+            programs = re.findall(r"```python\n(.*?)```", file.read(), re.S)
+        self.assertTrue(programs)
+        with tempfile.TemporaryDirectory() as folder:
+            for program in programs:
+                subprocess.run([sys.executable, "-c", program], cwd=folder, check=True, env={**os.environ, "PYTHONPATH": here})
+            self.assertTrue(os.path.exists(os.path.join(folder, "bed.png")))
+
     def test_a_monte_carlo(self):
         """A constant kernel: the number halves in the time 2 / (number per volume x kernel)."""
         sample = [granulation.granule(s=1e-15) for _ in range(400)]
@@ -1180,7 +1214,8 @@ class Made(unittest.TestCase):
 
 if __name__ == "__main__":
     only = [word for word in sys.argv[1:] if word[0].isupper()]  # Shown.test_mypy
-    result = unittest.main(argv=[sys.argv[0], *only], exit=False, verbosity=1).result
+    pattern = os.environ.get("RIDDLE_TEST_PATTERN")
+    result = unittest.main(argv=[sys.argv[0], *only, *(["-k", pattern] if pattern else [])], exit=False, verbosity=1).result
     bad = len(result.failures) + len(result.errors)
     print(f"{result.testsRun - bad - len(result.skipped)} passed, {bad} failed, {len(result.skipped)} skipped")
     sys.exit(bad > 0)

@@ -6,6 +6,8 @@ failed=0
 check() { # NAME COMMAND...: the first and the last lines of the command's output are shown if it fails. Returns 1 then.
     name=$1
     shift
+    # shellcheck disable=SC2254 # a pattern is what it is
+    case $name in ${RIDDLE_TEST_PATTERN:-*}) ;; *) return 0 ;; esac
     if "$@" >"$folder/said" 2>&1; then
         passed=$((passed + 1))
         echo "[       OK ] $name"

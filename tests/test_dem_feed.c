@@ -20,7 +20,8 @@ static void near_relative(double got, double wanted, double tolerance, const cha
         fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got / wanted - 1.0);
 }
 static void near_absolute(double got, double wanted, double tolerance, const char *what) {
-    if (!(fabs(got - wanted) <= tolerance)) fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got - wanted);
+    if (!(fabs(got - wanted) <= tolerance))
+        fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got - wanted);
 }
 static dem_vec v3(double x, double y, double z) { return dem_vec3(x, y, z); }
 
@@ -72,7 +73,8 @@ static void list_equals_brute_force(dem_world *w, const char *what) {
             const double gap = closest_gap(w, i, j) - w->engine->pairs.margin;
             near_pairs += gap < 0.0;
             if (fabs(gap) > 1e-12 && (gap < 0.0) != listed[i * n + j])
-                fail_msg("%s: pair %d %d, %g over the margin, is %s", what, (int)i, (int)j, gap, gap < 0.0 ? "missing" : "listed");
+                fail_msg("%s: pair %d %d, %g over the margin, is %s", what, (int)i, (int)j, gap,
+                         gap < 0.0 ? "missing" : "listed");
         }
     }
     assert_true(near_pairs > 0);
@@ -96,7 +98,8 @@ static void test_near_pairs_of_any_size(void **state) {
         for (int i = 0; i < 600; i++) {
             const double d = 0.008 * riddle_exp(-riddle_log(ratio) * scene_uniform(&r));
             dem_vec x = def.low;
-            for (int a = 0; a < 3; a++) *dem_axis_of(&x, a) += (dem_axis(def.high, a) - dem_axis(def.low, a)) * scene_uniform(&r);
+            for (int a = 0; a < 3; a++)
+                *dem_axis_of(&x, a) += (dem_axis(def.high, a) - dem_axis(def.low, a)) * scene_uniform(&r);
             if (i == 0) x = def.high; /* the corner belongs to the other side */
             if (stray && i == 7) x = v3(1e6, -3e7, 1e12);
             assert_int_equal(dem_add_spheres(&w, 1, &x.x, &d, 0, 0), DEM_OK);
@@ -118,8 +121,8 @@ static void test_strays_do_not_spoil_the_cells(void **state) {
         assert_int_equal(dem_add_spheres(&w, 1, &x.x, &d, 0, 0), DEM_OK);
     }
     assert_int_equal(dem_run(&w, 0.0, DEM_LINEAR), DEM_OK);
-    const double reach = (1.0 + w.def.skin) * 1e-3,
-                 expected = 0.5 * 30000.0 * 30000.0 * 4.0 / 3.0 * RIDDLE_PI * reach * reach * reach / (0.05 * 0.05 * 0.05);
+    const double reach = (1.0 + w.def.skin) * 1e-3, expected = 0.5 * 30000.0 * 30000.0 * 4.0 / 3.0 * RIDDLE_PI * reach *
+                                                               reach * reach / (0.05 * 0.05 * 0.05);
     near_relative((double)w.engine->pairs.count, expected, 0.1, "near pairs of random points");
     dem_free(&w);
 }
@@ -187,7 +190,8 @@ static void test_sizes(void **state) {
     const int n = 100000;
     const double kolmogorov = 1.95 / sqrt(n); /* exceeded once in a thousand */
     for (int by_mass = 0; by_mass < 2; by_mass++) {
-        const dem_sizes uniform = dem_uniform_sizes(1e-3, 20e-3, by_mass), narrow = dem_uniform_sizes(1e-3, 1e-3, by_mass);
+        const dem_sizes uniform = dem_uniform_sizes(1e-3, 20e-3, by_mass),
+                        narrow = dem_uniform_sizes(1e-3, 1e-3, by_mass);
         assert_true(distance_to(&uniform, flat, n) < kolmogorov);
         assert_true(draw_many(&narrow, 10).most == 1e-3);
         static const double spread[] = {0.02, 0.4, 1.5}, exponent[] = {0.7, 1.2, 3.0, 12.0};
@@ -217,14 +221,15 @@ static void test_sizes(void **state) {
         assert_true(drawn == d[c] && dem_draw_size(&first, &random) == d[0]);
         mass[c] += drawn * drawn * drawn;
     }
-    for (int c = 0; c < 3; c++) near_relative(mass[c] / (mass[0] + mass[1] + mass[2]), 1.0 / 3.0, 0.02, "share of mass");
+    for (int c = 0; c < 3; c++)
+        near_relative(mass[c] / (mass[0] + mass[1] + mass[2]), 1.0 / 3.0, 0.02, "share of mass");
 }
 
 static void test_bad_sizes(void **state) {
     (void)state;
     uint64_t random = 1;
-    const double d[2] = {1e-3, 2e-3}, negative[2] = {1.0, -1.0}, zero[2] = {0.0, 0.0}, share[2] = {1.0, 1.0}, many[40] = {1.0},
-                 bad[2] = {1e-3, nan_}, tiny[2] = {1e-300, 1.0};
+    const double d[2] = {1e-3, 2e-3}, negative[2] = {1.0, -1.0}, zero[2] = {0.0, 0.0}, share[2] = {1.0, 1.0},
+                 many[40] = {1.0}, bad[2] = {1e-3, nan_}, tiny[2] = {1e-300, 1.0};
     const dem_sizes wrong[] = {
         dem_size_list(0, d, share, 0),
         dem_size_list(33, many, many, 0),
@@ -267,9 +272,11 @@ static void whole_within(const dem_world *w, const dem_region *region) {
         const dem_vec x = dem_position(w, i);
         for (int k = 0; k < 26; k++) {
             const dem_vec way = v3(k % 3 - 1.0, k / 3 % 3 - 1.0, k / 9 - 1.0);
-            const double length = sqrt(way.x * way.x + way.y * way.y + way.z * way.z), r = dem_radius(w, i) * (1.0 - 1e-9);
+            const double length = sqrt(way.x * way.x + way.y * way.y + way.z * way.z),
+                         r = dem_radius(w, i) * (1.0 - 1e-9);
             if (length > 0.0)
-                assert_true(dem_region_holds(region, v3(x.x + r * way.x / length, x.y + r * way.y / length, x.z + r * way.z / length)));
+                assert_true(dem_region_holds(
+                    region, v3(x.x + r * way.x / length, x.y + r * way.y / length, x.z + r * way.z / length)));
         }
     }
 }
@@ -277,8 +284,10 @@ static void whole_within(const dem_world *w, const dem_region *region) {
 static void test_fill(void **state) {
     (void)state;
     const dem_region regions[] = {dem_box_region(v3(-0.02, 0.0, 0.01), v3(0.02, 0.03, 0.06)),
-                                  dem_cylinder_region(v3(0.01, 0, 0), v3(1, 2, 3), 0.05, 0.02), dem_sphere_region(v3(0, 0, -1), 0.025)};
-    const dem_sizes sizes[] = {dem_one_size(3e-3), dem_lognormal_sizes(2e-3, 0.5, 0.6e-3, 8e-3, 0), dem_uniform_sizes(0.5e-3, 10e-3, 1)};
+                                  dem_cylinder_region(v3(0.01, 0, 0), v3(1, 2, 3), 0.05, 0.02),
+                                  dem_sphere_region(v3(0, 0, -1), 0.025)};
+    const dem_sizes sizes[] = {dem_one_size(3e-3), dem_lognormal_sizes(2e-3, 0.5, 0.6e-3, 8e-3, 0),
+                               dem_uniform_sizes(0.5e-3, 10e-3, 1)};
     for (int k = 0; k < 9; k++) {
         dem_world w = plain_world();
         dem_feed feed = dem_default_feed();
@@ -379,21 +388,24 @@ static void test_feed_in_time(void **state) {
         double gone = 0.0;
         for (int k = 0; k < 25; k++) {
             const ptrdiff_t before = w.count;
-            assert_int_equal(by_mass ? dem_feed_mass(&w, &feed, mass_flow, step) : dem_feed_number(&w, &feed, rate, step), DEM_OK);
+            assert_int_equal(
+                by_mass ? dem_feed_mass(&w, &feed, mass_flow, step) : dem_feed_number(&w, &feed, rate, step), DEM_OK);
             for (ptrdiff_t i = before; i < w.count; i++) {
                 const dem_vec x = dem_position(&w, i);
                 assert_true(x.z == 0.5 && sqrt(x.x * x.x + x.y * x.y) <= 0.03 - dem_radius(&w, i) + 1e-12);
             }
             assert_int_equal(dem_run(&w, step, DEM_LINEAR), DEM_OK);
         }
-        for (ptrdiff_t k = 0; k < w.passed_count; k++) gone += RIDDLE_PI / 6.0 * pow(w.passed[k].diameter, 3.0) * 2500.0;
+        for (ptrdiff_t k = 0; k < w.passed_count; k++)
+            gone += RIDDLE_PI / 6.0 * pow(w.passed[k].diameter, 3.0) * 2500.0;
         double here = 0.0;
         ptrdiff_t present = 0;
         for (ptrdiff_t i = 0; i < w.count; i++) here += w.alive[i] ? dem_mass(&w, i) : 0.0, present += w.alive[i];
         near_relative(here + gone, feed.placed_mass, 1e-12, "mass placed, present and passed");
         assert_int_equal(present + w.passed_count, feed.placed);
         assert_true(w.passed_count > 0);
-        if (by_mass) near_absolute(feed.placed_mass, mass_flow * 25 * step, 0.5 * 2500.0 * RIDDLE_PI / 6.0 * 64e-9, "mass flow");
+        if (by_mass)
+            near_absolute(feed.placed_mass, mass_flow * 25 * step, 0.5 * 2500.0 * RIDDLE_PI / 6.0 * 64e-9, "mass flow");
         else assert_int_equal(feed.placed, 1543);
         dem_free(&w);
     }
@@ -410,7 +422,8 @@ static void test_feed_owes_half_a_sphere(void **state) {
     for (int k = 0; k < 100; k++) {
         assert_int_equal(dem_feed_number(&w, &feed, 37.3, 0.01), DEM_OK);
         wanted += 0.373;
-        assert_true(fabs((double)feed.placed - wanted) <= 0.5 + 1e-9 && fabs(feed.due - (wanted - (double)feed.placed)) < 1e-9);
+        assert_true(fabs((double)feed.placed - wanted) <= 0.5 + 1e-9 &&
+                    fabs(feed.due - (wanted - (double)feed.placed)) < 1e-9);
     }
     assert_int_equal(feed.placed, 37);
     feed.placed = PTRDIFF_MAX; /* a count that can't grow is refused */
@@ -425,9 +438,10 @@ static void test_feed_owes_half_a_sphere(void **state) {
    generator's state tells them), and as it is within the cuts. */
 static void test_sizes_cut_far_out(void **state) {
     (void)state;
-    const dem_sizes none[] = {dem_rosin_rammler_sizes(2e-5, 4.0, 1e-3, 4e-3, 1), dem_rosin_rammler_sizes(2e-4, 10.0, 1e-3, 4e-3, 1),
-                              dem_rosin_rammler_sizes(2.0, 20.0, 1e-3, 4e-3, 1), dem_lognormal_sizes(1.0, 0.3, 1e-3, 4e-3, 0),
-                              dem_lognormal_sizes(1e-6, 0.3, 1e-3, 4e-3, 1),     dem_rosin_rammler_sizes(1e-9, 100.0, 1e-3, 4e-3, 0)};
+    const dem_sizes none[] = {
+        dem_rosin_rammler_sizes(2e-5, 4.0, 1e-3, 4e-3, 1), dem_rosin_rammler_sizes(2e-4, 10.0, 1e-3, 4e-3, 1),
+        dem_rosin_rammler_sizes(2.0, 20.0, 1e-3, 4e-3, 1), dem_lognormal_sizes(1.0, 0.3, 1e-3, 4e-3, 0),
+        dem_lognormal_sizes(1e-6, 0.3, 1e-3, 4e-3, 1),     dem_rosin_rammler_sizes(1e-9, 100.0, 1e-3, 4e-3, 0)};
     uint64_t random = 5;
     for (size_t k = 0; k < sizeof none / sizeof *none; k++) {
         dem_world w = plain_world();
@@ -439,9 +453,10 @@ static void test_sizes_cut_far_out(void **state) {
         dem_free(&w);
     }
     /* the tail of an exponential is one again: its mean lies a scale past the cut */
-    const dem_sizes tails[] = {dem_rosin_rammler_sizes(1e-3, 1.0, 3e-2, 1e3, 0), dem_rosin_rammler_sizes(1e-3, 8.0, 1.4e-3, 1.0, 0),
-                               dem_lognormal_sizes(1e-3, 1e-3, 1.005e-3, 9e2, 0), dem_lognormal_sizes(1e-3, 1e-3, 1e-6, 0.9, 1),
-                               dem_lognormal_sizes(1e-3, 5.0, 1e-6, 0.9, 1)};
+    const dem_sizes tails[] = {
+        dem_rosin_rammler_sizes(1e-3, 1.0, 3e-2, 1e3, 0), dem_rosin_rammler_sizes(1e-3, 8.0, 1.4e-3, 1.0, 0),
+        dem_lognormal_sizes(1e-3, 1e-3, 1.005e-3, 9e2, 0), dem_lognormal_sizes(1e-3, 1e-3, 1e-6, 0.9, 1),
+        dem_lognormal_sizes(1e-3, 5.0, 1e-6, 0.9, 1)};
     for (size_t k = 0; k < sizeof tails / sizeof *tails; k++) {
         const int n = 20000;
         double mean = 0.0;
@@ -532,11 +547,13 @@ static void test_remove_and_ledger(void **state) {
     feed.sizes = dem_one_size(2e-3);
     ptrdiff_t removed = 0, present = 0;
     for (int k = 0; k < 120; k++) {
-        const dem_region top = dem_box_region(v3(-1, -1, 0.004), v3(1, 1, 0.01)), drop = dem_sphere_region(v3(0.004, 0, 0.002), 0.004);
+        const dem_region top = dem_box_region(v3(-1, -1, 0.004), v3(1, 1, 0.01)),
+                         drop = dem_sphere_region(v3(0.004, 0, 0.002), 0.004);
         assert_int_equal(dem_feed_number(&w, &feed, 20000.0, 0.001), DEM_OK);
         assert_int_equal(dem_run(&w, 0.001, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY), DEM_OK);
         if (k % 10 == 9) {
-            const ptrdiff_t before = w.count - w.engine->bodies.dropped, n = dem_remove_region(&w, k % 20 == 9 ? &top : &drop);
+            const ptrdiff_t before = w.count - w.engine->bodies.dropped,
+                            n = dem_remove_region(&w, k % 20 == 9 ? &top : &drop);
             assert_true(n >= 0 && before - n == w.count - w.engine->bodies.dropped);
             removed += n;
         }
@@ -561,7 +578,8 @@ static void test_remove_and_ledger(void **state) {
 
 static void test_regions(void **state) {
     (void)state;
-    const dem_region box = dem_box_region(v3(-1, 0, 2), v3(1, 3, 2.5)), cylinder = dem_cylinder_region(v3(0, 0, 1), v3(0, -2, 0), 3.0, 0.5),
+    const dem_region box = dem_box_region(v3(-1, 0, 2), v3(1, 3, 2.5)),
+                     cylinder = dem_cylinder_region(v3(0, 0, 1), v3(0, -2, 0), 3.0, 0.5),
                      ball = dem_sphere_region(v3(1, 1, 1), 2.0);
     near_relative(dem_region_volume(&box), 3.0, 1e-15, "box");
     near_relative(dem_region_volume(&cylinder), RIDDLE_PI * 0.75, 1e-15, "cylinder");
@@ -736,19 +754,23 @@ static void test_start_from_a_table(void **state) {
     (void)state;
     particles p;
     char message[200] = "";
-    const char *const text = "# comment\nx_m,y,z,diameter_m,vx,vy,vz_m_s,class\n0.1,-2e-3,0.3,0.005,1,2,3,7\n0,0,1,0.01,,,,\n";
-    assert_int_equal(particles_parse(text, strlen(text), "a.csv", &p, message, sizeof message), -1); /* an empty velocity is not a number */
+    const char *const text =
+        "# comment\nx_m,y,z,diameter_m,vx,vy,vz_m_s,class\n0.1,-2e-3,0.3,0.005,1,2,3,7\n0,0,1,0.01,,,,\n";
+    assert_int_equal(particles_parse(text, strlen(text), "a.csv", &p, message, sizeof message),
+                     -1); /* an empty velocity is not a number */
     assert_string_equal(message, "a.csv:4: column vx: '' is not a number");
-    const char *const good =
-        "x_m,y,z,radius,vx,vy,vz_m_s,class,omega_x,omega_y,omega_z\n0.1,-2e-3,0.3,0.0025,1,2,3,7,4,5,6\n0,0,1,0.005,0,0,0,0,0,0,0\n";
+    const char *const good = "x_m,y,z,radius,vx,vy,vz_m_s,class,omega_x,omega_y,omega_z\n0.1,-2e-3,0.3,0.0025,1,2,3,7,"
+                             "4,5,6\n0,0,1,0.005,0,0,0,0,0,0,0\n";
     assert_int_equal(particles_parse(good, strlen(good), "a.csv", &p, message, sizeof message), 0);
-    assert_true(p.n == 2 && p.centre[0] == 0.1 && p.centre[1] == -2e-3 && p.centre[5] == 1.0 && p.diameter[0] == 0.005 &&
-                p.diameter[1] == 0.01);
-    assert_true(p.velocity[2] == 3.0 && p.velocity[3] == 0.0 && p.spin[0] == 4.0 && p.spin[2] == 6.0 && p.group[0] == 7 && p.group[1] == 0);
+    assert_true(p.n == 2 && p.centre[0] == 0.1 && p.centre[1] == -2e-3 && p.centre[5] == 1.0 &&
+                p.diameter[0] == 0.005 && p.diameter[1] == 0.01);
+    assert_true(p.velocity[2] == 3.0 && p.velocity[3] == 0.0 && p.spin[0] == 4.0 && p.spin[2] == 6.0 &&
+                p.group[0] == 7 && p.group[1] == 0);
 
     /* written as .vtp and read again: the same to single precision, and into a world */
     dem_world w = plain_world();
-    const riddle_io_array arrays[] = {riddle_io_scalar("diameter_m", p.diameter), riddle_io_vector("velocity_m_s", p.velocity),
+    const riddle_io_array arrays[] = {riddle_io_scalar("diameter_m", p.diameter),
+                                      riddle_io_vector("velocity_m_s", p.velocity),
                                       riddle_io_vector("spin_rad_s", p.spin), riddle_io_ints("class", p.group)};
     const char *folder = getenv("TMPDIR");
     char path[600];
@@ -852,6 +874,199 @@ static void test_stopped_by_its_host(void **state) {
     }
 }
 
+/* ---- sources of several classes ---- */
+
+enum { CLASSES = 4 };
+
+static dem_source make_source(dem_feed *feed, const double *share) {
+    static const double diameter[CLASSES] = {30e-3, 10e-3, 12e-3, 6e-3};
+    dem_source source;
+    memset(&source, 0, sizeof source);
+    for (int k = 0; k < CLASSES; k++) {
+        feed[k] = dem_default_feed();
+        feed[k].region = dem_box_region(v3(0, 0, 0.2), v3(0.1, 0.1, 0.28));
+        feed[k].sizes = k == 2 ? dem_uniform_sizes(0.8 * diameter[k], diameter[k], 1) : dem_one_size(diameter[k]);
+        feed[k].group = k, feed[k].velocity = v3(0, 0, -1.0), feed[k].tries = 50;
+    }
+    source.feed = feed, source.share = share, source.classes = CLASSES;
+    return source;
+}
+
+/* Shares are exact to a body whatever finds room: of a feed of four classes, at rates of which the box takes all, half and next to nothing. */
+static void test_shares_whatever_the_rate(void **state) {
+    const double share[CLASSES] = {3.0, 2.0, 0.0, 1.0}, all = 6.0;
+    (void)state;
+    for (int k = 0; k < 6; k++) {
+        const double rate = k % 3 == 0 ? 2.0 : k % 3 == 1 ? 30.0 : 3000.0;
+        dem_feed feed[CLASSES];
+        dem_source source = make_source(feed, share);
+        dem_world w = plain_world();
+        double mass = 0.0, number = 0.0;
+        source.by_number = k >= 3;
+        assert_true(dem_add_exit(&w, v3(0, 0, 0), v3(0, 0, 1)) >= 0);
+        for (int step = 0; step < 30; step++) {
+            assert_int_equal(source.by_number ? dem_feed_source(&w, &source, 50.0 * rate, 0.02)
+                                              : dem_feed_source_mass(&w, &source, rate, 0.02),
+                             DEM_OK);
+            assert_int_equal(dem_run(&w, 0.02, DEM_LINEAR), DEM_OK);
+        }
+        for (int c = 0; c < CLASSES; c++) mass += feed[c].placed_mass, number += (double)feed[c].placed;
+        const double heaviest = 2500.0 * RIDDLE_PI / 6.0 * 27e-6;
+        if (source.by_number) near_absolute(source.due, 30 * 50.0 * rate * 0.02 - number, 1e-6, "owed");
+        else near_absolute(source.due_mass, 30 * rate * 0.02 - mass, 1e-9, "owed");
+        assert_true(k % 3 == 0 || (source.by_number ? source.due > 100.0 : source.due_mass > 5.0));
+        for (int c = 0; c < CLASSES; c++) {
+            const double wanted = share[c] / all * (source.by_number ? number : mass);
+            near_absolute(source.by_number ? (double)feed[c].placed : feed[c].placed_mass, wanted,
+                          source.by_number ? 1.0 : heaviest, "share");
+            assert_true(feed[c].missed == 0);
+        }
+        assert_true(feed[2].placed == 0 && feed[0].placed > (k % 3 == 0 ? 5 : 10));
+        dem_free(&w);
+    }
+}
+
+/* One class is a feed: the same bits. A fill counts by class what finds no place, and has the mass that was asked for. */
+static void test_sources_fill(void **state) {
+    const double one = 0.3, share[CLASSES] = {0.4, 0.3, 0.2, 0.1};
+    dem_world w = plain_world(), other = plain_world();
+    dem_feed feed = dem_default_feed(), same, classes[CLASSES];
+    dem_source source;
+    (void)state;
+    feed.region = dem_box_region(v3(0, 0, 0), v3(0.02, 0.02, 0.02));
+    feed.sizes = dem_lognormal_sizes(1e-3, 0.2, 5e-4, 2e-3, 1), feed.scatter = v3(0.1, 0.1, 0.1);
+    same = feed;
+    memset(&source, 0, sizeof source);
+    source.feed = &same, source.share = &one, source.classes = 1;
+    assert_int_equal(dem_fill_mass(&w, &feed, 5e-4), DEM_OK);
+    assert_int_equal(dem_fill_source_mass(&other, &source, 5e-4), DEM_OK);
+    assert_int_equal(dem_feed_number(&w, &feed, 1e4, 0.01), DEM_OK);
+    assert_int_equal(dem_feed_source(&other, &source, 1e4, 0.01), DEM_OK);
+    assert_true(w.count > 200 && dem_hash(&w) == dem_hash(&other) && feed.random == same.random &&
+                feed.due == source.due);
+    dem_free(&w), dem_free(&other);
+
+    source = make_source(classes, share);
+    w = plain_world();
+    assert_int_equal(dem_fill_source_mass(&w, &source, 1.0), DEM_OK); /* more than finds room */
+    double asked = 0.0, missed = 0.0;
+    for (int c = 0; c < CLASSES; c++)
+        asked += classes[c].placed_mass + classes[c].missed_mass, missed += classes[c].missed_mass;
+    const double heaviest = 2500.0 * RIDDLE_PI / 6.0 * 27e-6;
+    near_absolute(asked, 1.0, 0.5 * heaviest, "mass asked for");
+    assert_true(missed > 0.01);
+    for (int c = 0; c < CLASSES; c++)
+        near_absolute(classes[c].placed_mass + classes[c].missed_mass, share[c] * asked, heaviest, "share");
+    nothing_overlaps(&w);
+    assert_int_equal(dem_fill_source(&w, &source, 0), DEM_OK);
+    assert_int_equal(dem_fill_source_mass(&w, &source, 1e9), DEM_TOO_MANY);
+    dem_free(&w);
+}
+
+/* A diameter that was drawn ahead belongs to the sizes, and the shape, that it was drawn from. */
+static void test_feed_with_other_sizes(void **state) {
+    static const double sizes[3] = {5e-3, 7e-3, 10e-3};
+    dem_world w = plain_world();
+    dem_feed feed = dem_default_feed();
+    (void)state;
+    feed.region = dem_box_region(v3(0, 0, 0), v3(0.2, 0.2, 0.2));
+    for (int k = 0; k < 6; k++) {
+        const ptrdiff_t from = w.count;
+        const double d = sizes[k % 3];
+        feed.sizes = k < 3 ? dem_one_size(d) : dem_uniform_sizes(d, 1.01 * d, k % 2);
+        assert_int_equal(dem_fill_mass(&w, &feed, 60.4 * 2500.0 * RIDDLE_PI / 6.0 * d * d * d), DEM_OK);
+        assert_true(w.count > from && feed.waiting >= d && feed.waiting <= 1.01 * d);
+        for (ptrdiff_t i = from; i < w.count; i++)
+            assert_true(2.0 * dem_radius(&w, i) > d - 1e-12 && 2.0 * dem_radius(&w, i) < 1.01 * d + 1e-12);
+    }
+    feed.sizes.share[0] = 7.0; /* beyond what a distribution uses: nothing of it */
+    const double kept = feed.waiting;
+    assert_int_equal(dem_feed_number(&w, &feed, 0.0, 1.0), DEM_OK);
+    assert_true(feed.waiting == kept);
+    dem_free(&w);
+}
+
+static void test_bad_sources(void **state) {
+    double share[CLASSES] = {0.4, 0.3, 0.2, 0.1};
+    dem_feed feed[CLASSES];
+    dem_world w = plain_world(), empty;
+    const dem_source good = make_source(feed, share);
+    memset(&empty, 0, sizeof empty);
+    (void)state;
+    for (int k = 0; k < 14; k++) {
+        double odd[CLASSES] = {0.4, 0.3, 0.2, 0.1};
+        dem_feed changed[CLASSES];
+        dem_source s = good;
+        memcpy(changed, feed, sizeof feed);
+        s.feed = changed, s.share = odd;
+        if (k == 0) s.feed = NULL;
+        if (k == 1) s.share = NULL;
+        if (k == 2) s.classes = 0;
+        if (k == 3) s.classes = DEM_CLASSES_MAX + 1;
+        if (k == 4) odd[1] = nan_;
+        if (k == 5) odd[1] = -0.1;
+        if (k == 6) odd[0] = odd[1] = odd[2] = odd[3] = 0.0;
+        if (k == 7) odd[2] = inf;
+        if (k == 8) s.due = nan_;
+        if (k == 9) s.due_mass = inf;
+        if (k == 10) changed[3].sizes.diameter[0] = nan_;
+        if (k == 11) changed[2].material = 7;
+        if (k == 12) s.classes = INT32_MIN;
+        if (k == 13) changed[1].tries = 0;
+        assert_int_equal(dem_fill_source(&w, &s, 1), DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_fill_source_mass(&w, &s, 1e-3), DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_feed_source(&w, &s, 1.0, 1.0), DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_feed_source_mass(&w, &s, 1.0, 1.0), DEM_BAD_ARGUMENT);
+    }
+    dem_source s = good;
+    assert_int_equal(dem_fill_source(NULL, &s, 1), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_fill_source(&empty, &s, 1), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_fill_source(&w, NULL, 1), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_fill_source(&w, &s, -1), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_fill_source_mass(&w, &s, nan_), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_feed_source(&w, &s, -1.0, 1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_feed_source_mass(&w, &s, 1e200, 1e200), DEM_BAD_ARGUMENT);
+    assert_true(w.count == 0);
+    dem_free(&w);
+}
+
+/* Out of memory anywhere: neither world nor source has changed. Spheres, clumps and clumps of another kind in one source. */
+static void test_memory_of_sources(void **state) {
+    static const double centres[6] = {0, 0, 0, 1, 0, 0}, diameters[2] = {1.2, 1.0};
+    const double share[CLASSES] = {0.4, 0.3, 0.2, 0.1};
+    dem_clump pair;
+    (void)state;
+    assert_int_equal(dem_make_clump(2, centres, diameters, &pair), DEM_OK);
+    for (int k = 0;; k++) {
+        failing_allocator memory;
+        failing_init_at(&memory, k);
+        const dem_allocator hook = {failing_fn, &memory};
+        dem_def def = plain_def(&hook);
+        dem_world w;
+        dem_feed feed[CLASSES], before[CLASSES];
+        dem_source source = make_source(feed, share);
+        feed[1].clump = feed[3].clump = &pair;
+        dem_status status = dem_init(&w, &def, NULL);
+        if (status == DEM_OUT_OF_MEMORY) continue;
+        assert_int_equal(status, DEM_OK);
+        for (int call = 0; call < 3 && status == DEM_OK; call++) {
+            const dem_source was = source;
+            const ptrdiff_t count = w.count;
+            memcpy(before, feed, sizeof feed);
+            status = call == 0 ? dem_fill_source(&w, &source, 60) : dem_feed_source_mass(&w, &source, 1.0, 0.1);
+            assert_true(status == DEM_OK || status == DEM_OUT_OF_MEMORY);
+            if (status == DEM_OK) continue;
+            assert_true(w.count == count && source.due_mass == was.due_mass);
+            assert_memory_equal(feed, before, sizeof feed);
+        }
+        if (status == DEM_OK) assert_true(feed[1].placed > 2 && feed[3].placed > 2 && feed[0].placed > 0);
+        dem_free(&w);
+        assert_int_equal(failing_live(&memory), 0);
+        if (!memory.has_failed) break;
+        assert_true(k < 80);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_near_pairs_of_any_size),
@@ -874,6 +1089,11 @@ int main(void) {
         cmocka_unit_test(test_memory),
         cmocka_unit_test(test_stopped_by_its_host),
         cmocka_unit_test(test_start_from_a_table),
+        cmocka_unit_test(test_shares_whatever_the_rate),
+        cmocka_unit_test(test_sources_fill),
+        cmocka_unit_test(test_feed_with_other_sizes),
+        cmocka_unit_test(test_bad_sources),
+        cmocka_unit_test(test_memory_of_sources),
     };
     return cmocka_run_group_tests_name("dem_feed", tests, NULL, NULL);
 }

@@ -50,9 +50,11 @@ static void test_cloth_numbers(void **state) {
 static void test_cloth_crossings(void **state) {
     (void)state;
     const filtration_cloth cloth = the_twill();
-    const double above[3] = {30 * um, 60 * um, 44 * um}, aside[3] = {55 * um, 60 * um, 14 * um}, in[3] = {30 * um, 60 * um, 20 * um};
+    const double above[3] = {30 * um, 60 * um, 44 * um}, aside[3] = {55 * um, 60 * um, 14 * um},
+                 in[3] = {30 * um, 60 * um, 20 * um};
     near(filtration_cloth_distance(&cloth, above), 16 * um, 1e-15);
-    assert_true(filtration_cloth_distance(&cloth, in) <= -6 * um && filtration_cloth_distance(&cloth, in) >= -8 * um - 1e-15);
+    assert_true(filtration_cloth_distance(&cloth, in) <= -6 * um &&
+                filtration_cloth_distance(&cloth, in) >= -8 * um - 1e-15);
     assert_true(filtration_cloth_distance(&cloth, aside) <= 11 * um + 1e-15);
     /* axes at +-14 um: two wires of 28 um touch at every crossing, and nowhere overlap */
     for (int i = 0; i < 4; i++)
@@ -60,8 +62,10 @@ static void test_cloth_crossings(void **state) {
             const double centre[3] = {(i + 0.5) * 60 * um, (j + 0.5) * 60 * um, 0.0};
             near(filtration_cloth_distance(&cloth, centre), 0.0, 1e-15);
             const double side = (i + j) % 4 < 2 ? 1.0 : -1.0;
-            double top[3] = {centre[0] + 10 * um, centre[1], side * 14 * um}; /* 10 um from the axis of the warp, inside it */
-            assert_true(filtration_cloth_distance(&cloth, top) < -3 * um && filtration_cloth_distance(&cloth, top) >= -4 * um - 1e-15);
+            double top[3] = {centre[0] + 10 * um, centre[1],
+                             side * 14 * um}; /* 10 um from the axis of the warp, inside it */
+            assert_true(filtration_cloth_distance(&cloth, top) < -3 * um &&
+                        filtration_cloth_distance(&cloth, top) >= -4 * um - 1e-15);
         }
 }
 
@@ -74,7 +78,8 @@ static void test_cloth_against_brute_force(void **state) {
         cloth.centre = 100 * um;
         double worst = 0.0;
         for (int trial = 0; trial < 60; trial++) {
-            const double p[3] = {(uniform() - 0.5) * 480 * um, (uniform() - 0.5) * 480 * um, 100 * um + (uniform() - 0.5) * 200 * um};
+            const double p[3] = {(uniform() - 0.5) * 480 * um, (uniform() - 0.5) * 480 * um,
+                                 100 * um + (uniform() - 0.5) * 200 * um};
             double least = 1.0;
             for (int warp = 0; warp < 2; warp++)
                 for (int i = -8; i < 8; i++) {
@@ -86,7 +91,8 @@ static void test_cloth_against_brute_force(void **state) {
                         const int here = ((i + j) % mod + mod) % mod < half ? 1 : -1,
                                   next = ((i + j + 1) % mod + mod) % mod < half ? 1 : -1;
                         const double side = warp ? 1.0 : -1.0;
-                        const double z = 100 * um + side * 14 * um * (here == next ? here : here * cos(pi * (place - j)));
+                        const double z =
+                            100 * um + side * 14 * um * (here == next ? here : here * cos(pi * (place - j)));
                         const double away = z - p[2];
                         const double d = sqrt(across * across + away * away + (s - along) * (s - along)) - 14 * um;
                         if (d < least) least = d;
@@ -122,9 +128,12 @@ static void test_cloth_repeats_and_is_open(void **state) {
     near((double)open / (rays * rays), 1024.0 / 3600.0, 0.01);
     for (int k = 0; k < 1000; k++) { /* a distance: never changes faster than the place, so it is never too large */
         const double p[3] = {uniform() * um * 240, uniform() * um * 240, (uniform() - 0.5) * um * 300};
-        const double q[3] = {p[0] + (uniform() - 0.5) * 9 * um, p[1] + (uniform() - 0.5) * 9 * um, p[2] + (uniform() - 0.5) * 9 * um};
-        const double way = sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
-        assert_true(fabs(filtration_cloth_distance(&cloth, p) - filtration_cloth_distance(&cloth, q)) <= way * (1 + 1e-9) + 1e-12);
+        const double q[3] = {p[0] + (uniform() - 0.5) * 9 * um, p[1] + (uniform() - 0.5) * 9 * um,
+                             p[2] + (uniform() - 0.5) * 9 * um};
+        const double way =
+            sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
+        assert_true(fabs(filtration_cloth_distance(&cloth, p) - filtration_cloth_distance(&cloth, q)) <=
+                    way * (1 + 1e-9) + 1e-12);
     }
 }
 
@@ -156,7 +165,8 @@ static void test_spheres(void **state) {
     for (int wraps = 0; wraps < 8; wraps++) {
         const int periodic[3] = {wraps & 1, wraps >> 1 & 1, wraps >> 2};
         filtration_bed bed;
-        assert_int_equal(filtration_bed_init(&bed, MANY, centre, NULL, radius, box, periodic, 50 * um, NULL), FILTRATION_OK);
+        assert_int_equal(filtration_bed_init(&bed, MANY, centre, NULL, radius, box, periodic, 50 * um, NULL),
+                         FILTRATION_OK);
         const filtration_solid solid = filtration_bed_solid(&bed);
         for (int trial = 0; trial < 300; trial++) {
             double p[3], least = 50 * um;
@@ -179,7 +189,8 @@ static void test_spheres(void **state) {
 static void test_fibres(void **state) {
     (void)state;
     /* one fibre longer than the box, through its periodic faces, and one inside it */
-    const double a[6] = {-5e-4, 1e-4, 1e-4, 1e-4, 5e-5, 2e-4}, b[6] = {8e-4, 1e-4, 1e-4, 1e-4, 5e-5, 3e-4}, radius[2] = {2e-5, 1e-5};
+    const double a[6] = {-5e-4, 1e-4, 1e-4, 1e-4, 5e-5, 2e-4}, b[6] = {8e-4, 1e-4, 1e-4, 1e-4, 5e-5, 3e-4},
+                 radius[2] = {2e-5, 1e-5};
     const int periodic[3] = {1, 1, 0};
     filtration_bed bed;
     assert_int_equal(filtration_bed_init(&bed, 2, a, b, radius, box, periodic, 1e-4, NULL), FILTRATION_OK);
@@ -214,7 +225,8 @@ static void test_cut(void **state) {
             in[k] = out[k] + along[k];
         }
         for (int k = 0; k < 3; k++)
-            square += along[k] * along[k], b += along[k] * (out[k] - centre[k]), c += (out[k] - centre[k]) * (out[k] - centre[k]);
+            square += along[k] * along[k], b += along[k] * (out[k] - centre[k]),
+                c += (out[k] - centre[k]) * (out[k] - centre[k]);
         if (c <= radius * radius || filtration_bed_distance(&bed, in) > 0.0) continue;
         const double q = (-b - sqrt(b * b - square * (c - radius * radius))) / square;
         near(filtration_solid_cut(&solid, out, in), q, 1e-8);
@@ -232,7 +244,8 @@ static void test_bed_without_memory(void **state) {
         failing_init_at(&allocator, k);
         filtration_memory memory = {failing_fn, &allocator};
         filtration_bed bed;
-        const filtration_status status = filtration_bed_init(&bed, 2, centre, NULL, radius, box, periodic, 1e-4, &memory);
+        const filtration_status status =
+            filtration_bed_init(&bed, 2, centre, NULL, radius, box, periodic, 1e-4, &memory);
         assert_int_equal(status, allocator.has_failed ? FILTRATION_NO_MEMORY : FILTRATION_OK);
         filtration_bed_free(&bed);
         assert_int_equal(failing_live(&allocator), 0);
@@ -248,13 +261,17 @@ static void test_bad_bed(void **state) {
     for (int i = 0; i < 4; i++) {
         double centre[3] = {1e-4, 1e-4, 1e-4}, radius = 1e-5, edges[3] = {1e-3, 1e-3, 1e-3};
         radius = bad[i];
-        assert_int_equal(filtration_bed_init(&bed, 1, centre, NULL, &radius, edges, periodic, 1e-4, NULL), FILTRATION_BAD_ARGUMENT);
+        assert_int_equal(filtration_bed_init(&bed, 1, centre, NULL, &radius, edges, periodic, 1e-4, NULL),
+                         FILTRATION_BAD_ARGUMENT);
         radius = 1e-5, edges[1] = bad[i];
-        assert_int_equal(filtration_bed_init(&bed, 1, centre, NULL, &radius, edges, periodic, 1e-4, NULL), FILTRATION_BAD_ARGUMENT);
+        assert_int_equal(filtration_bed_init(&bed, 1, centre, NULL, &radius, edges, periodic, 1e-4, NULL),
+                         FILTRATION_BAD_ARGUMENT);
         edges[1] = 1e-3;
-        assert_int_equal(filtration_bed_init(&bed, 1, centre, NULL, &radius, edges, periodic, bad[i], NULL), FILTRATION_BAD_ARGUMENT);
+        assert_int_equal(filtration_bed_init(&bed, 1, centre, NULL, &radius, edges, periodic, bad[i], NULL),
+                         FILTRATION_BAD_ARGUMENT);
         centre[2] = i == 3 ? 1e300 : i == 2 ? (double)NAN : bad[i];
-        assert_int_equal(filtration_bed_init(&bed, 1, centre, NULL, &radius, edges, periodic, 1e-4, NULL), FILTRATION_BAD_ARGUMENT);
+        assert_int_equal(filtration_bed_init(&bed, 1, centre, NULL, &radius, edges, periodic, 1e-4, NULL),
+                         FILTRATION_BAD_ARGUMENT);
         filtration_bed_free(&bed);
     }
     assert_int_equal(filtration_bed_init(NULL, 0, NULL, NULL, NULL, box, periodic, 1, NULL), FILTRATION_BAD_ARGUMENT);
@@ -272,7 +289,8 @@ static void test_image(void **state) {
     filtration_image image = {{4, 5, 6}, 2 * um, {10 * um, 0.0, 0.0}, {0, 0, 0}, 4, NULL};
     image.solid = solid;
     assert_int_equal(filtration_image_check(&image), FILTRATION_OK);
-    const double before[3] = {15 * um, 3 * um, 5 * um}, corner[3] = {15 * um, 1 * um, 3 * um}, in[3] = {16.5 * um, 3 * um, 5 * um};
+    const double before[3] = {15 * um, 3 * um, 5 * um}, corner[3] = {15 * um, 1 * um, 3 * um},
+                 in[3] = {16.5 * um, 3 * um, 5 * um};
     const double far_away[3] = {-1.0, 2.0, 3.0}, wrapped[3] = {11 * um, 3 * um, 5 * um};
     near(filtration_image_distance(&image, before), 1 * um, 1e-15);
     near(filtration_image_distance(&image, corner), sqrt(3.0) * um, 1e-15);
@@ -328,6 +346,49 @@ static void test_image_against_brute_force(void **state) {
     }
 }
 
+/* A channel with an even inflow and a given pressure at its end, along each axis: all of the inflow arrives, as the parabola. */
+static void test_channel_with_inflow(void **state) {
+    (void)state;
+    for (int axis = 0; axis < 3; axis++) {
+        const int across = (axis + 1) % 3, length = 48, width = 12;
+        filtration_fluid_def def = filtration_fluid_default_def();
+        filtration_fluid fluid;
+        const double inflow = 1e-3, voxel = 1e-5;
+        def.voxel = voxel, def.tau = 1.0, def.nodes[0] = def.nodes[1] = def.nodes[2] = 2;
+        def.nodes[axis] = length, def.nodes[across] = width;
+        def.face[2 * across] = def.face[2 * across + 1] = FILTRATION_WALL;
+        def.face[2 * axis + 1] = FILTRATION_PRESSURE, def.face_pressure[2 * axis + 1] = 0.1;
+        def.face[2 * axis] = FILTRATION_INFLOW, def.face_velocity[2 * axis][axis] = inflow;
+        assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+        assert_int_equal(filtration_fluid_run(&fluid, 6000, NULL), FILTRATION_OK);
+        for (int slab = 0; slab + 1 < length;
+             slab++) { /* of two slabs: a wave of two nodes, 1e-4 of the flow, stays between the faces */
+            const double flow =
+                0.5 * (filtration_fluid_flux(&fluid, axis, slab) + filtration_fluid_flux(&fluid, axis, slab + 1));
+            assert_true(fabs(flow / inflow - 1.0) < 1e-5);
+        }
+        for (int i = 0; i < width; i++) {
+            int at[3] = {0, 0, 0};
+            filtration_sample sample;
+            at[axis] = 3 * length / 4, at[across] = i;
+            assert_int_equal(filtration_fluid_at(&fluid, at[0], at[1], at[2], &sample), FILTRATION_OK);
+            const double y = (i + 0.5) / width, parabola = 6.0 * inflow * y * (1.0 - y);
+            assert_true(fabs(sample.velocity[axis] - parabola) < 0.01 * inflow);
+            if (i == width / 2)
+                assert_true(
+                    fabs(sample.pressure - 0.1 - 12.0 * 1e-3 * inflow * 11.5 * voxel / (144.0 * voxel * voxel)) < 0.01);
+        }
+        const double velocity[3] = {0.0, 0.0, 0.0}; /* it can be stopped; a wall lets nothing through */
+        assert_int_equal(filtration_fluid_set_face_velocity(&fluid, 2 * axis, velocity), FILTRATION_OK);
+        assert_int_equal(filtration_fluid_run(&fluid, 3000, NULL), FILTRATION_OK);
+        const double rest = filtration_fluid_flux(&fluid, axis, length / 2) + filtration_fluid_flux(&fluid, axis, length / 2 + 1);
+        assert_true(fabs(rest) < 2e-4 * inflow);
+        filtration_fluid_free(&fluid);
+        def.face[2 * axis] = FILTRATION_WALL;
+        assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_BAD_DEF);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_cloth_numbers),
@@ -342,6 +403,7 @@ int main(void) {
         cmocka_unit_test(test_bad_bed),
         cmocka_unit_test(test_image),
         cmocka_unit_test(test_image_against_brute_force),
+        cmocka_unit_test(test_channel_with_inflow),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -105,11 +105,14 @@ static void test_missing_folders_are_made(void **state) {
     assert_int_equal(riddle_io_print(f, "x,y,z,w\n"), RIDDLE_IO_OK);
     assert_int_equal(riddle_io_row(f, row, 4), RIDDLE_IO_OK);
     assert_int_equal(riddle_io_row(f, NULL, 0), RIDDLE_IO_OK);
+    const double shortest[] = {0.06, 0.1, 1.0 / 3.0, 0.1 + 0.2, 12345678.0, 5e-324, 1.7976931348623157e308, -0.0};
+    assert_int_equal(riddle_io_row(f, shortest, 8), RIDDLE_IO_OK);
     riddle_io_path(path, sizeof path, inner, "d/table.csv");
     assert_int_equal(access(path, F_OK), -1); /* not there before it is whole */
     assert_int_equal(created_files, 1);
     assert_int_equal(riddle_io_close(f), RIDDLE_IO_OK);
-    expect_text(path, "x,y,z,w\n1.5,,,1e-300\n\n");
+    expect_text(path, "x,y,z,w\n1.5,,,1e-300\n\n"
+                      "0.06,0.1,0.3333333333333333,0.30000000000000004,12345678,4.94065645841247e-324,1.7976931348623157e+308,-0\n");
     assert_int_equal(files_below(folder, false), 1);
 }
 
@@ -426,7 +429,7 @@ static void test_a_decimal_comma(void **state) {
     riddle_io_points(folder, riddle_io_series_name(series, 0.125), 1, riddle_io_vector("position", xyz), NULL, 0);
     riddle_io_series_close(series);
     setlocale(LC_NUMERIC, "C");
-    expect_text(riddle_io_path(path, sizeof path, folder, "row.csv"), "1.5,-2.2499999999999999e-07\n0.12;a,b,3\n");
+    expect_text(riddle_io_path(path, sizeof path, folder, "row.csv"), "1.5,-2.25e-07\n0.12;a,b,3\n");
     const char *const files[] = {"plot.svg", "s.pvd"};
     for (int k = 0; k < 2; k++) {
         FILE *read = fopen(riddle_io_path(path, sizeof path, folder, files[k]), "rb");

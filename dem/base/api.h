@@ -44,9 +44,8 @@ DEM_API void dem_free(dem_world *world); /* frees everything; safe on a zeroed o
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters,
                                    int material, int group);
 /* Makes a shape of n spheres, overlapping or not. centres: shape [n][3] [m], in a frame of the shape's own, anywhere;
-   diameters: [n] [m] > 0. Volume, centre of mass and moments are those of the union at one density: exact for spheres
-   that do not overlap and for centres on one line; otherwise overlaps are integrated to about 1e-5 of the whole.
-   Moments that differ by less than that are taken to be equal. A sphere within another is left out: it can touch
+   diameters: [n] [m] > 0. Volume, centre of mass and moments are those of the union at one density, to 1e-8 of the
+   whole in the worst case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere within another is left out: it can touch
    nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
 DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
 DEM_API double dem_clump_diameter(const dem_clump *clump); /* of the sphere of the same volume [m] */
@@ -159,6 +158,8 @@ typedef struct dem_feed {
     double due,
         due_mass;   /* what dem_feed_number, dem_feed_mass still owe [-], [kg]; they may be ahead by half a sphere */
     double waiting; /* diameter of the next sphere [m]; 0: not drawn yet */
+    uint64_t
+        waiting_of; /* tells the sizes and the shape that it was drawn from: with others it is drawn anew. 0: with any */
 } dem_feed;
 DEM_API dem_feed dem_default_feed(void); /* one size of 1 mm in a cube of 0.1 m at the origin, to be edited */
 
@@ -175,6 +176,23 @@ DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass);
    after it, so that sizes keep their shares; `due` tells how far the source is behind. */
 DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration);
 DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration);
+/* One source for several classes: of sizes, groups, materials or shapes. Bodies come one after the other, each of the
+   class that is farthest behind its share, and where one has no place the others wait with it: so what has been placed
+   has the shares to within a body, however little finds room. */
+enum { DEM_CLASSES_MAX = 100000 };
+typedef struct dem_source {
+    dem_feed *feed;      /* [classes] yours: sizes, material, group, velocity and shape of each class. Region, tries and
+                       generator of the first are those of all. Each counts its own placed and missed */
+    const double *share; /* [classes] of mass or number, >= 0, not all 0 */
+    int classes;         /* 1 .. DEM_CLASSES_MAX */
+    int by_number;       /* 0: shares are of mass */
+    double due, due_mass; /* what the feeds below still owe [-], [kg]; at first 0. They may be ahead by half a body */
+} dem_source;
+/* As dem_fill, dem_fill_mass, dem_feed_number and dem_feed_mass. Of a fill, what finds no place is missed by its class. */
+DEM_API dem_status dem_fill_source(dem_world *world, dem_source *source, ptrdiff_t count);
+DEM_API dem_status dem_fill_source_mass(dem_world *world, dem_source *source, double mass);
+DEM_API dem_status dem_feed_source(dem_world *world, dem_source *source, double rate, double duration);
+DEM_API dem_status dem_feed_source_mass(dem_world *world, dem_source *source, double mass_flow, double duration);
 /* Copies the oldest records of what passed exits, at most `capacity`, and removes them from the world. Returns their
    number, or minus a dem_status. records: [capacity], or NULL to drop them. Until then world->passed keeps 88 bytes of
    every particle that passed; world->passed_total counts all. dem_residence() reads the records: call it first. */

@@ -1,13 +1,7 @@
 /* Mass properties of bodies made of spheres. Promises: what dem_make_clump says. */
 #pragma once
 #include "rigid.h"
-
-/* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
-typedef struct dem__content {
-    double volume;
-    dem_vec first;
-    double second[6];
-} dem__content;
+#include "union.h"
 
 static inline void dem__add_content(dem__content *c, double weight, double volume, dem_vec at, dem_vec spread) {
     const double v = weight * volume;
@@ -22,15 +16,6 @@ static inline void dem__add_content(dem__content *c, double weight, double volum
 static inline void dem__add_ball(dem__content *c, double weight, dem_vec at, double r) {
     const double spread = 0.2 * r * r;
     dem__add_content(c, weight, 4.0 / 3.0 * RIDDLE_PI * r * r * r, at, dem_vec3(spread, spread, spread));
-}
-
-static inline void dem__sort_numbers(double *v, int n) {
-    for (int k = 1; k < n; k++) {
-        const double x = v[k];
-        int q = k;
-        for (; q > 0 && v[q - 1] > x; q--) v[q] = v[q - 1];
-        v[q] = x;
-    }
 }
 
 /* Returns the first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL if
@@ -76,56 +61,6 @@ static inline void dem__add_revolution(dem__content *c, int n, const double *at,
             c->second[4] -= half * weight[g] * RIDDLE_PI * square * q * u.y * u.z;
             c->second[5] -= half * weight[g] * RIDDLE_PI * square * q * u.z * u.x;
         }
-    }
-}
-
-/* Subtracts the parts of a line along z through (x, y) that lie in more than one sphere, as often as they have been
-   counted too much. */
-static inline void dem__take_surplus(dem__content *c, double area, int n, const dem_vec *centre, const double *radius,
-                                     double x, double y) {
-    double low[DEM_CLUMP_MAX], high[DEM_CLUMP_MAX], bound[2 * DEM_CLUMP_MAX];
-    int m = 0;
-    for (int k = 0; k < n; k++) {
-        const double dx = x - centre[k].x, dy = y - centre[k].y, square = radius[k] * radius[k] - dx * dx - dy * dy;
-        if (!(square > 0.0)) continue;
-        const double half = sqrt(square);
-        low[m] = centre[k].z - half, high[m] = centre[k].z + half;
-        bound[2 * m] = low[m], bound[2 * m + 1] = high[m];
-        m++;
-    }
-    if (m < 2) return;
-    dem__sort_numbers(bound, 2 * m);
-    for (int b = 1; b < 2 * m; b++) {
-        const double length = bound[b] - bound[b - 1], z = 0.5 * (bound[b] + bound[b - 1]);
-        int times = -1;
-        for (int k = 0; k < m; k++) times += low[k] < z && z < high[k];
-        if (times > 0)
-            dem__add_content(c, -times * area, length, dem_vec3(x, y, z), dem_vec3(0.0, 0.0, length * length / 12.0));
-    }
-}
-
-/* Adds spheres at any places: each exactly, less the overlaps, which are integrated over 400 x 400 lines, exactly along
-   z. */
-enum { DEM__CLUMP_LINES = 400 };
-static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
-    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
-    for (int k = 0; k < n; k++) {
-        dem__add_ball(c, 1.0, centre[k], radius[k]);
-        for (int other = 0; other < n; other++) { /* bounding box of those that overlap others */
-            const double sum = radius[k] + radius[other];
-            const dem_vec d = dem__sub(centre[k], centre[other]);
-            if (other == k || !(dem__dot(d, d) < sum * sum)) continue;
-            for (int a = 0; a < 2; a++) {
-                const double at = dem_axis(centre[k], a);
-                low[a] = at - radius[k] < low[a] ? at - radius[k] : low[a],
-                high[a] = at + radius[k] > high[a] ? at + radius[k] : high[a];
-            }
-        }
-    }
-    const double wx = (high[0] - low[0]) / (double)DEM__CLUMP_LINES, wy = (high[1] - low[1]) / (double)DEM__CLUMP_LINES;
-    for (int p = 0; p < DEM__CLUMP_LINES && wx > 0.0; p++) {
-        for (int q = 0; q < DEM__CLUMP_LINES; q++)
-            dem__take_surplus(c, wx * wy, n, centre, radius, low[0] + (p + 0.5) * wx, low[1] + (q + 0.5) * wy);
     }
 }
 
@@ -226,7 +161,7 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
     const double tensor[6] = {
         yy + zz, zz + xx, xx + yy, v * m.x * m.y - s[3], v * m.y * m.z - s[4], v * m.z * m.x - s[5]};
     c.moments = dem__clump_axes(tensor, &c.axes);
-    dem__merge_moments(&c.moments, c.spheres == 1 || line ? 1e-12 : 1e-5);
+    dem__merge_moments(&c.moments, c.spheres == 1 || line ? 1e-12 : 1e-9);
     dem__order_moments(&c.moments, &c.axes, order);
     for (int k = 0; k < c.spheres; k++) c.centre[k] = dem__scale(size, dem__sub(c.centre[k], m)), c.radius[k] *= size;
     c.origin = dem__plus(from, size, m);

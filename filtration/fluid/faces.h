@@ -22,7 +22,7 @@ typedef struct filtration__face_kind {
     void (*enter)(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK], double *h);
 } filtration__face_kind;
 
-/* Bounce-back half way from a surface that moves. */
+/* Bounce-back half way from a surface that moves along itself, or through which liquid comes. */
 FILTRATION__STATIC void filtration__enter_wall(const filtration__lattice *l, const filtration__entry *e, int n,
                                                double u[3][FILTRATION__BLOCK], double *h) {
     const signed char *c = l->c[e->i];
@@ -50,6 +50,7 @@ static const filtration__face_kind filtration__face_kinds[] = {
     {FILTRATION_WALL,     FILTRATION__NOTHING,  3, 1, 1, 0, 0, filtration__enter_wall},
     {FILTRATION_PRESSURE, FILTRATION__NOTHING,  2, 0, 0, 1, 1, filtration__enter_open},
     {FILTRATION_SYMMETRY, FILTRATION__MIRRORED, 1, 0, 0, 0, 0, NULL},
+    {FILTRATION_INFLOW,   FILTRATION__NOTHING,  4, 0, 2, 0, 0, filtration__enter_wall}, /* before walls: all of the flow enters */
 };
 /* clang-format on */
 

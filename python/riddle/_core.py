@@ -392,11 +392,29 @@ class Structure:
             for axis, part in enumerate(shape.bare if shape else ()):
                 if part in _lengths_of(self._name) and array.ndim == len(shape.bare):
                     setattr(self._c, part, array.shape[axis])
+        elif isinstance(value, (list, tuple)) and c_type.kind == "pointer" and _named(c_type.item) in _classes and _shape(what, {}):
+            self._set_structures(name, c_type, value, what)
         elif isinstance(value, Structure) and _named(c_type.item) in ("void", value._name):
             setattr(self._c, name, ffi.cast(c_type, value._c))
             self._kept[name] = value
         else:
             raise TypeError(f"{what} cannot be set from Python")
+
+    def _set_structures(self, name, c_type, value, what):
+        """An array of structures: copies, which the field then lists."""
+        item = _named(c_type.item)
+        for k, new in enumerate(value):
+            if not isinstance(new, Structure) or new._name != item:
+                raise TypeError(f"{what}[{k}]: a {item} is needed, not a {type(new).__name__}")
+        array = ffi.new(f"{item}[]", max(len(value), 1))
+        parts = [_classes[item]._of(array + k, self, f"{name} part {k}") for k in range(len(value))]
+        for part, new in zip(parts, value):
+            part._become(new)
+        setattr(self._c, name, array)
+        self._kept[name], self._kept[f"{name} array"] = parts, array
+        for part in _shape(what, {}).bare:
+            if part in _lengths_of(self._name):
+                setattr(self._c, part, len(value))
 
     def _fields(self):
         return [name for name in _types_of[self._name][1]["fields"] if "__" not in name]
@@ -405,6 +423,12 @@ class Structure:
         """Are the arrays that fields point to as long as the structure says?"""
         lower, kind = _types_of[self._name]
         for name, about in kind["fields"].items():
+            if isinstance(self._kept.get(name), list):
+                dims = _shape(f"{self._name}.{name}", _constants[lower]).of({n: getattr(self, n) for n in self._fields() if n != name}, f"{self._name}.{name}")
+                if len(self._kept[name]) != dims[0]:
+                    raise ValueError(f"{self._name}.{name}: a list of {len(self._kept[name])}, but {dims[0]} is needed")
+                for part in self._kept[name]:
+                    part._check_arrays(above=above)
             if about.get("pointer") not in DTYPES:
                 continue
             shape = _shape(f"{prefix}.{name}" if prefix else "", _constants[lower]) or _shape(f"{self._name}.{name}", _constants[lower])

@@ -9,6 +9,7 @@
 #include "scene_feed.h"
 #include "scene_shapes.h"
 #include "scene_wet.h"
+#include "steady.h"
 
 enum { NAME = 96, FIXED = 5, OVERLAP = 4, OF_REGION = 8, CURVES = 8, FRAMES_A_SECOND = 25 };
 
@@ -237,9 +238,35 @@ static int open_series(report *r) {
 
 static void draw_picture(report *r) { r->pictured = draw_world(&r->s->world, &r->look, r->folder, "scene.png") == 0, r->drawn = 1; }
 
+/* All particles, a row each, spheres of bodies too; other programs read it as a start. */
+static void write_table(const report *r, double number) {
+    const dem_world *w = &r->s->world;
+    char name[40];
+    snprintf(name, sizeof name, "particles_%04.0f.csv", number);
+    riddle_io_file *file = riddle_io_open(r->folder, name);
+    riddle_io_print(file, "# time %.9g s\nid,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,omega_x_rad_s,omega_y_rad_s,omega_z_rad_s,diameter_m,mass_kg,group,contacts\n",
+                    scene_time(r->s));
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i]) continue;
+        const dem_vec x = dem_position(w, i), v = dem_velocity(w, i), s = dem_spin(w, i);
+        const double row[14] = {(double)w->id[i], x.x, x.y, x.z, v.x, v.y, v.z, s.x, s.y, s.z, 2.0 * dem_radius(w, i), dem_mass(w, i),
+                                w->group[i], w->touching[i]};
+        riddle_io_row(file, row, 14);
+    }
+    riddle_io_close(file);
+}
+
+/* A multiple of the time between tables lies within the last tick, or at its end. */
+static void add_table(report *r) {
+    const double every = r->s->def->output.tables, now = scene_time(r->s), soon = now + 1e-9 * r->s->tick;
+    const double number = floor(soon / every), before = now > 0.0 ? floor((soon - (r->s->beyond > 0.0 ? r->s->beyond : r->s->tick)) / every) : -1.0;
+    if (every > 0.0 && number > before) write_table(r, number);
+}
+
 static void add_frames(report *r) {
     const output_def *o = &r->s->def->output;
     const double now = scene_time(r->s), soon = now + 1e-9 * r->s->tick;
+    add_table(r);
     if (o->frames > 0.0 && soon >= r->next_frame * o->frames) {
         if (open_series(r) || make_room(&r->frame, r->frames, &r->frame_room, sizeof *r->frame)) return;
         r->frame[r->frames++] = r->s->world.time, r->next_frame += 1.0;
@@ -310,12 +337,62 @@ double report_overlap(const report *r) {
     return largest;
 }
 
+/* Mean of a column over the second half of the rows; flow: of what an exit took between two rows [t/h]. */
+static steady_mean mean_of(const report *r, int column, int flow, double *room) {
+    const size_t width = (size_t)r->columns;
+    const int first = r->rows / 2 > 0 ? r->rows / 2 : 1;
+    int n = 0;
+    for (int k = first; k < r->rows; k++) {
+        const double *row = r->row + (size_t)k * width, *before = row - width;
+        const double passed = row[0] - before[0];
+        if (!(passed > 0.5 * r->s->def->measure.every)) continue; /* the last row may be an early one */
+        room[n++] = flow ? 3.6 * (row[column] - before[column]) / passed : row[column];
+    }
+    return steady_mean_of(room, n);
+}
+
+/* Visits the columns that have a mean: all but the time, and exits also as a flow. */
+static void each_mean(const report *r, void (*visit)(void *user, const char *name, const steady_mean *mean), void *user) {
+    double *room = malloc(((size_t)r->rows + 1) * sizeof *room);
+    const int last_exit = r->columns - (scene_has_polyhedra(r->s) ? 1 : 0) - (r->s->wet ? 2 : 0) - OF_REGION * r->s->def->measure.regions.n;
+    for (int c = 1; room && c < r->columns; c++) {
+        char name[NAME + 8];
+        const size_t length = strlen(r->column[c]);
+        steady_mean mean = mean_of(r, c, 0, room);
+        visit(user, r->column[c], &mean);
+        if (c < FIXED + r->s->groups || c >= last_exit || length < 3 || strcmp(r->column[c] + length - 3, "_kg") != 0) continue;
+        snprintf(name, sizeof name, "%.*s_t_per_h", (int)length - 3, r->column[c]);
+        mean = mean_of(r, c, 1, room);
+        visit(user, name, &mean);
+    }
+    free(room);
+}
+
+static const double STUDENT = 2.365; /* 95 %, 7 degrees of freedom */
+
+static void write_mean(void *user, const char *name, const steady_mean *m) {
+    riddle_io_print(user, "%s,%.9g,%.9g,%.9g,%.9g,%d\n", name, m->mean, m->error, STUDENT * m->error, m->drift, m->is_steady);
+}
+static void json_mean(void *user, const char *name, const steady_mean *m) {
+    json_object_begin(user, name);
+    json_number(user, "mean", m->mean);
+    json_number(user, "interval95", STUDENT * m->error);
+    json_bool(user, "steady", m->is_steady);
+    json_object_end(user);
+}
+
 const char *report_write(report *r) {
     riddle_io_file *table_file = riddle_io_open(r->folder, "measured.csv");
     for (int c = 0; c < r->columns; c++) riddle_io_print(table_file, "%s%s", c ? "," : "", r->column[c]);
     riddle_io_print(table_file, "\n");
     for (int k = 0; k < r->rows; k++) riddle_io_row(table_file, r->row + (size_t)k * (size_t)r->columns, r->columns);
     if (riddle_io_close(table_file) == RIDDLE_IO_OK) add_name(r, "measured.csv");
+    if (r->rows >= 4 * STEADY_BLOCKS) {
+        riddle_io_file *means = riddle_io_open(r->folder, "means.csv");
+        riddle_io_print(means, "column,mean,standard_error,interval95,drift,steady\n");
+        each_mean(r, write_mean, means);
+        if (riddle_io_close(means) == RIDDLE_IO_OK) add_name(r, "means.csv");
+    }
     if (r->rows > 1 && draw_curves(r) == 0) add_name(r, "curves.svg");
     if (!r->drawn) draw_picture(r);
     if (r->pictured) add_name(r, "scene.png");
@@ -328,6 +405,9 @@ void report_json(const report *r, json *j) {
     const double *row = r->rows ? r->row + (size_t)(r->rows - 1) * (size_t)r->columns : NULL;
     json_object_begin(j, "last_row");
     for (int c = 0; row && c < r->columns; c++) json_number(j, r->column[c], row[c]);
+    json_object_end(j);
+    json_object_begin(j, "means_of_second_half");
+    if (j && r->rows >= 4 * STEADY_BLOCKS) each_mean(r, json_mean, j);
     json_object_end(j);
     json_integer(j, "rows", r->rows);
     json_integer(j, "frames", r->frames);

@@ -17,8 +17,8 @@
 enum { SCENE_MB = 16 }; /* at most */
 static const char state_name[] = "scene.state";
 static const double OVERLAP_MAX = 0.1; /* of a diameter: beyond it contacts are no contacts any more */
-static const char usage[] =
-    "usage: riddle run FILE [options]; riddle run --template hopper|screen|drum|box|shapes; riddle keys; riddle run --help";
+static const char usage[] = "usage: riddle run FILE [options]; riddle run --template hopper|screen|drum|box|shapes; "
+                            "riddle keys; riddle run --help";
 
 typedef struct job {
     const char *file;
@@ -99,7 +99,8 @@ static int exchange_keys(job *j, scene_state *io) {
     uint64_t size = strlen(j->keys) + 1;
     char *saved = j->keys;
     state_whole(io, &size);
-    if (io->reading && !io->failed) saved = size > 0 && size <= io->size - io->at ? tree_memory(&j->tree, (size_t)size) : NULL;
+    if (io->reading && !io->failed)
+        saved = size > 0 && size <= io->size - io->at ? tree_memory(&j->tree, (size_t)size) : NULL;
     if (!saved) io->failed = 1;
     state_bytes(io, saved, (size_t)size);
     if (!io->reading || io->failed) return io->failed;
@@ -116,8 +117,8 @@ static int read_state(job *j) {
     char path[1000], message[400];
     size_t size;
     scene_state io;
-    unsigned char *bytes =
-        (unsigned char *)input_read(riddle_io_path(path, sizeof path, j->self.out, state_name), &size, message, sizeof message);
+    unsigned char *bytes = (unsigned char *)input_read(riddle_io_path(path, sizeof path, j->self.out, state_name),
+                                                       &size, message, sizeof message);
     if (!bytes) return refuse(message);
     const int begun = state_begin_reading(&io, bytes, size), failed = begun || exchange(j, &io);
     state_free(&io);
@@ -150,9 +151,11 @@ static void fail_run(const job *j, dem_status status) {
     const dem_world *w = &j->s.world;
     const material_def *m = j->s.def->materials.item;
     if (status == DEM_PAIR_NOT_SET)
-        common_fail("t = %.6g s: %s and %s touch: how, is not said under contacts", w->time, m[w->failed_pair[0]].part.name,
-                    m[w->failed_pair[1]].part.name);
-    else common_fail("t = %.6g s: %s (particle %llu)", w->time, dem_status_text(status), (unsigned long long)w->failed_id);
+        common_fail("t = %.6g s: %s and %s touch: how, is not said under contacts", w->time,
+                    m[w->failed_pair[0]].part.name, m[w->failed_pair[1]].part.name);
+    else
+        common_fail("t = %.6g s: %s (particle %llu)", w->time, dem_status_text(status),
+                    (unsigned long long)w->failed_id);
 }
 
 static void end_early(job *j, dem_status status) {
@@ -194,30 +197,43 @@ static const stop_def *run(job *j) {
 }
 
 static void tell(const job *j, const stop_def *stop, const char *written) {
-    double missed, missed_mass;
-    char hash[24], saved[80] = "";
+    const scene_lack lack = scene_missed(&j->s);
+    char hash[24], saved[80] = "", lag[200] = "";
     const double last_tick = j->s.ticks * j->s.tick;
     json *out = json_open(j->self.json);
-    scene_missed(&j->s, &missed, &missed_mass);
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)dem_hash(&j->s.world));
     json_program(out, &j->self);
     json_string(out, "scene", j->file);
     json_string(out, "stopped_by", stop ? stop->column : NULL);
     json_number(out, "time_s", scene_time(&j->s));
     json_number(out, "time_step_s", j->s.world.def.dt);
-    json_number(out, "missed_particles", missed);
-    json_number(out, "missed_kg", missed_mass);
+    json_number(out, "missed_particles", lack.missed);
+    json_number(out, "missed_kg", lack.missed_mass);
+    json_object_begin(out, "fed_kg");
+    for (int g = 0; g < j->s.groups; g++) json_number(out, j->s.group[g].name, j->s.group[g].fed);
+    json_object_end(out);
+    json_number(out, "feed_lag_kg", lack.late);
+    json_number(out, "feed_lag_share", lack.asked > 0.0 ? lack.late / lack.asked : 0.0);
     json_string(out, "hash", hash);
     report_json(j->r, out);
     json_close(out);
     if (stop) common_print("stopped at %g s: %s\n", scene_time(&j->s), stop->column);
-    if (missed_mass > 0.0) common_print("%g kg found no place: a larger region, a longer way or more speed gives it one\n", missed_mass);
+    if (lack.missed_mass > 0.0)
+        common_print("%g kg found no place: a larger region, a longer way or more speed gives it one\n",
+                     lack.missed_mass);
     if (report_overlap(j->r) > OVERLAP_MAX)
         common_print("overlap reached %.0f %% of a diameter: %s\n", 100.0 * report_overlap(j->r),
-                     isnan(j->def.time_step) ? "the stiffness is too small" : "the stiffness is too small, or the time step too large");
+                     isnan(j->def.time_step) ? "the stiffness is too small"
+                                             : "the stiffness is too small, or the time step too large");
     if (j->saved < last_tick) snprintf(saved, sizeof saved, ", %s of %g s", state_name, j->saved);
     else if (!isnan(j->saved)) snprintf(saved, sizeof saved, ", %s", state_name);
-    common_print("%g s in steps of %.3g s; %s has %s%s\n", scene_time(&j->s), j->s.world.def.dt, j->self.out, written, saved);
+    if (lack.late > 0.0)
+        snprintf(lag, sizeof lag,
+                 "; the feed lags by %.4g kg of %.4g kg (%.3g %%): a larger region, a longer way or more speed gives "
+                 "it room",
+                 lack.late, lack.asked, 100.0 * lack.late / lack.asked);
+    common_print("%g s in steps of %.3g s; %s has %s%s%s\n", scene_time(&j->s), j->s.world.def.dt, j->self.out, written,
+                 saved, lag);
 }
 
 static int hold_folder(const job *j) {
@@ -311,7 +327,8 @@ int main(int argc, char **argv) {
     const char *pattern = NULL, *set = NULL;
     if (argc > 0) called = argv[0];
     option options[] = {
-        option_flag("continue", &j.again, "go on from the save in --out, with the same bits as if it had never stopped"),
+        option_flag("continue", &j.again,
+                    "go on from the save in --out, with the same bits as if it had never stopped"),
         option_flag("check", &j.check, "read the file and build the scene, but do not run"),
         option_string("set", "KEY=VALUE", &set, "another value than the file's: materials.glass.density=2600, feeds[1].rate='2 t/h'; may be given often"),
         option_string("template", "NAME", &pattern, "write NAME.yaml, to begin with: hopper, screen, drum, box or shapes"),

@@ -24,7 +24,8 @@ static int define_contacts(scene *s, dem_def *def) {
             scene_material(s->file, s->def, &c->part, "between", c->between[1], &b))
             return -1;
         if (seen[a < b ? a : b][a < b ? b : a]++)
-            return tree_fail(s->file, c->part.where, "contact: %s and %s stand here a second time", c->between[0], c->between[1]);
+            return tree_fail(s->file, c->part.where, "contact: %s and %s stand here a second time", c->between[0],
+                             c->between[1]);
         dem_pair_def *p = dem_pair(def, a, b);
         p->stiffness = c->stiffness, p->tangential_ratio = c->tangential_ratio, p->restitution = c->restitution;
         p->friction = c->friction, p->rolling = c->rolling, p->tangential_damping = c->tangential_damping;
@@ -36,8 +37,10 @@ static int define_contacts(scene *s, dem_def *def) {
 static int find_features(const scene *s, const dem_def *def) {
     bool friction = false, rolling = false;
     for (int a = 0; a < def->materials; a++)
-        for (int b = a; b < def->materials; b++) friction |= def->pair[a][b].friction > 0.0, rolling |= def->pair[a][b].rolling > 0.0;
-    return (s->def->law == 0 ? DEM_LINEAR : DEM_HERTZ) | (friction || rolling ? DEM_FRICTION : 0) | (rolling ? DEM_ROLLING : 0);
+        for (int b = a; b < def->materials; b++)
+            friction |= def->pair[a][b].friction > 0.0, rolling |= def->pair[a][b].rolling > 0.0;
+    return (s->def->law == 0 ? DEM_LINEAR : DEM_HERTZ) | (friction || rolling ? DEM_FRICTION : 0) |
+           (rolling ? DEM_ROLLING : 0);
 }
 
 /* Ctrl-C while feeds look for places. */
@@ -53,7 +56,8 @@ static int define(scene *s, dem_def *def) {
     *def = dem_default_def();
     def->allocator.fn = machine_resize;
     def->stop = is_interrupted;
-    for (int k = 0; k < s->def->materials.n; k++) dem_add_material(def, m[k].density, m[k].young_modulus, m[k].poisson_ratio);
+    for (int k = 0; k < s->def->materials.n; k++)
+        dem_add_material(def, m[k].density, m[k].young_modulus, m[k].poisson_ratio);
     if (define_contacts(s, def)) return -1;
     for (int c = 0; p->part.where && c < 3; c++) {
         if (!p->axis[c].part.where) continue;
@@ -87,7 +91,8 @@ static int choose_step(scene *s, dem_def def, double *dt) {
             at += 3.0 * high * (s->source[k].shape ? s->source[k].shape->reach : 1.0);
         }
     }
-    if (status == DEM_OK) *dt = dem_advise(&trial, s->features, EXPECTED_SPEED).advised * (scene_has_polyhedra(s) ? 0.4 : 1.0);
+    if (status == DEM_OK)
+        *dt = dem_advise(&trial, s->features, EXPECTED_SPEED).advised * (scene_has_polyhedra(s) ? 0.4 : 1.0);
     dem_free(&trial);
     return status == DEM_OK && *dt > 0.0 && isfinite(*dt)
                ? 0
@@ -104,9 +109,10 @@ static int check_periodic(scene *s) {
         largest *= scene_widest(q->shape);
         for (int c = 0; c < 3; c++)
             if (axis[c].part.where && !(axis[c].high - axis[c].low > 2.2 * largest))
-                return tree_fail(s->file, axis[c].part.where,
-                                 "periodic: %c: %g mm long; above %.6g mm, 2.2 of the largest particles of %g mm, is wanted", "xyz"[c],
-                                 1e3 * (axis[c].high - axis[c].low), 2.2e3 * largest, 1e3 * largest);
+                return tree_fail(
+                    s->file, axis[c].part.where,
+                    "periodic: %c: %g mm long; above %.6g mm, 2.2 of the largest particles of %g mm, is wanted",
+                    "xyz"[c], 1e3 * (axis[c].high - axis[c].low), 2.2e3 * largest, 1e3 * largest);
     }
     return 0;
 }
@@ -125,12 +131,13 @@ static int choose_tick(scene *s) {
     s->tick = s->def->measure.every / ceil(s->def->measure.every / shortest - 1e-9);
     const double ticks = s->def->duration / s->tick, steps = s->tick / s->world.def.dt;
     if (!(ticks < 1e9))
-        return tree_fail(s->file, fields_where(&s->def->part, "duration"), "duration: more than a thousand million ticks of %.3g s",
-                         s->tick);
+        return tree_fail(s->file, fields_where(&s->def->part, "duration"),
+                         "duration: more than a thousand million ticks of %.3g s", s->tick);
     if (!(steps >= 1.0))
         return tree_fail(s->file, s->def->measure.part.where,
-                         isnan(s->def->time_step) ? "measure: every is below the time step of %.3g s for the smallest particles, of %.4g mm"
-                                                  : "measure: every is below the time_step of %.3g s",
+                         isnan(s->def->time_step)
+                             ? "measure: every is below the time step of %.3g s for the smallest particles, of %.4g mm"
+                             : "measure: every is below the time_step of %.3g s",
                          s->world.def.dt, 1e3 * smallest_of(s));
     return 0;
 }
@@ -140,7 +147,8 @@ int scene_make(scene *s, const scene_def *def, tree_file *file, uint64_t seed, i
     memset(s, 0, sizeof *s);
     s->def = def, s->file = file, s->seed = seed, s->threads = threads;
     if (define(s, &d) || scene_make_shapes(s) || scene_add_sources(s)) return -1;
-    if (scene_has_polyhedra(s)) s->features |= DEM_FRICTION; /* what their contacts remember; without friction its coefficient is 0 */
+    if (scene_has_polyhedra(s))
+        s->features |= DEM_FRICTION; /* what their contacts remember; without friction its coefficient is 0 */
     if (check_periodic(s) || choose_step(s, d, &d.dt)) return -1;
     const char *bad = "";
     if (dem_init(&s->world, &d, &bad) != DEM_OK) return tree_fail(file, file->root, "%s is outside its range", bad);
@@ -182,10 +190,10 @@ static void book_passed(scene *s) {
 static dem_status advance(scene *s, double next, double length) {
     const double now = scene_time(s);
     dem_status status = switch_walls(s, now);
-    for (int k = 0; k < s->sources && status == DEM_OK; k++) {
-        const ptrdiff_t before = s->source[k].feed.placed;
-        status = scene_feed(s, &s->source[k], now, next);
-        if (status == DEM_OK) status = scene_wet_new(s, &s->source[k], s->source[k].feed.placed - before);
+    for (int k = 0; k < s->def->feeds.n && status == DEM_OK; k++) {
+        const ptrdiff_t before = s->world.count;
+        status = scene_feed(s, &s->feeder[k], now, next);
+        if (status == DEM_OK) status = scene_wet_new(s, &s->feeder[k], before);
     }
     if (status == DEM_OK) status = s->wet ? scene_wet_run(s, length) : dem_run(&s->world, length, s->features);
     if (status != DEM_STOPPED) book_passed(s);
@@ -210,14 +218,22 @@ dem_status scene_finish(scene *s, double left) {
     return status;
 }
 
-void scene_missed(const scene *s, double *count, double *mass) {
-    *count = *mass = 0.0;
-    for (int k = 0; k < s->sources; k++) {
-        const dem_feed *f = &s->source[k].feed;
-        *count += (double)f->missed;
-        const double each = s->source[k].density * RIDDLE_PI / 6.0 * s->source[k].cube; /* a steady feed may owe half a particle */
-        *mass += f->missed_mass + (isnan(s->source[k].def->rate) || !(f->due_mass > 2.0 * each) ? 0.0 : f->due_mass);
+scene_lack scene_missed(const scene *s) {
+    scene_lack lack = {0.0, 0.0, 0.0, 0.0};
+    for (int k = 0; k < s->sources; k++)
+        lack.missed += (double)s->source[k].feed->missed, lack.missed_mass += s->source[k].feed->missed_mass;
+    for (int k = 0; k < s->def->feeds.n; k++) {
+        const scene_feeder *f = &s->feeder[k];
+        double heaviest = 0.0;
+        for (int c = 0; c < f->source.classes; c++) {
+            double smallest, largest;
+            scene_extremes(&f->first[c], &smallest, &largest);
+            heaviest = fmax(heaviest, f->first[c].density * RIDDLE_PI / 6.0 * largest * largest * largest);
+        }
+        lack.asked += f->asked;
+        if (f->source.due_mass > heaviest) lack.late += f->source.due_mass; /* a steady feed may owe half a particle */
     }
+    return lack;
 }
 
 /* ---- saving ---- */
@@ -229,14 +245,21 @@ static void exchange_count(scene_state *io, ptrdiff_t *value) {
 }
 
 static void exchange_feed(scene_state *io, source *q) {
-    double feed[] = {q->feed.placed_mass, q->feed.missed_mass, q->feed.due, q->feed.due_mass, q->feed.waiting, q->done};
+    dem_feed *f = q->feed;
+    double feed[] = {f->placed_mass, f->missed_mass, f->waiting};
     state_numbers(io, feed, sizeof feed / sizeof *feed);
-    q->feed.placed_mass = feed[0], q->feed.missed_mass = feed[1], q->feed.due = feed[2], q->feed.due_mass = feed[3];
-    q->feed.waiting = feed[4], q->done = feed[5];
-    exchange_count(io, &q->feed.placed);
-    exchange_count(io, &q->feed.missed);
-    state_whole(io, &q->feed.random);
+    f->placed_mass = feed[0], f->missed_mass = feed[1], f->waiting = feed[2];
+    exchange_count(io, &f->placed);
+    exchange_count(io, &f->missed);
+    state_whole(io, &f->random);
+    state_whole(io, &f->waiting_of);
     if (q->shape) state_same(io, q->shape->diameter), state_same(io, q->shape->reach);
+}
+
+static void exchange_feeder(scene_state *io, scene_feeder *f) {
+    double feed[] = {f->source.due, f->source.due_mass, f->done, f->asked};
+    state_numbers(io, feed, sizeof feed / sizeof *feed);
+    f->source.due = feed[0], f->source.due_mass = feed[1], f->done = feed[2], f->asked = feed[3];
 }
 
 static void exchange_world(scene *s, scene_state *io) {
@@ -271,7 +294,9 @@ int scene_exchange(scene *s, scene_state *io) {
     state_same(io, s->wet ? 1.0 : 0.0);
     state_numbers(io, &s->ticks, 1);
     for (int k = 0; k < s->sources && !io->failed; k++) exchange_feed(io, &s->source[k]);
-    for (int k = 0; k < s->groups && !io->failed; k++) state_numbers(io, &s->group[k].fed, 1), state_numbers(io, &s->group[k].passed, 1);
+    for (int k = 0; k < s->def->feeds.n && !io->failed; k++) exchange_feeder(io, &s->feeder[k]);
+    for (int k = 0; k < s->groups && !io->failed; k++)
+        state_numbers(io, &s->group[k].fed, 1), state_numbers(io, &s->group[k].passed, 1);
     state_numbers(io, s->exit_mass, DEM_WALLS_MAX);
     if (s->wet && !io->failed && scene_wet_exchange(s, io)) io->failed = 1;
     if (!io->failed) exchange_world(s, io);

@@ -23,13 +23,20 @@ typedef struct body_shape {
 typedef struct source {
     const feed_def *def;
     const body_shape *shape; /* NULL: spheres */
-    dem_feed feed;
+    dem_feed *feed;          /* of the scene's list: those of a feed stand together */
     int group;
-    double amount, density; /* [kg], [-] or [kg/s], as the feed's def says; [kg/m3] */
-    double square, cube;    /* means of d^2, d^3 by number [m2], [m3] */
-    double film;            /* thickness of liquid on a particle [m] */
-    double done;            /* 1: all at once, and that has been */
+    double density;      /* [kg/m3] */
+    double square, cube; /* means of d^2, d^3 by number [m2], [m3] */
+    double film;         /* thickness of liquid on a particle [m] */
 } source;
+
+/* One feed of the file: its classes come in turn, so that all have their shares whatever finds room. */
+typedef struct scene_feeder {
+    dem_source source;
+    struct source *first; /* of its classes */
+    double done;          /* 1: all at once, and that has been */
+    double asked;         /* of a rate: so far [kg] */
+} scene_feeder;
 
 /* Particles that are told apart: a size of a label and a material. */
 typedef struct size_group {
@@ -49,13 +56,16 @@ typedef struct scene {
     int wall_of[DEM_WALLS_MAX]; /* index in the world of a wall of the file */
     body_shape *shape;          /* [def->shapes.n] */
     source *source;
+    dem_feed *feed; /* [sources] */
+    double *share;  /* [sources] of the class in its feed, of mass or number as the file says */
     int sources;
+    scene_feeder *feeder; /* [def->feeds.n] */
     size_group *group;
     int groups;
     double exit_mass[DEM_WALLS_MAX]; /* [kg] by wall of the world */
     double tick;                     /* [s] */
     double ticks;                    /* done; a whole number */
-    double beyond;                   /* time since the last of them [s]: 0, but at the end of a run that ends within one */
+    double beyond; /* time since the last of them [s]: 0, but at the end of a run that ends within one */
     struct wet_scene *wet;
     int *wet_class; /* by id */
     int wet_room;
@@ -74,7 +84,10 @@ int scene_near_end(const scene *s, double *left);
 dem_status scene_finish(scene *s, double left);
 /* Everything that the future depends on, into or out of a state. */
 int scene_exchange(scene *s, scene_state *io);
-/* What found no place [-], [kg]. */
-void scene_missed(const scene *s, double *count, double *mass);
+/* What found no place [-], [kg]; by how much steady feeds lag [kg], of what was asked of them so far [kg]. */
+typedef struct scene_lack {
+    double missed, missed_mass, late, asked;
+} scene_lack;
+scene_lack scene_missed(const scene *s);
 
 #endif

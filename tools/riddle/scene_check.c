@@ -1,6 +1,8 @@
 /* scene_check.c: see scene_check.h */
 #include "scene_check.h"
 
+#include "scene_feed.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -53,9 +55,9 @@ int scene_lacks_contact(const scene *s, char *line, size_t size) {
 /* Of one source over the whole run. */
 static double particles_of(const scene *s, const source *q) {
     const feed_def *d = q->def;
+    const scene_feeder *f = &s->feeder[d - (const feed_def *)s->def->feeds.item];
     const double end = isnan(d->until) ? s->def->duration : fmin(d->until, s->def->duration), begin = isnan(d->from) ? 0.0 : d->from;
-    const double amount = isnan(d->rate) ? q->amount : q->amount * fmax(end - begin, 0.0);
-    return isnan(d->count) ? amount / (q->density * RIDDLE_PI / 6.0 * q->cube) : amount;
+    return scene_number_of(f, (int)(q - f->first), fmax(end - begin, 0.0));
 }
 
 scene_size scene_estimate(const scene *s) {

@@ -19,10 +19,11 @@ int scene_region(tree_file *file, const region_def *def, dem_region *region) {
                 return tree_fail(file, def->box.part.where, "box: low is above high along %c", "xyz"[c]);
         *region = dem_box_region(scene_vec(def->box.low), scene_vec(def->box.high));
     } else if (def->cylinder.part.where) {
-        *region =
-            dem_cylinder_region(scene_vec(def->cylinder.bottom), scene_vec(def->cylinder.axis), def->cylinder.length, def->cylinder.radius);
+        *region = dem_cylinder_region(scene_vec(def->cylinder.bottom), scene_vec(def->cylinder.axis),
+                                      def->cylinder.length, def->cylinder.radius);
     } else *region = dem_sphere_region(scene_vec(def->sphere.centre), def->sphere.radius);
-    return isfinite(dem_region_volume(region)) ? 0 : tree_fail(file, def->part.where, "region: an axis has no direction");
+    return isfinite(dem_region_volume(region)) ? 0
+                                               : tree_fail(file, def->part.where, "region: an axis has no direction");
 }
 
 /* ---- classes ---- */
@@ -39,7 +40,8 @@ typedef struct size_shares {
     int n, by_mass;
 } size_shares;
 
-static int add_share(scene *s, size_shares *list, const tree *at, dem_sizes sizes, double share, double low, double high) {
+static int add_share(scene *s, size_shares *list, const tree *at, dem_sizes sizes, double share, double low,
+                     double high) {
     uint64_t random = 1;
     if (share == 0.0) return 0;
     if (!list->item) list->item = tree_memory(s->file, CLASSES_MAX * sizeof *list->item);
@@ -68,16 +70,17 @@ static int read_file(scene *s, const sizes_def *def, size_shares *list) {
     for (int k = 0; k < file.n && file.single && !failed; k++)
         failed = add_share(s, list, at, dem_one_size(size[k]), amount[k], size[k], size[k]);
     if (!file.single && amount[0] > 0.0)
-        tree_note(s->file, at, "file: %s: %g %% pass the finest size %g mm: they are %g to %g mm large", path, 100.0 * amount[0],
-                  1e3 * size[0], 5e2 * size[0], 1e3 * size[0]);
+        tree_note(s->file, at, "file: %s: %g %% pass the finest size %g mm: they are %g to %g mm large", path,
+                  100.0 * amount[0], 1e3 * size[0], 5e2 * size[0], 1e3 * size[0]);
     for (int k = 0; k < file.n && !file.single && !failed; k++) {
         const double low = k ? size[k - 1] : 0.5 * size[0], share = amount[k] - (k ? amount[k - 1] : 0.0);
         failed = add_share(s, list, at, dem_uniform_sizes(low, size[k], list->by_mass), share, low, size[k]);
     }
     if (!failed && !file.single && !(file.above[0] <= SIEVE_END))
-        failed =
-            tree_fail(s->file, at, "file: %s: passing ends at %.6g: %.4g %% are coarser than %g mm; a row where it is 1 says how coarse",
-                      path, amount[file.n - 1], 100.0 * file.above[0], 1e3 * size[file.n - 1]);
+        failed = tree_fail(
+            s->file, at,
+            "file: %s: passing ends at %.6g: %.4g %% are coarser than %g mm; a row where it is 1 says how coarse", path,
+            amount[file.n - 1], 100.0 * file.above[0], 1e3 * size[file.n - 1]);
     sheet_free_sizes(&file);
     return failed ? -1 : 0;
 }
@@ -86,9 +89,9 @@ static int read_file(scene *s, const sizes_def *def, size_shares *list) {
 static int read_drawn(scene *s, const feed_def *feed, size_shares *list) {
     const body_shape *shape;
     if (!feed->shape) return tree_fail(s->file, feed->part.where, "feed: sizes is missing");
-    return scene_shape_of(s, feed, &shape)
-               ? -1
-               : add_share(s, list, feed->part.where, dem_one_size(shape->diameter), 1.0, shape->diameter, shape->diameter);
+    return scene_shape_of(s, feed, &shape) ? -1
+                                           : add_share(s, list, feed->part.where, dem_one_size(shape->diameter), 1.0,
+                                                       shape->diameter, shape->diameter);
 }
 
 static int read_sizes(scene *s, const feed_def *feed, size_shares *list) {
@@ -99,21 +102,24 @@ static int read_sizes(scene *s, const feed_def *feed, size_shares *list) {
     list->by_mass = def->shares == 0;
     if (def->file) return read_file(s, def, list);
     for (int k = 0; k < def->classes.n; k++)
-        if (add_share(s, list, c[k].part.where, dem_one_size(c[k].diameter), c[k].share, c[k].diameter, c[k].diameter)) return -1;
+        if (add_share(s, list, c[k].part.where, dem_one_size(c[k].diameter), c[k].share, c[k].diameter, c[k].diameter))
+            return -1;
     if (def->classes.n) return 0;
-    if (!isnan(def->diameter)) return add_share(s, list, at, dem_one_size(def->diameter), 1.0, def->diameter, def->diameter);
+    if (!isnan(def->diameter))
+        return add_share(s, list, at, dem_one_size(def->diameter), 1.0, def->diameter, def->diameter);
     if (def->uniform.part.where) {
         const double low = def->uniform.smallest, high = def->uniform.largest;
         return add_share(s, list, at, dem_uniform_sizes(low, high, list->by_mass), 1.0, low, high);
     }
     if (def->lognormal.part.where) {
         const lognormal_sizes *l = &def->lognormal;
-        return add_share(s, list, at, dem_lognormal_sizes(l->median, l->spread, l->smallest, l->largest, list->by_mass), 1.0, l->smallest,
-                         l->largest);
+        return add_share(s, list, at, dem_lognormal_sizes(l->median, l->spread, l->smallest, l->largest, list->by_mass),
+                         1.0, l->smallest, l->largest);
     }
     const rosin_sizes *r = &def->rosin_rammler;
-    return add_share(s, list, at, dem_rosin_rammler_sizes(r->scale, r->exponent, r->smallest, r->largest, list->by_mass), 1.0, r->smallest,
-                     r->largest);
+    return add_share(s, list, at,
+                     dem_rosin_rammler_sizes(r->scale, r->exponent, r->smallest, r->largest, list->by_mass), 1.0,
+                     r->smallest, r->largest);
 }
 
 /* ---- sources ---- */
@@ -135,7 +141,7 @@ static int group_of(scene *s, const feed_def *def, const size_share *c, double d
 }
 
 void scene_extremes(const source *q, double *smallest, double *largest) {
-    const dem_sizes *z = &q->feed.sizes;
+    const dem_sizes *z = &q->feed->sizes;
     const bool list = z->kind == DEM_SIZES_LIST;
     *smallest = list ? z->diameter[0] : z->smallest, *largest = list ? z->diameter[0] : z->largest;
 }
@@ -144,29 +150,20 @@ static void find_means(source *q) {
     uint64_t random = 1;
     q->square = q->cube = 0.0;
     for (int k = 0; k < DRAWS; k++) {
-        const double d = dem_draw_size(&q->feed.sizes, &random);
+        const double d = dem_draw_size(&q->feed->sizes, &random);
         q->square += d * d / DRAWS, q->cube += d * d * d / DRAWS;
     }
 }
 
-/* Shares of a feed into amounts of its sources, the largest first, as large ones find room first. Film: equal for all of the feed. */
-static void share_out(scene *s, const feed_def *def, source *first, int n, const size_share *const *order, int by_mass) {
-    double mass = 0.0, number = 0.0, cube = 0.0, square = 0.0, handed = 0.0, sum = 0.0;
+/* The thickness of the film, equal for all of a feed, and what one of its particles weighs in the mean [kg]. */
+static void find_films(scene *s, source *first, int n, const size_share *const *order, int by_mass) {
+    double cube = 0.0, square = 0.0;
     for (int k = 0; k < n; k++) {
         const double of_mass = by_mass ? order[k]->share : order[k]->share * first[k].cube;
-        mass += of_mass, number += of_mass / first[k].cube;
         cube += of_mass, square += of_mass / first[k].cube * first[k].square;
     }
-    for (int k = 0; k < n; k++) {
-        const double of_mass = by_mass ? order[k]->share : order[k]->share * first[k].cube;
-        if (!isnan(def->count)) {
-            sum += of_mass / first[k].cube / number;
-            const double whole = floor(def->count * sum + 0.5 + 1e-9);
-            first[k].amount = whole - handed, handed = whole;
-        } else first[k].amount = (isnan(def->mass) ? def->rate : def->mass) * of_mass / mass;
-        if (s->def->liquid.part.where)
-            first[k].film = s->def->liquid.moisture * first[k].density / s->def->liquid.density * cube / (6.0 * square);
-    }
+    for (int k = 0; k < n && s->def->liquid.part.where; k++)
+        first[k].film = s->def->liquid.moisture * first[k].density / s->def->liquid.density * cube / (6.0 * square);
 }
 
 static int larger_first(const void *a, const void *b) {
@@ -177,16 +174,21 @@ static int larger_first(const void *a, const void *b) {
 static int add_sources(scene *s, const feed_def *def, size_shares *list) {
     const size_share *order[CLASSES_MAX];
     source *first = &s->source[s->sources];
+    scene_feeder *feeder = &s->feeder[def - (const feed_def *)s->def->feeds.item];
+    dem_feed *feeds = &s->feed[s->sources];
+    double *share = &s->share[s->sources];
     const body_shape *shape;
     dem_region region;
     int material;
-    if (scene_material(s->file, s->def, &def->part, "material", def->material, &material) || scene_region(s->file, &def->region, &region) ||
-        scene_shape_of(s, def, &shape))
+    if (scene_material(s->file, s->def, &def->part, "material", def->material, &material) ||
+        scene_region(s->file, &def->region, &region) || scene_shape_of(s, def, &shape))
         return -1;
     if (list->n == 0) return tree_fail(s->file, def->sizes.part.where, "sizes: all shares are 0");
-    if (!isnan(def->until) && !(def->until > def->from)) return tree_fail(s->file, fields_where(&def->part, "until"), "until: after from");
+    if (!isnan(def->until) && !(def->until > def->from))
+        return tree_fail(s->file, fields_where(&def->part, "until"), "until: after from");
     if (!isnan(def->until) && isnan(def->rate))
-        return tree_fail(s->file, fields_where(&def->part, "until"), "until: only with rate; mass and count come all at once, at from");
+        return tree_fail(s->file, fields_where(&def->part, "until"),
+                         "until: only with rate; mass and count come all at once, at from");
     for (int k = 0; k < list->n; k++) order[k] = &list->item[k];
     qsort(order, (size_t)list->n, sizeof *order, larger_first);
     for (int k = 0; k < list->n; k++, s->sources++) {
@@ -195,21 +197,41 @@ static int add_sources(scene *s, const feed_def *def, size_shares *list) {
         q->def = def, q->shape = shape;
         q->density = ((const material_def *)s->def->materials.item)[material].density;
         q->group = group_of(s, def, order[k], q->density);
-        q->feed = dem_default_feed();
-        q->feed.region = region, q->feed.sizes = order[k]->sizes, q->feed.material = material, q->feed.group = q->group;
-        q->feed.velocity = scene_vec(def->velocity), q->feed.scatter = scene_vec(def->scatter);
-        q->feed.clump = shape && shape->clump.spheres ? &shape->clump : NULL;
-        q->feed.tries = (int)def->tries;
-        if (scene_is_polyhedron(shape) && q->feed.sizes.kind != DEM_SIZES_LIST)
+        dem_feed *f = q->feed = &feeds[k];
+        *f = dem_default_feed();
+        f->region = region, f->sizes = order[k]->sizes, f->material = material, f->group = q->group;
+        f->velocity = scene_vec(def->velocity), f->scatter = scene_vec(def->scatter);
+        f->clump = shape && shape->clump.spheres ? &shape->clump : NULL;
+        f->tries = (int)def->tries;
+        if (scene_is_polyhedron(shape) && f->sizes.kind != DEM_SIZES_LIST)
             return tree_fail(s->file, def->sizes.part.where,
                              "sizes: polyhedra come in single sizes: diameter, classes, or a file with shares");
-        q->feed.random = s->seed * 1000003u + (uint64_t)s->sources + 1u;
+        f->random = s->seed * 1000003u + (uint64_t)s->sources + 1u;
+        share[k] = order[k]->share;
         for (int c = 0; c < 3; c++)
-            if (!(def->scatter[c] >= 0.0)) return tree_fail(s->file, fields_where(&def->part, "scatter"), "scatter: at least 0");
+            if (!(def->scatter[c] >= 0.0))
+                return tree_fail(s->file, fields_where(&def->part, "scatter"), "scatter: at least 0");
         find_means(q);
     }
-    share_out(s, def, first, list->n, order, list->by_mass);
+    find_films(s, first, list->n, order, list->by_mass);
+    feeder->first = first;
+    feeder->source.feed = feeds, feeder->source.share = share, feeder->source.classes = list->n,
+    feeder->source.by_number = !list->by_mass;
     return 0;
+}
+
+double scene_number_of(const scene_feeder *f, int class, double time) {
+    const feed_def *def = f->first->def;
+    double mass = 0.0, number = 0.0, here = 0.0;
+    for (int k = 0; k < f->source.classes; k++) {
+        const double each = f->first[k].density * RIDDLE_PI / 6.0 * f->first[k].cube, share = f->source.share[k];
+        const double of_number = f->source.by_number ? share : share / each;
+        mass += of_number * each, number += of_number;
+        if (k == class) here = of_number;
+    }
+    return here * (!isnan(def->count)  ? def->count / number
+                   : !isnan(def->mass) ? def->mass / mass
+                                       : def->rate * time / mass);
 }
 
 /* Whether what comes all at once fits into memory: asked before hours of filling. */
@@ -217,14 +239,16 @@ static int check_memory(scene *s) {
     static const double each = 1400.0; /* [B] of a sphere with lists and history; a polyhedron takes no more */
     const double there = machine_free_memory_bytes();
     double all = 0.0;
-    for (int k = 0; k < s->sources; k++) {
-        const source *q = &s->source[k];
-        if (!isnan(q->def->rate)) continue;
-        const double number = isnan(q->def->count) ? q->amount / (q->density * RIDDLE_PI / 6.0 * q->cube) : q->amount;
-        all += number * (q->shape && q->shape->clump.spheres ? q->shape->clump.spheres : 1);
+    for (int k = 0; k < s->def->feeds.n; k++) {
+        const scene_feeder *f = &s->feeder[k];
+        if (!isnan(f->first->def->rate)) continue;
+        for (int c = 0; c < f->source.classes; c++)
+            all += scene_number_of(f, c, 0.0) *
+                   (f->first->shape && f->first->shape->clump.spheres ? f->first->shape->clump.spheres : 1);
         if (!(each * all <= there))
-            return tree_fail(s->file, q->def->part.where, "feed: %.3g particles take about %.3g GB of memory, of which %.3g GB are free",
-                             all, 1e-9 * each * all, 1e-9 * there);
+            return tree_fail(s->file, f->first->def->part.where,
+                             "feed: %.3g particles take about %.3g GB of memory, of which %.3g GB are free", all,
+                             1e-9 * each * all, 1e-9 * there);
     }
     return 0;
 }
@@ -241,7 +265,10 @@ int scene_add_sources(scene *s) {
     }
     s->source = tree_memory(s->file, (size_t)total * sizeof *s->source);
     s->group = tree_memory(s->file, (size_t)total * sizeof *s->group);
-    if (!s->source || !s->group) return -1;
+    s->feed = tree_memory(s->file, (size_t)total * sizeof *s->feed);
+    s->share = tree_memory(s->file, (size_t)total * sizeof *s->share);
+    s->feeder = tree_memory(s->file, (size_t)n * sizeof *s->feeder);
+    if (!s->source || !s->group || !s->feed || !s->share || !s->feeder) return -1;
     for (int k = 0; k < n; k++)
         if (add_sources(s, &def[k], &lists[k])) return -1;
     return check_memory(s);
@@ -261,28 +288,28 @@ static double extent(const dem_region *r, dem_vec along) {
 }
 
 double scene_feed_interval(const scene *s, const source *q) {
-    const dem_vec v = q->feed.velocity, g = s->world.def.gravity;
+    const dem_vec v = q->feed->velocity, g = s->world.def.gravity;
     const double speed = sqrt(v.x * v.x + v.y * v.y + v.z * v.z), pull = sqrt(g.x * g.x + g.y * g.y + g.z * g.z);
     double smallest, largest;
     scene_extremes(q, &smallest, &largest);
     if (q->shape) largest *= q->shape->reach;
-    const double way = 0.5 * fmax(extent(&q->feed.region, speed > 0.0 ? v : g), largest);
+    const double way = 0.5 * fmax(extent(&q->feed->region, speed > 0.0 ? v : g), largest);
     if (pull > 0.0) return (sqrt(speed * speed + 2.0 * pull * way) - speed) / pull;
     return speed > 0.0 ? way / speed : HUGE_VAL;
 }
 
-dem_status scene_feed(scene *s, source *q, double from, double until) {
-    const feed_def *d = q->def;
-    const double before = q->feed.placed_mass;
+dem_status scene_feed(scene *s, scene_feeder *f, double from, double until) {
+    const feed_def *d = f->first->def;
     dem_status status = DEM_OK;
-    if (isnan(d->rate)) {
-        if (q->done > 0.0 || from < d->from - 1e-9 * s->tick) return DEM_OK;
-        q->done = 1.0;
-        status = isnan(d->count) ? dem_fill_mass(&s->world, &q->feed, q->amount) : dem_fill(&s->world, &q->feed, (ptrdiff_t)q->amount);
-    } else {
+    for (int k = 0; k < f->source.classes; k++) s->group[f->first[k].group].fed -= f->first[k].feed->placed_mass;
+    if (!isnan(d->rate)) {
         const double a = fmax(from, d->from), b = isnan(d->until) ? until : fmin(until, d->until);
-        if (b > a) status = dem_feed_mass(&s->world, &q->feed, q->amount, b - a);
+        if (b > a) status = dem_feed_source_mass(&s->world, &f->source, d->rate, b - a), f->asked += d->rate * (b - a);
+    } else if (!(f->done > 0.0) && from >= d->from - 1e-9 * s->tick) {
+        f->done = 1.0;
+        status = isnan(d->count) ? dem_fill_source_mass(&s->world, &f->source, d->mass)
+                                 : dem_fill_source(&s->world, &f->source, (ptrdiff_t)d->count);
     }
-    s->group[q->group].fed += q->feed.placed_mass - before;
+    for (int k = 0; k < f->source.classes; k++) s->group[f->first[k].group].fed += f->first[k].feed->placed_mass;
     return status;
 }

@@ -14,7 +14,8 @@ int scene_is_polyhedron(const body_shape *shape) { return shape && shape->clump.
 double scene_widest(const body_shape *shape) {
     double widest = 0.0;
     if (!shape) return 1.0;
-    for (int k = 0; k < shape->clump.spheres; k++) widest = fmax(widest, 2.0 * shape->clump.radius[k] / shape->diameter);
+    for (int k = 0; k < shape->clump.spheres; k++)
+        widest = fmax(widest, 2.0 * shape->clump.radius[k] / shape->diameter);
     return scene_is_polyhedron(shape) ? shape->reach : widest;
 }
 
@@ -29,8 +30,8 @@ static int make_clump(scene *s, body_shape *b) {
     for (int k = 0; k < n; k++) memcpy(centre[k], sphere[k].centre, sizeof centre[k]), diameter[k] = sphere[k].diameter;
     const dem_status status = dem_make_clump(n, &centre[0][0], diameter, &b->clump);
     if (status != DEM_OK)
-        return tree_fail(s->file, fields_where(&b->def->part, "spheres"), "spheres: %s (places or diameters too large or too small)",
-                         dem_status_text(status));
+        return tree_fail(s->file, fields_where(&b->def->part, "spheres"),
+                         "spheres: %s (places or diameters too large or too small)", dem_status_text(status));
     for (int k = 0; k < b->clump.spheres; k++) {
         const dem_vec x = b->clump.centre[k];
         reach = fmax(reach, sqrt(x.x * x.x + x.y * x.y + x.z * x.z) + b->clump.radius[k]);
@@ -43,7 +44,8 @@ static int make_clump(scene *s, body_shape *b) {
 static dem_status make_from_mesh(scene *s, body_shape *b, const char **reason) {
     const shape_mesh *m = &b->def->mesh;
     dem_mesh mesh;
-    if (scene_read_stl(s->file, fields_where(&m->part, "file"), m->file, m->unit, m->weld, &mesh)) return DEM_BAD_ARGUMENT;
+    if (scene_read_stl(s->file, fields_where(&m->part, "file"), m->file, m->unit, m->weld, &mesh))
+        return DEM_BAD_ARGUMENT;
     const dem_status status = dem_make_convex_mesh(&b->polyhedron, &mesh, b->def->rounding, reason);
     dem_free_mesh(&mesh);
     return status;
@@ -52,9 +54,10 @@ static dem_status make_from_mesh(scene *s, body_shape *b, const char **reason) {
 static int make_polyhedron(scene *s, body_shape *b) {
     const shape_def *d = b->def;
     const char *reason = "", *key = d->corners.n ? "corners" : d->mesh.part.where ? "mesh" : "box";
-    const dem_status status = d->corners.n         ? dem_make_convex(&b->polyhedron, d->corners.n, d->corners.item, d->rounding, &reason)
-                              : d->mesh.part.where ? make_from_mesh(s, b, &reason)
-                                                   : dem_make_brick(&b->polyhedron, scene_vec(d->box), d->rounding, &reason);
+    const dem_status status =
+        d->corners.n         ? dem_make_convex(&b->polyhedron, d->corners.n, d->corners.item, d->rounding, &reason)
+        : d->mesh.part.where ? make_from_mesh(s, b, &reason)
+                             : dem_make_brick(&b->polyhedron, scene_vec(d->box), d->rounding, &reason);
     if (status != DEM_OK) return tree_fail(s->file, fields_where(&d->part, key), "%s: %s", key, reason);
     b->diameter = diameter_of(b->polyhedron.volume);
     b->reach = 2.0 * b->polyhedron.reach / b->diameter;
@@ -81,7 +84,8 @@ int scene_shape_of(scene *s, const feed_def *feed, const body_shape **shape) {
         if (strcmp(names[k], feed->shape) == 0) *shape = &s->shape[k];
     }
     const tree *at = fields_where(&feed->part, "shape");
-    if (!*shape && s->def->shapes.n == 0) return tree_fail(s->file, at, "shape: no shape %.60s; the scene has no shapes", feed->shape);
+    if (!*shape && s->def->shapes.n == 0)
+        return tree_fail(s->file, at, "shape: no shape %.60s; the scene has no shapes", feed->shape);
     return *shape ? 0 : fields_refuse_word(s->file, at, "shape", feed->shape, names, s->def->shapes.n);
 }
 
@@ -110,11 +114,11 @@ int scene_add_shapes(scene *s) {
     for (int k = 0; k < s->sources; k++) {
         source *q = &s->source[k];
         if (!scene_is_polyhedron(q->shape)) continue;
-        const int number = add_polyhedron(&s->world, q, q->feed.sizes.diameter[0]);
+        const int number = add_polyhedron(&s->world, q, q->feed->sizes.diameter[0]);
         if (number < 0)
             return tree_fail(s->file, q->def->part.where, "shape %.60s: %s", q->shape->def->part.name,
                              dem_status_text((dem_status)-number));
-        q->feed.polyhedron = number + 1;
+        q->feed->polyhedron = number + 1;
     }
     return 0;
 }
@@ -127,9 +131,10 @@ int scene_has_polyhedra(const scene *s) {
 
 dem_status scene_put(dem_world *world, const source *q, double diameter, dem_vec centre) {
     const double at[3] = {centre.x, centre.y, centre.z};
-    const int material = q->feed.material;
+    const int material = q->feed->material;
     if (!q->shape) return dem_add_spheres(world, 1, at, &diameter, material, 0);
-    if (!scene_is_polyhedron(q->shape)) return dem_add_clumps(world, 1, &q->shape->clump, at, &diameter, NULL, material, 0);
+    if (!scene_is_polyhedron(q->shape))
+        return dem_add_clumps(world, 1, &q->shape->clump, at, &diameter, NULL, material, 0);
     const int number = add_polyhedron(world, q, diameter);
     return number < 0 ? (dem_status)-number : dem_add_convex(world, number, 1, at, NULL, material, 0);
 }

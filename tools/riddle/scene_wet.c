@@ -22,15 +22,15 @@ static void classes_of(const scene *s, double *classes) {
 static int room_of(const scene *s, double *volume) {
     double room = 1000.0;
     *volume = 0.0;
-    for (int k = 0; k < s->sources; k++) {
-        const source *q = &s->source[k];
-        const double each = q->density * RIDDLE_PI / 6.0 * q->cube;
-        const double until = isnan(q->def->until) ? s->def->duration : fmin(q->def->until, s->def->duration);
-        const double number = !isnan(q->def->count)  ? q->amount
-                              : !isnan(q->def->mass) ? q->amount / each
-                                                     : q->amount * fmax(until - q->def->from, 0.0) / each;
-        room += 1.2 * number;
-        *volume += number * q->film * RIDDLE_PI * q->square;
+    for (int k = 0; k < s->def->feeds.n; k++) {
+        const scene_feeder *f = &s->feeder[k];
+        const feed_def *def = f->first->def;
+        const double until = isnan(def->until) ? s->def->duration : fmin(def->until, s->def->duration);
+        for (int c = 0; c < f->source.classes; c++) {
+            const double number = scene_number_of(f, c, fmax(until - def->from, 0.0));
+            room += 1.2 * number;
+            *volume += number * f->first[c].film * RIDDLE_PI * f->first[c].square;
+        }
     }
     return room < 2e7 ? (int)room : -1;
 }
@@ -53,7 +53,8 @@ int scene_wet_begin(scene *s) {
     if (!s->wet || !s->wet_class) return tree_fail(s->file, NULL, "out of memory");
     classes_of(s, classes);
     s->world.user = s->wet;
-    bridge_status status = wet_prepare(s->wet, s->wet_room, s->wet_class, classes, volume, 0, decks, &s->world, false, l->wall_angle);
+    bridge_status status =
+        wet_prepare(s->wet, s->wet_room, s->wet_class, classes, volume, 0, decks, &s->world, false, l->wall_angle);
     s->wet->angle[0] = l->angle, s->wet->angle[1] = l->deck_angle;
     s->wet->liquid.surface_tension = l->surface_tension, s->wet->liquid.viscosity = l->viscosity;
     if (status == BRIDGE_OK) status = wet_prepare_kinds(s->wet, classes);
@@ -67,18 +68,18 @@ void scene_wet_free(scene *s) {
     s->wet = NULL, s->wet_class = NULL;
 }
 
-dem_status scene_wet_new(scene *s, const source *q, ptrdiff_t count) {
+dem_status scene_wet_new(scene *s, const scene_feeder *f, ptrdiff_t first) {
     double classes[WET_CLASSES];
     classes_of(s, classes);
-    for (ptrdiff_t i = s->world.count - count; s->wet && i < s->world.count; i++) {
+    for (ptrdiff_t i = first; s->wet && i < s->world.count; i++) {
         const uint64_t id = s->world.id[i];
-        const double d = 2.0 * s->world.particle[i].radius;
+        const double d = 2.0 * s->world.particle[i].radius, film = f->first->film; /* equal on all of a feed */
         if (id >= (uint64_t)s->wet_room) return DEM_TOO_MANY;
         int nearest = 0; /* by ratio */
         for (int c = 1; c < WET_CLASSES; c++)
             if (fabs(log(d / classes[c])) < fabs(log(d / classes[nearest]))) nearest = c;
         s->wet_class[id] = nearest;
-        s->wet->films.particle[id] = bridge_quantised(q->film * RIDDLE_PI * d * d, s->wet->films.quantum);
+        s->wet->films.particle[id] = bridge_quantised(film * RIDDLE_PI * d * d, s->wet->films.quantum);
         s->liquid += s->wet->films.particle[id];
     }
     return DEM_OK;

@@ -6,7 +6,8 @@
 
 int scene_wet_begin(scene *s); /* does nothing in a dry scene */
 void scene_wet_free(scene *s);
-dem_status scene_wet_new(scene *s, const source *q, ptrdiff_t count); /* films on the `count` particles that came last */
+dem_status scene_wet_new(scene *s, const scene_feeder *f,
+                         ptrdiff_t first); /* films on a feed's particles from `first` on */
 dem_status scene_wet_run(scene *s, double duration);
 int scene_wet_exchange(scene *s, scene_state *io); /* before the world is loaded: books; the links' law is told after */
 int scene_wet_link(scene *s);

@@ -1,0 +1,199 @@
+/* Sources: fills and feeds of one class or several, at once or over time.
+ */
+#pragma once
+#include "filling.h"
+
+/* The classes of a source as they are before a call. */
+static inline void dem__open_lines(const dem_world *w, const dem_source *source, dem__line *line) {
+    for (int k = 0; k < source->classes; k++) {
+        const dem_feed *f = &source->feed[k];
+        memset(&line[k], 0, sizeof line[k]);
+        line[k].feed = *f, line[k].share = source->share ? source->share[k] : 1.0;
+        line[k].given = source->by_number ? (double)(f->placed + f->missed) : f->placed_mass + f->missed_mass;
+        if (f->polyhedron) line[k].feed.sizes = dem_one_size(dem__convex_diameter(dem__feed_shape(w, f)));
+    }
+}
+
+/* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place are
+   missed; otherwise in the order drawn, up to the first without a place, which waits. line: room for twice the
+   classes. */
+static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem__line *line, double number,
+                                           double mass, int at_once) {
+    const dem_allocator memory = w->def.allocator;
+    dem__line *after = line, *counted = line + source->classes;
+    dem_source due = *source;
+    dem__batch batch;
+    const double most = (double)dem__most_drawn(at_once);
+    double heaviest = 0.0;
+    ptrdiff_t pieces = 1;
+    memset(&batch, 0, sizeof batch);
+    dem__open_lines(w, source, after);
+    memcpy(counted, after, (size_t)source->classes * sizeof *after);
+    for (int k = 0; k < source->classes; k++) {
+        double smallest, largest;
+        dem__are_sizes(&after[k].feed.sizes, &smallest, &largest);
+        const double m = dem__sphere_mass(w, after[k].feed.material, 0.5 * largest);
+        heaviest = m > heaviest ? m : heaviest;
+        pieces = dem__feed_pieces(&after[k].feed) > pieces ? dem__feed_pieces(&after[k].feed) : pieces;
+    }
+    if (at_once && number > most && mass > most * heaviest) return DEM_TOO_MANY;
+    w->engine->run.running = 1; /* def.stop finds the world busy */
+    const int is_counted = at_once && number >= 1.0 && !(mass < HUGE_VAL);
+    const ptrdiff_t n = is_counted
+                            ? (ptrdiff_t)number
+                            : dem__draw_due(w, counted, source, number, mass, dem__most_drawn(at_once), NULL, NULL);
+    dem_status status = n < 0 ? DEM_STOPPED : n >= INT32_MAX / 8 / pieces ? DEM_TOO_MANY : DEM_OK;
+    if (status == DEM_OK && n > 0) {
+        status = DEM_OUT_OF_MEMORY;
+        if (dem__make_batch(&batch, &memory, n, pieces))
+            status = dem__place_batch(w, after, &due, &batch, number, mass, n, at_once);
+    }
+    w->engine->run.running = 0;
+    if (status == DEM_OK && n > 0) status = dem__add_lines(w, after, source->classes, &batch);
+    if (batch.radius) memory.fn(memory.user, batch.radius, batch.bytes, 0);
+    if (status != DEM_OK) return status;
+    *source = due;
+    for (int k = 0; k < source->classes; k++) {
+        const dem_sizes sizes = source->feed[k].sizes;
+        source->feed[k] = n > 0 ? after[k].feed : counted[k].feed;
+        source->feed[k].sizes = sizes;
+    }
+    return DEM_OK;
+}
+
+static inline dem_status dem__insert(dem_world *w, dem_source *source, double number, double mass, int at_once) {
+    if (dem__is_running(w)) return DEM_BUSY;
+    dem__line two[2], *line = two;
+    const dem_allocator memory = w->def.allocator;
+    const size_t bytes = 2 * (size_t)source->classes * sizeof *line;
+    if (source->classes > 1) line = (dem__line *)memory.fn(memory.user, NULL, 0, bytes);
+    if (!line) return DEM_OUT_OF_MEMORY;
+    const dem_status status = dem__insert_lines(w, source, line, number, mass, at_once);
+    if (source->classes > 1) memory.fn(memory.user, line, bytes, 0);
+    return status;
+}
+
+/* A feed as a source of one class; what it owes stands in the feed. */
+static inline dem_source dem__source_of(dem_feed *feed) {
+    dem_source s;
+    memset(&s, 0, sizeof s);
+    s.feed = feed, s.classes = 1;
+    s.due = feed->due, s.due_mass = feed->due_mass;
+    return s;
+}
+
+static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
+    double smallest, largest;
+    if (!w || !w->def.allocator.fn || !f || f->material < 0 || f->material >= w->def.materials || f->tries < 1 ||
+        f->tries > 1000000)
+        return 0;
+    if (!dem__is_region(&f->region) || !dem__are_sizes(&f->sizes, &smallest, &largest)) return 0;
+    if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
+    if (f->clump && !(dem__is_clump(f->clump) && f->clump->add__)) return 0;
+    if (f->polyhedron < 0 || f->polyhedron > w->engine->convex.shapes || (f->polyhedron && f->clump)) return 0;
+    if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
+    if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) ||
+        !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) || !(f->scatter.z >= 0.0))
+        return 0;
+    if (f->placed < 0 || f->missed < 0 || f->placed > PTRDIFF_MAX / 2 || f->missed > PTRDIFF_MAX / 2) return 0;
+    return dem__finite(f->due) && dem__finite(f->due_mass) && dem__finite(f->placed_mass) &&
+           dem__finite(f->missed_mass);
+}
+
+DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
+    if (!dem__is_feed(world, feed) || count < 0) return DEM_BAD_ARGUMENT;
+    dem_source source = dem__source_of(feed);
+    return dem__insert(world, &source, (double)count, HUGE_VAL, 1);
+}
+/* Returns a volume [m3] that the bodies placed in a region cannot exceed; of a mesh, that of the box around it. Where
+   the region is flat, bodies stand out of it. */
+static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) {
+    dem_region r = feed->region;
+    double smallest, diameter;
+    dem__are_sizes(&feed->sizes, &smallest, &diameter);
+    if (feed->polyhedron) diameter = dem__convex_diameter(dem__feed_shape(w, feed));
+    diameter *= dem__feed_reach(w, feed);
+    if (r.kind == DEM_REGION_MESH) r.kind = DEM_REGION_BOX;
+    if (r.kind == DEM_REGION_CYLINDER && r.length == 0.0) r.length = diameter;
+    for (int a = 0; a < 3 && r.kind == DEM_REGION_BOX; a++) {
+        if (!(dem_axis(r.high, a) > dem_axis(r.low, a)))
+            *dem_axis_of(&r.low, a) = 0.0, *dem_axis_of(&r.high, a) = diameter;
+    }
+    return dem_region_volume(&r);
+}
+DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass) {
+    if (!dem__is_feed(world, feed) || !dem__not_negative(mass)) return DEM_BAD_ARGUMENT;
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (mass > world->def.material[feed->material].density * dem__most_volume(world, feed)) return DEM_TOO_MANY;
+    dem_source source = dem__source_of(feed);
+    return dem__insert(world, &source, HUGE_VAL, mass, 1);
+}
+
+DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration) {
+    if (!dem__is_feed(world, feed) || !dem__not_negative(rate) || !dem__not_negative(duration) ||
+        !dem__finite(rate * duration))
+        return DEM_BAD_ARGUMENT;
+    dem_source source = dem__source_of(feed);
+    source.due += rate * duration;
+    const dem_status status = dem__insert(world, &source, source.due, HUGE_VAL, 0);
+    if (status == DEM_OK) feed->due = source.due;
+    return status;
+}
+DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration) {
+    if (!dem__is_feed(world, feed) || !dem__not_negative(mass_flow) || !dem__not_negative(duration) ||
+        !dem__finite(mass_flow * duration))
+        return DEM_BAD_ARGUMENT;
+    dem_source source = dem__source_of(feed);
+    source.due_mass += mass_flow * duration;
+    const dem_status status = dem__insert(world, &source, HUGE_VAL, source.due_mass, 0);
+    if (status == DEM_OK) feed->due_mass = source.due_mass;
+    return status;
+}
+
+static inline int dem__is_source(const dem_world *w, const dem_source *s) {
+    double sum = 0.0;
+    if (!w || !w->def.allocator.fn || !s || !s->feed || !s->share || s->classes < 1 || s->classes > DEM_CLASSES_MAX)
+        return 0;
+    for (int k = 0; k < s->classes; k++) {
+        if (!dem__is_feed(w, &s->feed[k]) || !dem__not_negative(s->share[k])) return 0;
+        sum += s->share[k];
+    }
+    return dem__positive(sum) && dem__finite(s->due) && dem__finite(s->due_mass);
+}
+DEM_API dem_status dem_fill_source(dem_world *world, dem_source *source, ptrdiff_t count) {
+    if (!dem__is_source(world, source) || count < 0) return DEM_BAD_ARGUMENT;
+    return dem__insert(world, source, (double)count, HUGE_VAL, 1);
+}
+DEM_API dem_status dem_fill_source_mass(dem_world *world, dem_source *source, double mass) {
+    if (!dem__is_source(world, source) || !dem__not_negative(mass)) return DEM_BAD_ARGUMENT;
+    if (dem__is_running(world)) return DEM_BUSY;
+    double most = 0.0;
+    for (int k = 0; k < source->classes; k++) {
+        dem_feed feed = source->feed[k];
+        feed.region = source->feed[0].region;
+        const double here = world->def.material[feed.material].density * dem__most_volume(world, &feed);
+        most = here > most ? here : most;
+    }
+    if (mass > most) return DEM_TOO_MANY;
+    return dem__insert(world, source, HUGE_VAL, mass, 1);
+}
+DEM_API dem_status dem_feed_source(dem_world *world, dem_source *source, double rate, double duration) {
+    if (!dem__is_source(world, source) || !dem__not_negative(rate) || !dem__not_negative(duration) ||
+        !dem__finite(rate * duration))
+        return DEM_BAD_ARGUMENT;
+    dem_source due = *source;
+    due.due += rate * duration;
+    const dem_status status = dem__insert(world, &due, due.due, HUGE_VAL, 0);
+    if (status == DEM_OK) *source = due;
+    return status;
+}
+DEM_API dem_status dem_feed_source_mass(dem_world *world, dem_source *source, double mass_flow, double duration) {
+    if (!dem__is_source(world, source) || !dem__not_negative(mass_flow) || !dem__not_negative(duration) ||
+        !dem__finite(mass_flow * duration))
+        return DEM_BAD_ARGUMENT;
+    dem_source due = *source;
+    due.due_mass += mass_flow * duration;
+    const dem_status status = dem__insert(world, &due, HUGE_VAL, due.due_mass, 0);
+    if (status == DEM_OK) *source = due;
+    return status;
+}
