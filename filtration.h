@@ -581,8 +581,9 @@ typedef enum filtration_face {
     FILTRATION_PERIODIC,
     FILTRATION_WALL,     /* no slip; at the face, which may move within its plane */
     FILTRATION_PRESSURE, /* open, at a given pressure */
-    FILTRATION_SYMMETRY  /* a mirror: no flow through it, no shear on it. The force on a sphere that it cuts is that on the part inside the
+    FILTRATION_SYMMETRY, /* a mirror: no flow through it, no shear on it. The force on a sphere that it cuts is that on the part inside the
                             box, without that of a constant pressure */
+    FILTRATION_INFLOW    /* liquid comes or goes with face_velocity; the box needs a PRESSURE face, too, unless as much goes as comes */
 } filtration_face;
 enum { FILTRATION_LOW_X, FILTRATION_HIGH_X, FILTRATION_LOW_Y, FILTRATION_HIGH_Y, FILTRATION_LOW_Z, FILTRATION_HIGH_Z };
 
@@ -606,7 +607,7 @@ typedef struct filtration_fluid_def {
     filtration_refill refill;       /* default NONEQUILIBRIUM */
     filtration_force_mode force;    /* default MOMENTUM_EXCHANGE */
     filtration_face face[6];        /* FILTRATION_LOW_X ...; default PERIODIC */
-    double face_velocity[6][3];     /* of WALL faces, within their plane [m/s]; default 0 */
+    double face_velocity[6][3];     /* of WALL faces, within their plane, and of INFLOW faces [m/s]; default 0 */
     double face_pressure[6];        /* of PRESSURE faces [Pa], relative to the mean; default 0 */
     double body_force[3];           /* on the fluid [N/m3]; default 0. Without gravity, because pressure is dynamic */
     filtration_solid solid;         /* default: none */
@@ -947,6 +948,76 @@ static inline double riddle_asin(double x) {
 /* clang-format on */
 /* <<portable-math */
 
+/* ------------------------------------------------------------------------------------------------ >>base/student.h */
+/* >>student-t: Student's t by the incomplete beta function. Identical in every Riddle header that needs it (base/student.h is the master,
+   tests/check_headers compares the copies). */
+/* clang-format off */
+#ifndef RIDDLE_STUDENT
+#define RIDDLE_STUDENT
+/* Returns the logarithm of the beta function B(a, 1/2), a > 0, by the expansion of gamma(a + 1/2) / gamma(a) from 20 on. */
+static inline double riddle__log_beta_half(double a) {
+    double ratio = 1.0;
+    for (; a < 20.0; a += 1.0) ratio *= (a + 0.5) / a;
+    const double z = 1.0 / (a * a), series = (1.0 / 8.0 - z * (1.0 / 192.0 - z * (1.0 / 640.0 - z * 17.0 / 14336.0))) / a;
+    return 0.57236494292470008707 - 0.5 * riddle_log(a) + series + riddle_log(ratio);
+}
+
+/* Returns the continued fraction of the incomplete beta function (Lentz's method; Abramowitz and Stegun 26.5.8). */
+static inline double riddle__beta_fraction(double a, double b, double x) {
+    const double tiny = 1e-300;
+    double c = 1.0, d = 1.0 - (a + b) * x / (a + 1.0);
+    d = 1.0 / (fabs(d) > tiny ? d : tiny);
+    double h = d;
+    for (int m = 1; m < 10000; m++) {
+        const double even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
+        const double odd = -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
+        for (int k = 0; k < 2; k++) {
+            const double factor = k == 0 ? even : odd;
+            d = 1.0 + factor * d;
+            d = 1.0 / (fabs(d) > tiny ? d : tiny);
+            c = 1.0 + factor / c;
+            c = fabs(c) > tiny ? c : tiny;
+            h *= d * c;
+        }
+        if (fabs(d * c - 1.0) < 1e-15) break;
+    }
+    return h;
+}
+
+/* Returns P(|T| > t), t >= 0, and the density of |T| there. */
+static inline double riddle__student_tail(double freedom, double t, double *density) {
+    const double a = 0.5 * freedom, b = 0.5, x = freedom / (freedom + t * t), rest = t * t / (freedom + t * t);
+    const double log_x = -riddle_log1p(t * t / freedom), log_beta = riddle__log_beta_half(a);
+    *density = 2.0 / sqrt(freedom) * riddle_exp((a + 0.5) * log_x - log_beta);
+    if (!(rest > 0.0)) return 1.0;
+    const double front = riddle_exp(a * log_x - log_beta) * sqrt(rest);
+    if (x < (a + 1.0) / (a + b + 2.0)) return front * riddle__beta_fraction(a, b, x) / a;
+    return 1.0 - front * riddle__beta_fraction(b, a, rest) / b;
+}
+
+/* Returns the half-width, in standard errors, of a range that holds the share `confidence` of Student's t. NaN outside of confidence in
+   (0, 1), freedom > 0. Student 1908. */
+static inline double riddle_student(double confidence, double freedom) {
+    if (!(confidence > 0.0 && confidence < 1.0 && freedom > 0.0)) return (double)NAN;
+    if (freedom > 1e8) freedom = 1e8; /* the normal distribution, to 1e-8 */
+    double low = 0.0, high = 1.0, density;
+    while (high < 1e150 && riddle__student_tail(freedom, high, &density) > 1.0 - confidence) low = high, high *= 2.0;
+    double t = high;
+    for (int i = 0; i < 200; i++) { /* Newton's method, kept within the bracket */
+        const double excess = riddle__student_tail(freedom, t, &density) - (1.0 - confidence);
+        if (excess > 0.0) low = t;
+        else high = t;
+        double next = t + excess / density;
+        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        if (next == t || fabs(next - t) <= 1e-15 * t) break;
+        t = next;
+    }
+    return t;
+}
+#endif /* RIDDLE_STUDENT */
+/* clang-format on */
+/* <<student-t */
+
 /* ---------------------------------------------------------------------------------------- >>process/process_laws.h */
 /* The laws of the filtration equation: pure functions of scalars. */
 
@@ -1058,64 +1129,7 @@ static inline double filtration_mass_resistance(double specific, double porosity
 
 /* ---- Student's distribution ---- */
 
-/* Returns the logarithm of the beta function B(a, 1/2), a > 0, by the expansion of gamma(a + 1/2) / gamma(a) from 20 on. */
-static inline double filtration__log_beta_half(double a) {
-    double ratio = 1.0;
-    for (; a < 20.0; a += 1.0) ratio *= (a + 0.5) / a;
-    const double z = 1.0 / (a * a), series = (1.0 / 8.0 - z * (1.0 / 192.0 - z * (1.0 / 640.0 - z * 17.0 / 14336.0))) / a;
-    return 0.57236494292470008707 - 0.5 * riddle_log(a) + series + riddle_log(ratio);
-}
-
-/* Returns the continued fraction of the incomplete beta function (Lentz's method; Abramowitz and Stegun 26.5.8). */
-static inline double filtration__beta_fraction(double a, double b, double x) {
-    const double tiny = 1e-300;
-    double c = 1.0, d = 1.0 - (a + b) * x / (a + 1.0);
-    d = 1.0 / (fabs(d) > tiny ? d : tiny);
-    double h = d;
-    for (int m = 1; m < 10000; m++) {
-        const double even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
-        const double odd = -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
-        for (int k = 0; k < 2; k++) {
-            const double factor = k == 0 ? even : odd;
-            d = 1.0 + factor * d;
-            d = 1.0 / (fabs(d) > tiny ? d : tiny);
-            c = 1.0 + factor / c;
-            c = fabs(c) > tiny ? c : tiny;
-            h *= d * c;
-        }
-        if (fabs(d * c - 1.0) < 1e-15) break;
-    }
-    return h;
-}
-
-/* Returns P(|T| > t), t >= 0, and the density of |T| there. */
-static inline double filtration__student_tail(double freedom, double t, double *density) {
-    const double a = 0.5 * freedom, b = 0.5, x = freedom / (freedom + t * t), rest = t * t / (freedom + t * t);
-    const double log_x = -riddle_log1p(t * t / freedom), log_beta = filtration__log_beta_half(a);
-    *density = 2.0 / sqrt(freedom) * riddle_exp((a + 0.5) * log_x - log_beta);
-    if (!(rest > 0.0)) return 1.0;
-    const double front = riddle_exp(a * log_x - log_beta) * sqrt(rest);
-    if (x < (a + 1.0) / (a + b + 2.0)) return front * filtration__beta_fraction(a, b, x) / a;
-    return 1.0 - front * filtration__beta_fraction(b, a, rest) / b;
-}
-
-static inline double filtration_student(double confidence, double freedom) {
-    if (!(confidence > 0.0 && confidence < 1.0 && freedom > 0.0)) return (double)NAN;
-    if (freedom > 1e8) freedom = 1e8; /* the normal distribution, to 1e-8 */
-    double low = 0.0, high = 1.0, density;
-    while (high < 1e150 && filtration__student_tail(freedom, high, &density) > 1.0 - confidence) low = high, high *= 2.0;
-    double t = high;
-    for (int i = 0; i < 200; i++) { /* Newton's method, kept within the bracket */
-        const double excess = filtration__student_tail(freedom, t, &density) - (1.0 - confidence);
-        if (excess > 0.0) low = t;
-        else high = t;
-        double next = t + excess / density;
-        if (!(next > low && next < high)) next = 0.5 * (low + high);
-        if (next == t || fabs(next - t) <= 1e-15 * t) break;
-        t = next;
-    }
-    return t;
-}
+static inline double filtration_student(double confidence, double freedom) { return riddle_student(confidence, freedom); }
 
 /* --------------------------------------------------------------------------------------- >>process/settling_laws.h */
 /* Settling of a single sphere: Stokes' law, inertia, side walls, bottom; for comparison with a resolved simulation.
@@ -1636,7 +1650,7 @@ static inline double filtration__error_of(const filtration__mixture *m, double l
             for (int side = -1; side <= 1 && m->share[k] > 0.0; side += 2) {
                 const double t = (half + side * mean[k]) / scale[k];
                 double at;
-                const double tail = 0.5 * filtration__student_tail(m->freedom, fabs(t), &at);
+                const double tail = 0.5 * riddle__student_tail(m->freedom, fabs(t), &at);
                 outside += m->share[k] * (t >= 0.0 ? tail : 1.0 - tail), density += 0.5 * m->share[k] * at / scale[k];
             }
         }
@@ -2822,7 +2836,7 @@ typedef struct filtration__face_kind {
     void (*enter)(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK], double *h);
 } filtration__face_kind;
 
-/* Bounce-back half way from a surface that moves. */
+/* Bounce-back half way from a surface that moves along itself, or through which liquid comes. */
 FILTRATION__STATIC void filtration__enter_wall(const filtration__lattice *l, const filtration__entry *e, int n,
                                                double u[3][FILTRATION__BLOCK], double *h) {
     const signed char *c = l->c[e->i];
@@ -2850,6 +2864,7 @@ static const filtration__face_kind filtration__face_kinds[] = {
     {FILTRATION_WALL,     FILTRATION__NOTHING,  3, 1, 1, 0, 0, filtration__enter_wall},
     {FILTRATION_PRESSURE, FILTRATION__NOTHING,  2, 0, 0, 1, 1, filtration__enter_open},
     {FILTRATION_SYMMETRY, FILTRATION__MIRRORED, 1, 0, 0, 0, 0, NULL},
+    {FILTRATION_INFLOW,   FILTRATION__NOTHING,  4, 0, 2, 0, 0, filtration__enter_wall}, /* before walls: all of the flow enters */
 };
 /* clang-format on */
 
