@@ -699,6 +699,74 @@ static inline double riddle_asin(double x) {
 #endif /* RIDDLE_PORTABLE_MATH */
 /* clang-format on */
 /* <<portable-math */
+/* >>student-t: Student's t by the incomplete beta function. Identical in every Riddle header that needs it (base/student.h is the master,
+   tests/check_headers compares the copies). */
+/* clang-format off */
+#ifndef RIDDLE_STUDENT
+#define RIDDLE_STUDENT
+/* Returns the logarithm of the beta function B(a, 1/2), a > 0, by the expansion of gamma(a + 1/2) / gamma(a) from 20 on. */
+static inline double riddle__log_beta_half(double a) {
+    double ratio = 1.0;
+    for (; a < 20.0; a += 1.0) ratio *= (a + 0.5) / a;
+    const double z = 1.0 / (a * a), series = (1.0 / 8.0 - z * (1.0 / 192.0 - z * (1.0 / 640.0 - z * 17.0 / 14336.0))) / a;
+    return 0.57236494292470008707 - 0.5 * riddle_log(a) + series + riddle_log(ratio);
+}
+
+/* Returns the continued fraction of the incomplete beta function (Lentz's method; Abramowitz and Stegun 26.5.8). */
+static inline double riddle__beta_fraction(double a, double b, double x) {
+    const double tiny = 1e-300;
+    double c = 1.0, d = 1.0 - (a + b) * x / (a + 1.0);
+    d = 1.0 / (fabs(d) > tiny ? d : tiny);
+    double h = d;
+    for (int m = 1; m < 10000; m++) {
+        const double even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
+        const double odd = -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
+        for (int k = 0; k < 2; k++) {
+            const double factor = k == 0 ? even : odd;
+            d = 1.0 + factor * d;
+            d = 1.0 / (fabs(d) > tiny ? d : tiny);
+            c = 1.0 + factor / c;
+            c = fabs(c) > tiny ? c : tiny;
+            h *= d * c;
+        }
+        if (fabs(d * c - 1.0) < 1e-15) break;
+    }
+    return h;
+}
+
+/* Returns P(|T| > t), t >= 0, and the density of |T| there. */
+static inline double riddle__student_tail(double freedom, double t, double *density) {
+    const double a = 0.5 * freedom, b = 0.5, x = freedom / (freedom + t * t), rest = t * t / (freedom + t * t);
+    const double log_x = -riddle_log1p(t * t / freedom), log_beta = riddle__log_beta_half(a);
+    *density = 2.0 / sqrt(freedom) * riddle_exp((a + 0.5) * log_x - log_beta);
+    if (!(rest > 0.0)) return 1.0;
+    const double front = riddle_exp(a * log_x - log_beta) * sqrt(rest);
+    if (x < (a + 1.0) / (a + b + 2.0)) return front * riddle__beta_fraction(a, b, x) / a;
+    return 1.0 - front * riddle__beta_fraction(b, a, rest) / b;
+}
+
+/* Returns the half-width, in standard errors, of a range that holds the share `confidence` of Student's t. NaN outside of confidence in
+   (0, 1), freedom > 0. Student 1908. */
+static inline double riddle_student(double confidence, double freedom) {
+    if (!(confidence > 0.0 && confidence < 1.0 && freedom > 0.0)) return (double)NAN;
+    if (freedom > 1e8) freedom = 1e8; /* the normal distribution, to 1e-8 */
+    double low = 0.0, high = 1.0, density;
+    while (high < 1e150 && riddle__student_tail(freedom, high, &density) > 1.0 - confidence) low = high, high *= 2.0;
+    double t = high;
+    for (int i = 0; i < 200; i++) { /* Newton's method, kept within the bracket */
+        const double excess = riddle__student_tail(freedom, t, &density) - (1.0 - confidence);
+        if (excess > 0.0) low = t;
+        else high = t;
+        double next = t + excess / density;
+        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        if (next == t || fabs(next - t) <= 1e-15 * t) break;
+        t = next;
+    }
+    return t;
+}
+#endif /* RIDDLE_STUDENT */
+/* clang-format on */
+/* <<student-t */
 /* clang-format on */
 
 /* >>laws ====================================================================================================================== */
@@ -2103,19 +2171,6 @@ static inline void classifier__evaluate(const classifier_model *m, double x, dou
     }
 }
 
-/* Returns the quantile of Student's t for 97.5 %, n - 1 degrees of freedom: exact up to 6; above, by the expansion around the normal
-   quantile (Abramowitz and Stegun 26.7.5), within 2.1e-5. */
-static inline double classifier__student(int n) {
-    const double exact[6] = {12.706204736174705, 4.302652729749464,  3.1824463052837096,
-                             2.7764451051977944, 2.5705818356363155, 2.44691185114497};
-    double v = n - 1.0, z = 1.959963984540054, z2 = z * z;
-    if (n >= 2 && n <= 7) return exact[n - 2];
-    return z * (1.0 + ((z2 + 1.0) / 4.0 + ((5.0 * z2 + 16.0) * z2 + 3.0) / (96.0 * v) +
-                       (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / (384.0 * v * v) +
-                       ((((79.0 * z2 + 776.0) * z2 + 1482.0) * z2 - 1920.0) * z2 - 945.0) / (92160.0 * v * v * v)) /
-                          v);
-}
-
 static inline double classifier__weighted(const classifier_model *m, double x, double factor, double *error) {
     double mean[3 * CLASSIFIER_MAX_SHIFTS], sum = 0.0, squares = 0.0;
     int n = m->def.shifts;
@@ -2126,7 +2181,7 @@ static inline double classifier__weighted(const classifier_model *m, double x, d
     }
     sum /= n;
     for (int i = 0; i < n; i++) squares += (mean[i] - sum) * (mean[i] - sum);
-    if (error) *error = classifier__student(n) * sqrt(squares / ((n - 1.0) * n));
+    if (error) *error = riddle_student(0.95, n - 1) * sqrt(squares / ((n - 1.0) * n));
     return sum;
 }
 
@@ -2625,7 +2680,7 @@ CLASSIFIER_API classifier_status classifier_trajectory_tromp(const classifier_de
     }
     for (int shift = 0; shift < def->shifts; shift++) squares += (mean[shift] - sum) * (mean[shift] - sum);
     *t = sum;
-    if (error) *error = classifier__student(def->shifts) * sqrt(squares / ((def->shifts - 1.0) * def->shifts));
+    if (error) *error = riddle_student(0.95, def->shifts - 1) * sqrt(squares / ((def->shifts - 1.0) * def->shifts));
     return CLASSIFIER_OK;
 }
 
@@ -3318,10 +3373,10 @@ CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsign
                         (bypass && !(best.like.bypass > 0.0) ? (unsigned)CLASSIFIER_FREE_BYPASS : 0u) |
                         (hook && !(best.like.hook_size < HUGE_VAL) ? (unsigned)CLASSIFIER_FREE_HOOK : 0u);
     result->dof = n - best.n_free;
-    result->student = sd ? 1.959963984540054 : classifier__student(n - best.n_free + 1);
+    result->student = sd ? 1.959963984540054 : riddle_student(0.95, n - best.n_free);
     classifier__fit_deviations(&best, &d, result);
     const double least = classifier__try_squares(&best, best.p, &d, NULL, NULL), free = n - wanted,
-                 t95 = sd ? 1.959963984540054 : classifier__student(n - wanted + 1);
+                 t95 = sd ? 1.959963984540054 : riddle_student(0.95, n - wanted);
     /* a hook bends to the noise at any size, which takes more of it than one parameter does: by 1/10, found by trials */
     classifier__fit_ranges(&best, &d, bypass, hook, least + (hook ? 1.1 : 1.0) * t95 * t95 * (sd ? 1.0 : least / free), result);
     if (hook) result->student = classifier__nan();

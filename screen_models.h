@@ -457,6 +457,14 @@ typedef struct screen_separation {
 SCREEN_API screen_status screen_measure(int n, const double *diameters, const double *feed, const double *partition, double cut,
                                         screen_separation *out);
 
+/* Computes the 95 % range of each of these from the standard errors of the measured shares: measured value +- 1.96 deviations of 1000 drawn
+   sets (normal, cut at 0 and, of the partition, at 1). feed_sd [n] [as feed], >= 0, null: the feed is exact; partition_sd [n] [-], >= 0. A
+   field whose value more than 1 in 20 sets do not have is NaN. seed: any; memory may be null (the C library's). Statuses as screen_measure;
+   SCREEN_NO_MEMORY. */
+SCREEN_API screen_status screen_measure_range(int n, const double *diameters, const double *feed, const double *feed_sd,
+                                              const double *partition, const double *partition_sd, double cut, uint64_t seed,
+                                              const screen_memory *memory, screen_separation *low, screen_separation *high);
+
 /* ---- feed --------------------------------------------------------------------------------------------------------------------------- */
 
 /* Returns the mass share finer than d [m] of a Rosin-Rammler (1933) feed, 1 - exp(-(d/d63)^n), and of a lognormal one with median d50 and
@@ -677,6 +685,74 @@ static inline double riddle_asin(double x) {
 #endif /* RIDDLE_PORTABLE_MATH */
 /* clang-format on */
 /* <<portable-math */
+/* >>student-t: Student's t by the incomplete beta function. Identical in every Riddle header that needs it (base/student.h is the master,
+   tests/check_headers compares the copies). */
+/* clang-format off */
+#ifndef RIDDLE_STUDENT
+#define RIDDLE_STUDENT
+/* Returns the logarithm of the beta function B(a, 1/2), a > 0, by the expansion of gamma(a + 1/2) / gamma(a) from 20 on. */
+static inline double riddle__log_beta_half(double a) {
+    double ratio = 1.0;
+    for (; a < 20.0; a += 1.0) ratio *= (a + 0.5) / a;
+    const double z = 1.0 / (a * a), series = (1.0 / 8.0 - z * (1.0 / 192.0 - z * (1.0 / 640.0 - z * 17.0 / 14336.0))) / a;
+    return 0.57236494292470008707 - 0.5 * riddle_log(a) + series + riddle_log(ratio);
+}
+
+/* Returns the continued fraction of the incomplete beta function (Lentz's method; Abramowitz and Stegun 26.5.8). */
+static inline double riddle__beta_fraction(double a, double b, double x) {
+    const double tiny = 1e-300;
+    double c = 1.0, d = 1.0 - (a + b) * x / (a + 1.0);
+    d = 1.0 / (fabs(d) > tiny ? d : tiny);
+    double h = d;
+    for (int m = 1; m < 10000; m++) {
+        const double even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
+        const double odd = -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
+        for (int k = 0; k < 2; k++) {
+            const double factor = k == 0 ? even : odd;
+            d = 1.0 + factor * d;
+            d = 1.0 / (fabs(d) > tiny ? d : tiny);
+            c = 1.0 + factor / c;
+            c = fabs(c) > tiny ? c : tiny;
+            h *= d * c;
+        }
+        if (fabs(d * c - 1.0) < 1e-15) break;
+    }
+    return h;
+}
+
+/* Returns P(|T| > t), t >= 0, and the density of |T| there. */
+static inline double riddle__student_tail(double freedom, double t, double *density) {
+    const double a = 0.5 * freedom, b = 0.5, x = freedom / (freedom + t * t), rest = t * t / (freedom + t * t);
+    const double log_x = -riddle_log1p(t * t / freedom), log_beta = riddle__log_beta_half(a);
+    *density = 2.0 / sqrt(freedom) * riddle_exp((a + 0.5) * log_x - log_beta);
+    if (!(rest > 0.0)) return 1.0;
+    const double front = riddle_exp(a * log_x - log_beta) * sqrt(rest);
+    if (x < (a + 1.0) / (a + b + 2.0)) return front * riddle__beta_fraction(a, b, x) / a;
+    return 1.0 - front * riddle__beta_fraction(b, a, rest) / b;
+}
+
+/* Returns the half-width, in standard errors, of a range that holds the share `confidence` of Student's t. NaN outside of confidence in
+   (0, 1), freedom > 0. Student 1908. */
+static inline double riddle_student(double confidence, double freedom) {
+    if (!(confidence > 0.0 && confidence < 1.0 && freedom > 0.0)) return (double)NAN;
+    if (freedom > 1e8) freedom = 1e8; /* the normal distribution, to 1e-8 */
+    double low = 0.0, high = 1.0, density;
+    while (high < 1e150 && riddle__student_tail(freedom, high, &density) > 1.0 - confidence) low = high, high *= 2.0;
+    double t = high;
+    for (int i = 0; i < 200; i++) { /* Newton's method, kept within the bracket */
+        const double excess = riddle__student_tail(freedom, t, &density) - (1.0 - confidence);
+        if (excess > 0.0) low = t;
+        else high = t;
+        double next = t + excess / density;
+        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        if (next == t || fabs(next - t) <= 1e-15 * t) break;
+        t = next;
+    }
+    return t;
+}
+#endif /* RIDDLE_STUDENT */
+/* clang-format on */
+/* <<student-t */
 
 /* >>laws. NaN outside the domain that each comment gives. */
 
@@ -2731,28 +2807,9 @@ static inline void screen__tidy(screen__problem *p, double *q) {
 
 /* >>student: how wide a range is */
 
-/* Returns P(|T| < sqrt(dof) tan(theta)) for whole dof: Abramowitz & Stegun 26.7.3, 26.7.4 */
-static inline double screen__student_share(double theta, int dof) {
-    double s = riddle_sin(theta), c = riddle_cos(theta), term = 1.0, sum = 0.0;
-    for (int j = dof & 1 ? 1 : 0; j <= dof - 2; j += 2) {
-        sum += term;
-        term *= c * c * (j + 1.0) / (j + 2.0);
-    }
-    return dof & 1 ? 2.0 / RIDDLE_PI * (theta + s * c * sum) : s * sum;
-}
-
 SCREEN_API double screen_student(double level, double dof) {
-    if (!(level > 0.0 && level < 1.0 && dof >= 1.0)) return (double)NAN;
-    double low = 0.0, high = dof > 200.0 ? 7.0 : 0.5 * RIDDLE_PI;
-    for (int i = 0; i < 60; i++) { /* in z for many degrees of freedom, in the angle for few */
-        double middle = 0.5 * (low + high);
-        double share = dof > 200.0 ? screen__normal_share(middle) : screen__student_share(middle, (int)dof);
-        if (share < level) low = middle;
-        else high = middle;
-    }
-    if (!(dof > 200.0)) return sqrt(floor(dof)) * riddle_sin(low) / riddle_cos(low);
-    double z = low, z3 = z * z * z, z5 = z3 * z * z; /* Cornish-Fisher, Abramowitz & Stegun 26.7.5 */
-    return dof >= 1e6 ? z : z + (z3 + z) / (4.0 * dof) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * dof * dof);
+    if (dof >= 1e6) return 2.0 * riddle_student(level, 2e6) - riddle_student(level, 1e6); /* what is left is of order 1/dof^2 */
+    return dof >= 1.0 ? riddle_student(level, floor(dof)) : (double)NAN;
 }
 
 /* >>judge: errors, correlation, ranges and what is not determined */
@@ -3532,6 +3589,62 @@ SCREEN_API screen_status screen_measure(int n, const double *diameters, const do
     out->efficiency = out->recovery - out->oversize_loss;
     out->yield = passes / all;
     return out->imperfection == out->imperfection ? SCREEN_OK : SCREEN_NOT_REACHED;
+}
+
+/* Lists the numbers of a separation. */
+enum { SCREEN__SEPARATION = 11 };
+static inline void screen__list_separation(screen_separation *s, double *list[SCREEN__SEPARATION]) {
+    double *const all[SCREEN__SEPARATION] = {&s->d25,           &s->d50,
+                                             &s->d75,           &s->ecart,
+                                             &s->imperfection,  &s->recovery,
+                                             &s->oversize_loss, &s->misplaced_overflow,
+                                             &s->efficiency,    &s->misplaced_underflow,
+                                             &s->yield};
+    for (int k = 0; k < SCREEN__SEPARATION; k++) list[k] = all[k];
+}
+
+SCREEN_API screen_status screen_measure_range(int n, const double *diameters, const double *feed, const double *feed_sd,
+                                              const double *partition, const double *partition_sd, double cut, uint64_t seed,
+                                              const screen_memory *memory, screen_separation *low, screen_separation *high) {
+    enum { DRAWS = 1000 };
+    const screen_memory library = {NULL, NULL}, *hook = memory ? memory : &library;
+    screen_separation measured, drawn;
+    double *value[SCREEN__SEPARATION], *at[SCREEN__SEPARATION], *from[SCREEN__SEPARATION], *to[SCREEN__SEPARATION];
+    double number[SCREEN__SEPARATION] = {0.0}, sum[SCREEN__SEPARATION] = {0.0}, squares[SCREEN__SEPARATION] = {0.0};
+    if (!low || !high) return SCREEN_BAD_POINTER;
+    screen__list_separation(low, from), screen__list_separation(high, to);
+    screen__list_separation(&measured, value), screen__list_separation(&drawn, at);
+    for (int k = 0; k < SCREEN__SEPARATION; k++) *from[k] = *to[k] = (double)NAN;
+    if (!partition_sd) return SCREEN_BAD_POINTER;
+    const screen_status status = screen_measure(n, diameters, feed, partition, cut, &measured);
+    if (status != SCREEN_OK && status != SCREEN_NOT_REACHED) return status;
+    for (int i = 0; i < n; i++)
+        if (!(partition_sd[i] >= 0.0 && partition_sd[i] < HUGE_VAL && (!feed_sd || (feed_sd[i] >= 0.0 && feed_sd[i] < HUGE_VAL))))
+            return SCREEN_BAD_ARGUMENT;
+    double *sets = (double *)screen__take(hook, 2 * (size_t)n, sizeof(double));
+    if (!sets) return SCREEN_NO_MEMORY;
+    for (int draw = 0; draw < DRAWS; draw++) {
+        for (int i = 0; i < n; i++) {
+            const double f = feed[i] + (feed_sd ? feed_sd[i] * screen__normal(&seed) : 0.0),
+                         p = partition[i] + partition_sd[i] * screen__normal(&seed);
+            sets[i] = f > 0.0 ? f : 0.0;
+            sets[n + i] = screen__clip(p, 0.0, 1.0);
+        }
+        (void)screen_measure(n, diameters, sets, sets + n, cut, &drawn);
+        for (int k = 0; k < SCREEN__SEPARATION; k++) {
+            const double off = *at[k] - *value[k];
+            if (!(fabs(off) < HUGE_VAL)) continue;
+            number[k] += 1.0, sum[k] += off, squares[k] += off * off;
+        }
+    }
+    screen__release(hook, sets, 2 * (size_t)n, sizeof(double));
+    for (int k = 0; k < SCREEN__SEPARATION; k++) {
+        if (!(number[k] >= 0.95 * (int)DRAWS)) continue;
+        const double variance = (squares[k] - sum[k] * sum[k] / number[k]) / (number[k] - 1.0),
+                     reach = variance > 0.0 ? 1.959963984540054 * sqrt(variance) : 0.0;
+        *from[k] = *value[k] - reach, *to[k] = *value[k] + reach;
+    }
+    return status;
 }
 
 /* >>feed */

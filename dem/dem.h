@@ -45,8 +45,7 @@
              and clang sqrt in a file that includes this does not set errno. A law of yours takes part if declared DEM_INLINE.
    Linking   one shared copy: #define DEM_API extern everywhere, DEM_IMPLEMENTATION as well in one file; laws of yours stand there.
    Fields    a force on every particle, in flight by steps of its own, by a law of yours (DEM_FORCE_FIELD); drag in a gas, at rest or on a
-             Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer & Sommerfeld, among others
-             by Di Felice; Gidaspow, Beetstra, Koch & Hill.
+             Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer & Sommerfeld, Di Felice.
    Not here  the flow of fluids, heat, files, printing. */
 #ifndef DEM_H
 #define DEM_H
@@ -71,14 +70,19 @@ extern "C" {
 #include "base/api.h"
 #include "base/polyhedron.h"
 #include "contacts/laws.h"
+#include "walls/mesh_touch.h"
+#include "walls/kinds.h"
 #include "gas/laws.h"
 
 /* Bodies: the parts that no other one includes. */
 #ifdef DEM__BODIES
+#include "motion/change.h"
 #include "step/step.h"
+#include "links/links.h"
+#include "gas/flights.h"
 #include "bodies/clump_shape.h"
 #include "gas/gas.h"
-#include "particles/remove_region.h"
+#include "removal/remove.h"
 #include "measure/mixing.h"
 #include "save/save.h"
 #include "save/load.h"

@@ -23,6 +23,8 @@ static inline int voxel_fail(char *message, size_t size, const char *format, ...
     va_start(list, format);
     vsnprintf(message, size, format, list);
     va_end(list);
+    for (char *at = message; *at; at++)
+        if ((unsigned char)*at < ' ') *at = '?'; /* names from a file: still one line */
     return -1;
 }
 
@@ -125,7 +127,7 @@ static inline int voxel_copy_page(const unsigned char *b, size_t bytes, int big,
     size_t y = 0;
     for (size_t s = 0; s < (size_t)p->strips && y < (size_t)p->height; s++) {
         const size_t from = (size_t)voxel_number(b + p->offsets + s * (size_t)p->of_offset, p->of_offset, big);
-        for (size_t k = 0; k < p->rows && y < (size_t)p->height; k++, y++) {
+        for (size_t k = 0; k < (size_t)p->rows && y < (size_t)p->height; k++, y++) {
             if (from > bytes || from + (k + 1) * row > bytes)
                 return voxel_fail(message, size, "a strip lies beyond the end of the file");
             for (size_t x = 0; x < (size_t)p->width; x++) {

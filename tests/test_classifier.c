@@ -527,8 +527,8 @@ static void impacts(void **state) {
 static void error_bars_cover(void **state) {
     (void)state;
     const double student[] = {12.7062, 4.30265, 3.18245, 2.77645, 2.57058, 2.44691, 2.36462, 2.30600, 2.26216}; /* tables */
-    for (int n = 2; n <= 10; n++) close_to(classifier__student(n), student[n - 2], 3e-5);
-    close_to(classifier__student(64), 1.9983405425, 1e-9);
+    for (int n = 2; n <= 10; n++) close_to(riddle_student(0.95, n - 1), student[n - 2], 5e-6);
+    close_to(riddle_student(0.95, 63), 1.9983405425, 1e-10);
     classifier_def def = paper_def(CLASSIFIER_LIMESTONE, 3000.0);
     def.points = 16384;
     def.shifts = 32;

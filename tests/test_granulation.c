@@ -1767,8 +1767,50 @@ static void test_outside_the_fit(void **state) {
         assert_string_not_equal(granulation_outside_text(flag), granulation_outside_text(3));
 }
 
+static double constant_rate(const granulation_granule *a, const granulation_granule *b, const void *user) {
+    (void)a, (void)b;
+    return *(const double *)user;
+}
+
+/* The range of several Monte Carlo runs holds Smoluchowski's number N0/(1 + K N0 t/2) of a constant kernel in 95 of 100 cases. */
+static void ranges_of_runs_cover(void **state) {
+    (void)state;
+    enum { N = 200, RUNS = 5, TRIALS = 400 };
+    static granulation_granule sample[N];
+    const double kernel = 1e-9, number = 1e9, time = 2.0, truth = number / (1.0 + 0.5 * kernel * number * time);
+    int held = 0;
+    double values[RUNS], mean, low, high;
+    memset(sample, 0, sizeof sample);
+    for (int i = 0; i < N; i++) sample[i].s = 1e-12;
+    for (int trial = 0; trial < TRIALS; trial++) {
+        for (int run = 0; run < RUNS; run++) {
+            granulation_montecarlo mc;
+            assert_int_equal(granulation_montecarlo_init(&mc, sample, N, N / number, constant_rate, &kernel,
+                                                         (uint64_t)(1 + run + RUNS * trial), NULL),
+                             GRANULATION_OK);
+            assert_int_equal(granulation_montecarlo_run(&mc, time), GRANULATION_OK);
+            values[run] = granulation_montecarlo_moment(&mc, 0.0);
+            granulation_montecarlo_free(&mc);
+        }
+        assert_int_equal(granulation_range(values, RUNS, &mean, &low, &high), GRANULATION_OK);
+        assert_true(low <= mean && mean <= high);
+        held += low <= truth && truth <= high;
+    }
+    print_message("ranges of five runs hold %d of %d\n", held, TRIALS);
+    assert_true(held >= 0.92 * TRIALS && held <= 0.98 * TRIALS);
+    values[1] = (double)NAN;
+    assert_int_equal(granulation_range(values, RUNS, &mean, &low, &high), GRANULATION_BAD_ARGUMENT);
+    assert_true(isnan(mean) && isnan(low) && isnan(high));
+    assert_int_equal(granulation_range(values, 1, &mean, NULL, NULL), GRANULATION_BAD_ARGUMENT);
+    assert_int_equal(granulation_range(NULL, 3, NULL, &low, &high), GRANULATION_BAD_ARGUMENT);
+    values[1] = values[0];
+    assert_int_equal(granulation_range(values, 2, &mean, &low, &high), GRANULATION_OK);
+    assert_true(mean == values[0] && low == mean && high == mean);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ranges_of_runs_cover),
         cmocka_unit_test(test_a_stop_is_at_one_time),
         cmocka_unit_test(test_kernels_without_data),
         cmocka_unit_test(test_wall),
@@ -1804,5 +1846,6 @@ int main(void) {
         cmocka_unit_test(test_outside_the_fit),
         cmocka_unit_test(test_memory),
     };
+    if (getenv("RIDDLE_TEST")) cmocka_set_test_filter(getenv("RIDDLE_TEST"));
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

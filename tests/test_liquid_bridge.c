@@ -264,8 +264,15 @@ static void test_rupture_and_rebound(void **state) {
     (void)state;
     const double r = 2.5e-3, V = 1e-10, th = 15.0 * DEGREES, v = riddle_cbrt(V) / r;
     near_relative(bridge_rupture_gap(V, r, 1.0, th, th), r * (1.0 + 0.5 * th) * (v + 0.1 * v * v), 1e-14, "equal spheres");
-    near_relative(bridge_rupture_gap_unequal(V, r, 0.5, th, th), bridge_rupture_gap(V, r, 0.5, th, th), 1e-14,
-                  "correction at equal angles");
+    near_relative(bridge_rupture_gap_unequal(V, r, 0.5, th, th), bridge_rupture_gap(V, r, 0.5, th, th), 0.05, "correction, equal angles");
+    assert_true(bridge_rupture_gap_unequal(V, r, 1.0, th, 3.0 * th) == bridge_rupture_gap_unequal(V, r, 1.0, 3.0 * th, th));
+    near_relative(bridge_rupture_gap_unequal(8.0 * V, 2.0 * r, 0.3, th, 0.0), 2.0 * bridge_rupture_gap_unequal(V, r, 0.3, th, 0.0), 1e-14,
+                  "lengths scale");
+    for (int k = 0; k <= 10; k++) { /* beyond its range the factor stays */
+        const double much = 0.1 * r * r * r, ratio = 0.1 * k;
+        near_relative(bridge_rupture_gap_unequal(50.0 * much, r, ratio, th, 0.0) / bridge_rupture_gap(50.0 * much, r, ratio, th, 0.0),
+                      bridge_rupture_gap_unequal(much, r, ratio, th, 0.0) / bridge_rupture_gap(much, r, ratio, th, 0.0), 1e-12, "held");
+    }
     assert_true(bridge_rupture_gap_dynamic(1e-4, -3.0, sigma, eta) == 1e-4);
     near_relative(bridge_rupture_gap_dynamic(1e-4, 0.1, sigma, eta), 1e-4 * (1.0 + sqrt(eta * 0.1 / sigma)), 1e-15, "eq 20");
     double rupture = bridge_rupture_gap(V, r, 1.0, th, th), work = bridge_work_energy(rupture, V, r, th, th, sigma);

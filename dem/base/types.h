@@ -12,8 +12,9 @@
     X(DEM_TOO_FAST, "a particle moves more than half its radius, or a body turns by a hundred radians, in one step")   \
     X(DEM_TOO_MANY, "more walls, materials or particles than this header counts, or more mass than a region can hold") \
     X(DEM_BAD_DATA, "neither a whole saved world of this version nor an STL file with triangles")                      \
-    X(DEM_LAW_MISMATCH, "the contacts or links present are of a law with another name, version or number of states, or "\
-                        "links have no law: call dem_set_links after dem_load")                                        \
+    X(DEM_LAW_MISMATCH,                                                                                                \
+      "the contacts or links present are of a law with another name, version or number of states, or "                 \
+      "links have no law: call dem_set_links after dem_load")                                                          \
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")               \
     X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")      \
     X(DEM_BUSY,                                                                                                        \

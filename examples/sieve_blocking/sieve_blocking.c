@@ -679,11 +679,6 @@ static int finish(json *report, const program *self) {
     return common_exit_status();
 }
 
-static bool is_given(const option *options, const char *name) {
-    while (strcmp(options->name, name) != 0) options++;
-    return options->given;
-}
-
 /* ---- what was asked for ---- */
 
 typedef struct wish {
@@ -710,27 +705,27 @@ static wish default_wish(void) {
 }
 
 /* Refuses what does not go together. */
-static void check_wish(const program *self, const option *options, const wish *w) {
+static void check_wish(const program *self, const wish *w) {
     const bool process = w->simulated || w->swept || w->compared;
-    if (is_given(options, "k") && (is_given(options, "frequency-hz") || is_given(options, "amplitude-mm") ||
-                                   is_given(options, "direction-deg") || is_given(options, "slope-deg")))
+    if (is_given(self, "k") && (is_given(self, "frequency-hz") || is_given(self, "amplitude-mm") ||
+                                   is_given(self, "direction-deg") || is_given(self, "slope-deg")))
         program_refuse(self, "k", NULL, "either --k or the motion of the deck");
-    if (w->sizes && is_given(options, "xh")) program_refuse(self, "xh", NULL, "either --xh or --sizes");
+    if (w->sizes && is_given(self, "xh")) program_refuse(self, "xh", NULL, "either --xh or --sizes");
     if (w->tests && (w->data || process)) program_refuse(self, "tests", w->tests, "without --data and without a simulation");
     if (process && w->data) program_refuse(self, "data", w->data, "either --data or a simulation");
     if (process && !(w->wire > 0.0)) program_refuse(self, "wire-mm", NULL, "above 0 for a simulation");
 }
 
 /* Computes what follows from the options. */
-static void complete_wish(const program *self, const option *options, wish *w) {
+static void complete_wish(const program *self, wish *w) {
     const bool several = w->swept || w->compared;
-    if (!is_given(options, "k"))
+    if (!is_given(self, "k"))
         w->K = blocking_toss_indicator(w->frequency, 1e-3 * w->amplitude, w->direction * pi / 180.0, w->slope * pi / 180.0, 9.81);
     if (w->sizes) w->x_h = hard_content(self, w->sizes, 1e-3 * w->opening);
-    if (self->quick && !is_given(options, "patch")) w->patch.across = several ? 6 : 8;
-    if (self->quick && !is_given(options, "vibrated-s")) w->vibrated = several ? 0.25 : 1.0;
-    if (self->quick && !is_given(options, "load-kg-m2")) w->patch.load = 0.5;
-    if (self->quick && !is_given(options, "overlap")) w->patch.overlap = 0.04;
+    if (self->quick && !is_given(self, "patch")) w->patch.across = several ? 6 : 8;
+    if (self->quick && !is_given(self, "vibrated-s")) w->vibrated = several ? 0.25 : 1.0;
+    if (self->quick && !is_given(self, "load-kg-m2")) w->patch.load = 0.5;
+    if (self->quick && !is_given(self, "overlap")) w->patch.overlap = 0.04;
     w->patch.opening = 1e-3 * w->opening, w->patch.wire = 1e-3 * w->wire;
     w->patch.K = w->K, w->patch.frequency = w->frequency, w->patch.x_h = w->x_h;
     w->patch.seed = self->seed; /* one thread: too few contacts for more */
@@ -852,8 +847,8 @@ int main(int argc, char **argv) {
     program self = program_start(
         "sieve_blocking", "Blocking of sieve holes: curves, rate constants from counted holes, Table 3 and the deck area for a duty.",
         options, (int)(sizeof options / sizeof *options), argc, argv);
-    check_wish(&self, options, &w);
-    complete_wish(&self, options, &w);
+    check_wish(&self, &w);
+    complete_wish(&self, &w);
     json *report = json_open(self.json);
     readings r;
     char source[200];

@@ -243,7 +243,7 @@ static inline double filtration__error_of(const filtration__mixture *m, double l
             for (int side = -1; side <= 1 && m->share[k] > 0.0; side += 2) {
                 const double t = (half + side * mean[k]) / scale[k];
                 double at;
-                const double tail = 0.5 * filtration__student_tail(m->freedom, fabs(t), &at);
+                const double tail = 0.5 * riddle__student_tail(m->freedom, fabs(t), &at);
                 outside += m->share[k] * (t >= 0.0 ? tail : 1.0 - tail), density += 0.5 * m->share[k] * at / scale[k];
             }
         }

@@ -238,9 +238,35 @@ static int open_series(report *r) {
 
 static void draw_picture(report *r) { r->pictured = draw_world(&r->s->world, &r->look, r->folder, "scene.png") == 0, r->drawn = 1; }
 
+/* All particles, a row each, spheres of bodies too; other programs read it as a start. */
+static void write_table(const report *r, double number) {
+    const dem_world *w = &r->s->world;
+    char name[40];
+    snprintf(name, sizeof name, "particles_%04.0f.csv", number);
+    riddle_io_file *file = riddle_io_open(r->folder, name);
+    riddle_io_print(file, "# time %.9g s\nid,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,omega_x_rad_s,omega_y_rad_s,omega_z_rad_s,diameter_m,mass_kg,group,contacts\n",
+                    scene_time(r->s));
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i]) continue;
+        const dem_vec x = dem_position(w, i), v = dem_velocity(w, i), s = dem_spin(w, i);
+        const double row[14] = {(double)w->id[i], x.x, x.y, x.z, v.x, v.y, v.z, s.x, s.y, s.z, 2.0 * dem_radius(w, i), dem_mass(w, i),
+                                w->group[i], w->touching[i]};
+        riddle_io_row(file, row, 14);
+    }
+    riddle_io_close(file);
+}
+
+/* A multiple of the time between tables lies within the last tick, or at its end. */
+static void add_table(report *r) {
+    const double every = r->s->def->output.tables, now = scene_time(r->s), soon = now + 1e-9 * r->s->tick;
+    const double number = floor(soon / every), before = now > 0.0 ? floor((soon - (r->s->beyond > 0.0 ? r->s->beyond : r->s->tick)) / every) : -1.0;
+    if (every > 0.0 && number > before) write_table(r, number);
+}
+
 static void add_frames(report *r) {
     const output_def *o = &r->s->def->output;
     const double now = scene_time(r->s), soon = now + 1e-9 * r->s->tick;
+    add_table(r);
     if (o->frames > 0.0 && soon >= r->next_frame * o->frames) {
         if (open_series(r) || make_room(&r->frame, r->frames, &r->frame_room, sizeof *r->frame)) return;
         r->frame[r->frames++] = r->s->world.time, r->next_frame += 1.0;

@@ -329,6 +329,9 @@ SECTION(
 static const scene_field output_fields[] = {
     NUMBER(output_def, frames, UNIT_TIME, POSITIVE, "",
            "time between two frames of the ParaView series `scene.pvd`, `scene_walls.pvd`; default: none"),
+    NUMBER(output_def, tables, UNIT_TIME, POSITIVE, "",
+           "time between two tables of all particles, `particles_0001.csv` and so on: id, place, velocity, spin, diameter, mass, group, "
+           "contacts; default: none"),
     NUMBER(output_def, picture, UNIT_TIME, AT_LEAST_0, "", "time of `scene.png`; default: the end"),
     NUMBER(output_def, save, UNIT_TIME, POSITIVE, "", "time between two saves; there is always one at the end and after Ctrl-C"),
     CHOICE(output_def, colour, "class|speed", "class", "of the particles in pictures"),

@@ -191,7 +191,7 @@ typedef struct measure_def {
 } measure_def;
 typedef struct output_def {
     scene_part part;
-    double frames, picture, save, view[3], top_speed;
+    double frames, tables, picture, save, view[3], top_speed;
     int colour, movie;
     double movie_rate;
 } output_def;
