@@ -26,7 +26,7 @@
              resistance with a lever arm in metres, relative and capped. A law of your own: dem_law and DEM_KERNEL below.
    Bodies    spheres, clumps of them (dem_add_clumps, docs/dem_bodies.md), and convex polyhedra with rounded edges (dem_add_convex,
              docs/dem_convex.md).
-   Walls     plane, cylinder, wire screen, cone, sphere, box, triangle mesh (STL); each at rest, vibrating, rotating, moving, prescribed
+   Walls     plane, cylinder, wire screen, cone, disc, sphere, box, triangle mesh (STL); each at rest, vibrating, turning, moving, prescribed
              or driven by a force or torque. A wall supplies geometry (normal, gap, surface velocity, inverse mass 0); everything after
              that is the pair's kernel.
    Time      A particle is on a parabola from the step at which its last force ended; only particles that touch something take steps.
@@ -46,8 +46,8 @@
              and clang sqrt in a file that includes this does not set errno. A law of yours takes part if declared DEM_INLINE.
    Linking   one shared copy: #define DEM_API extern everywhere, DEM_IMPLEMENTATION as well in one file; laws of yours stand there.
    Fields    a force on every particle, in flight by steps of its own, by a law of yours (DEM_FORCE_FIELD); drag in a gas, at rest or on a
-             Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer & Sommerfeld, among others
-             by Di Felice; Gidaspow, Beetstra, Koch & Hill.
+             Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer & Sommerfeld; with a porosity Di Felice,
+             Gidaspow, Beetstra, Koch & Hill.
    Not here  the flow of fluids, heat, files, printing. */
 #ifndef DEM_H
 #define DEM_H
@@ -233,8 +233,9 @@ extern "C" {
     X(DEM_TOO_FAST, "a particle moves more than half its radius, or a body turns by a hundred radians, in one step")   \
     X(DEM_TOO_MANY, "more walls, materials or particles than this header counts, or more mass than a region can hold") \
     X(DEM_BAD_DATA, "neither a whole saved world of this version nor an STL file with triangles")                      \
-    X(DEM_LAW_MISMATCH, "the contacts or links present are of a law with another name, version or number of states, or "\
-                        "links have no law: call dem_set_links after dem_load")                                        \
+    X(DEM_LAW_MISMATCH,                                                                                                \
+      "the contacts or links present are of a law with another name, version or number of states, or "                 \
+      "links have no law: call dem_set_links after dem_load")                                                          \
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")               \
     X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")      \
     X(DEM_BUSY,                                                                                                        \
@@ -382,6 +383,15 @@ typedef struct dem_cone {
     double high_radius; /* at high [m] >= 0, not both 0; default 0.1 */
 } dem_cone;
 
+/* A flat disc, with or without a round hole in its middle: a thin sheet, touched from both sides and at its rims. Made by
+   dem_default_disc(). */
+typedef struct dem_disc {
+    dem_vec centre;     /* [m]; default 0 */
+    dem_vec normal;     /* of any length but 0; default (0, 0, 1) */
+    double radius;      /* [m] > 0; default 0.1 */
+    double hole_radius; /* of the hole [m] >= 0, less than radius; default 0: no hole */
+} dem_disc;
+
 typedef enum dem_wall_kind {
     DEM_PLANE,
     DEM_CYLINDER,
@@ -389,7 +399,8 @@ typedef enum dem_wall_kind {
     DEM_EXIT,
     DEM_SPHERE,
     DEM_CONE,
-    DEM_MESH
+    DEM_MESH,
+    DEM_DISC
 } dem_wall_kind;
 
 /* Triangles, your own or read by dem_read_stl(). For your own arrays, set the first four fields; the rest is 0. */
@@ -466,8 +477,8 @@ typedef struct dem_wall_motion {
 /* A wall: its shape, the motion that was set, and its state now. Read only; functions change it. */
 typedef struct dem_wall {
     int kind, material, enabled;
-    double radius;              /* cylinder, sphere; cone: at its low end, which is the origin [m] */
-    double high_radius, length; /* cone: radius at the other end; distance of the ends [m] */
+    double radius;              /* cylinder, sphere; cone: at its low end, which is the origin; disc: of its hole [m] */
+    double high_radius, length; /* cone: radius at the other end; distance of the ends; disc: radius; 0 [m] */
     int inside;                 /* cylinder, sphere: 1 if particles are inside, 0 if outside */
     double aperture, wire;      /* screen [m] */
     int profile, circular;      /* screen */
@@ -962,6 +973,8 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
 DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside);
 DEM_API dem_cone dem_default_cone(void);
 DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone);
+DEM_API dem_disc dem_default_disc(void);
+DEM_API int dem_add_disc(dem_world *world, int material, const dem_disc *disc);
 /* Adds triangles, which are copied, as one wall: a thin sheet that particles touch from both sides, at faces, edges and
    corners. How it is oriented, welded or cut into triangles does not matter. Places whose normals differ by less than
    26 degrees are one contact, at the deepest of them (its friction goes with it from triangle to triangle); a sharper
@@ -1904,6 +1917,145 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
 /* Bodies: the parts that no other one includes. */
 #ifdef DEM__BODIES
 
+/* ---------------------------------------------------------------------------------------------- >>base/triangles.h */
+/* The triangles of a mesh, in a tree of boxes. walls/mesh_tree.h makes it, walls/mesh_touch.h searches it. */
+
+/* A node of the tree. */
+typedef struct dem__node {
+    double low[3], high[3];
+    int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
+} dem__node;
+enum { DEM__LEAF = 4 };
+
+/* Flags of entry `at` of dem__mesh_edges: of an edge, and of the corner at which it begins. */
+enum {
+    DEM__EDGE = 1,     /* a sharp edge, which protrudes on one side, or a rim */
+    DEM__RIM = 2,      /* edge of one triangle, or of more than two: can be touched from all around */
+    DEM__CORNER = 4,   /* the corner is sharp, and this is its entry */
+    DEM__FROM_END = 8, /* the edge begins at a sharp corner */
+    DEM__TO_END = 16   /* the edge ends at one */
+};
+
+/* Sharp edges and corners of a mesh. Entry 3 k + c is the edge of triangle k from its corner c, and that corner. Edges
+   and corners that triangles share have one entry. */
+typedef struct dem__mesh_edges {
+    size_t bytes;
+    dem_vec *outward; /* of an edge: direction away from both of its faces; 0 for a rim */
+    dem_vec *tip;     /* of a corner: direction away from all of its edges; 0 at a rim */
+    uint8_t *kind;    /* DEM__EDGE, .. */
+} dem__mesh_edges;
+
+/* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in
+   depth-first order; `skip` is the next node that is not below this one. */
+typedef struct dem__tree {
+    size_t bytes;
+    dem__mesh_edges *edges; /* sharp edges and corners; NULL until there are polyhedra */
+    int32_t vertices, triangles, nodes;
+    dem_vec *vertex, *normal;
+    int32_t *corner; /* [triangles][3] */
+    dem__node *node;
+} dem__tree;
+
+/* ------------------------------------------------------------------------------------------------ >>base/feature.h */
+/* What a feature adds to spheres and walls, as a table of functions: links, rigid bodies, polyhedra, a force field, the
+   energy ledger, fixed particles, meshes. The engine calls the tables that a world has, where their members say.
+   dem__add_feature adds one when the feature is first used or loaded, so a program that never names a feature compiles
+   none of it. A member that a feature does not need is NULL. None of them is called for a single contact. */
+
+/* An array of a group. Lists of them make growing, freeing and saving loops. */
+typedef struct dem__array {
+    void *address; /* of the pointer to it */
+    size_t size;   /* of an entry [bytes] */
+} dem__array;
+enum {
+    DEM__ARRAYS_MAX = 64 + DEM_STATE_MAX + DEM_CONSTANTS_MAX,
+    DEM__STEP_ARRAYS = 3,
+    DEM__OUT_ARRAYS = 9,
+    DEM__OWN_ARRAYS = 4
+};
+
+/* Particles first .. end-1 that move as one. */
+typedef struct dem__pieces {
+    ptrdiff_t first, end;
+} dem__pieces;
+
+struct dem__group;
+struct dem__stream;
+struct dem__file;
+
+typedef struct dem__feature {
+    int place;      /* features are called in the order of this number */
+    int adds_loads; /* it adds to the loads of particles */
+    int exclusive;  /* it moves particles between steps: a world has at most one such feature */
+
+    /* Memory. */
+    int (*list_arrays)(dem_world *w, dem__array *list); /* lists its arrays of particles; returns their number */
+    int (*list_contact_arrays)(dem_world *w, dem__array *list); /* the same of contacts */
+    void (*release)(dem_world *w);                              /* frees its own memory */
+
+    /* Particles come, are changed by the caller, and go. */
+    void (*add_particle)(dem_world *w, ptrdiff_t i);       /* sets its numbers of a new particle */
+    void (*begin_change)(dem_world *w, dem__pieces of);    /* before the caller changes how some particles move */
+    void (*end_change)(dem_world *w, dem__pieces of);      /* after it */
+    void (*set_time_step)(dem_world *w);                   /* the time step has changed */
+    void (*remove_particle)(dem_world *w, ptrdiff_t i);    /* particle i leaves */
+    void (*renumber)(dem_world *w, const int32_t *number); /* particles have other numbers; -1: it is gone */
+
+    /* A run. */
+    dem_status (*check_run)(const dem_world *w, const dem_kernel *kernel); /* what prevents it, or DEM_OK */
+    int (*prepare_run)(dem_world *w);                                      /* lists are new; 0 after a failure */
+    void (*set_law)(dem_world *w, const dem_kernel *kernel);               /* law and features of the run are set */
+    void (*find_forces)(dem_world *w); /* before forces are found while no time passes, and after it */
+    void (*forces_found)(dem_world *w);
+    void (*begin_run)(dem_world *w);         /* before its first step */
+    void (*begin_ledger)(dem_world *w);      /* the energy ledger begins */
+    int (*end_run)(dem_world *w, int going); /* going: no failure so far; 0 after one */
+
+    /* The list of near pairs. */
+    void (*keep_up)(dem_world *w);      /* before the list is checked or built */
+    dem_status (*listed)(dem_world *w); /* the list is new */
+    double (*drift)(const dem_world *w,
+                    ptrdiff_t i); /* change of particle i's velocity that is not seen in each step [m/s] */
+
+    int (*begins_early)(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
+                        int32_t element); /* i touches j below touch_gap */
+
+    /* A step, in this order. */
+    int (*begin_step)(dem_world *w);                       /* 0 after a failure */
+    void (*follow)(dem_world *w, int64_t step);            /* takes its contacts to a step */
+    void (*detect)(dem_world *w, int64_t step);            /* finds its own contacts at a step */
+    void (*contacts_begun)(dem_world *w, ptrdiff_t begun); /* that many contacts begin, listed in contacts.slots */
+    void (*add_forces)(dem_world *w, double h);            /* after those of contacts; h: length of the step [s] */
+    void (*end_contact)(dem_world *w, ptrdiff_t c);        /* the contact in slot c ends */
+    void (*leave)(dem_world *w);                           /* before particles that passed an exit are removed */
+    int (*begin_flights)(dem_world *w);                    /* after bounds have been checked; 0 after a failure */
+    int (*end_step)(dem_world *w);                         /* 0 after a failure */
+
+    /* Reading. */
+    ptrdiff_t (*forces)(const dem_world *w);                    /* how many forces of its own act between particles */
+    dem_contact_info (*force)(const dem_world *w, ptrdiff_t k); /* one of them */
+    dem_vec (*velocity_error)(const dem_world *w, ptrdiff_t i,
+                              double tau);                              /* what the velocity on the parabola lacks */
+    void (*correct_velocity)(dem_world *w, ptrdiff_t i, dem_vec error); /* adds it at a new origin */
+    void (*open_books)(const dem_world *w, ptrdiff_t i, dem_energy_ledger *sums); /* adds what is not booked yet */
+
+    /* Saving. */
+    void (*world_fields)(dem_world *w, struct dem__group *g);    /* adds its single numbers */
+    void (*particle_fields)(dem_world *w, struct dem__group *g); /* adds its numbers of particles */
+    void (*contact_fields)(dem_world *w, struct dem__group *g);
+    void (*save)(struct dem__stream *s, dem_world *w, struct dem__group *g);
+    int (*is_used)(const struct dem__file *file, const dem_world *w); /* whether a loaded world has it, after its single
+                                                                         numbers; -1: these are not valid */
+    dem_status (*load_first)(const struct dem__file *file, dem_world *w, struct dem__group *g); /* before particles */
+    dem_status (*load)(const struct dem__file *file, dem_world *w, struct dem__group *g);
+    void (*loaded)(dem_world *w); /* derives what is not saved, after all has been loaded */
+    void (*hash_particle)(uint64_t *hash, const dem_world *w, ptrdiff_t i);
+    void (*hash_before_contacts)(uint64_t *hash, const dem_world *w);
+    void (*hash)(uint64_t *hash, const dem_world *w);
+} dem__feature;
+
+enum { DEM__FEATURES_MAX = 8 };
+
 /* ---------------------------------------------------------------------------------------- >>base/polyhedra_state.h */
 /* The engine's state of polyhedra. */
 
@@ -1947,8 +2099,6 @@ struct dem__wall_row;
 struct dem__columns;
 struct dem__chunk;
 typedef struct dem__convex_calls {
-    int (*list_pairs)(dem_world *w);            /* lists pairs for a new list of near pairs; 0: out of memory */
-    void (*follow)(dem_world *w, int64_t step); /* finds points of contact at a step; moves and begins contacts */
     void (*prepare)(const dem_world *w, ptrdiff_t c, dem_birth *b); /* sets sizes and mass of the contact in slot c */
     void (*fill_rows)(const dem_world *w, struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n,
                       double half, struct dem__wall_row *wall); /* fills rows of a block before the law */
@@ -2097,14 +2247,10 @@ typedef struct dem__body_calls {
                                                                                          bodies to the end of a step */
     void (*kick)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h); /* moves velocities of active bodies
                                                                                       to the end of a step */
-    void (*push)(dem_world *w, int32_t c, int has_friction);      /* applies impulses of the edge step in slot c */
-    void (*shift)(dem_world *w, int32_t c);                       /* applies its shift, after all impulses */
-    void (*kick_links)(dem_world *w, dem__rigid *r, double half); /* applies the change of the links' forces */
-    double (*swing)(const dem__rigid *r, double arm);             /* greatest speed in flight of what is an arm [m]
+    void (*push)(dem_world *w, int32_t c, int has_friction); /* applies impulses of the edge step in slot c */
+    void (*shift)(dem_world *w, int32_t c);                  /* applies its shift, after all impulses */
+    double (*swing)(const dem__rigid *r, double arm);        /* greatest speed in flight of what is an arm [m]
                                                                      from the centre, about it [m/s] */
-    double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i); /* estimated change of i's velocity by
-                                                                                   links [m/s] */
-    void (*note_strides)(dem_world *w); /* stores how far flights are integrated */
 } dem__body_calls;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */
@@ -2158,8 +2304,9 @@ typedef struct dem__fixed {
 typedef struct dem__bodies {
     ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
-    int loads_on,
-        has_fixed; /* has_fixed: a particle has been fixed since the world was made; then loads_on is set, too */
+    int adds_loads; /* in a run: loads are to be added to the forces of contacts */
+    int loads_on;   /* a particle has had a load of the caller's, or has been fixed */
+    int has_fixed;  /* a particle has been fixed since the world was made */
     void *block;
     size_t bytes;
     dem__sum *sum;
@@ -2188,11 +2335,10 @@ typedef struct dem__bodies {
    search/bounds.h set its timers. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
-    int meshes, touch_keepers, controls; /* number of meshes; of walls whose contacts keep a touch (meshes, cones);
-                                            whether forces drive any wall */
-    void (*follow_meshes)(dem_world *w,
-                          int64_t step); /* takes contacts with meshes to a step; set with the first mesh */
-    dem__timers timers;                  /* of particle i and wall k: number i * walls + k */
+    int touch_keepers,
+        controls;           /* number of walls whose contacts keep a touch (meshes, cones); whether forces drive any
+                                    wall */
+    dem__timers timers;     /* of particle i and wall k: number i * walls + k */
     uint32_t *sure;         /* step, modulo 2^32, before which no test is needed, whatever the particle's bound */
     int32_t *first_contact; /* of a particle: its first contact with a wall; contacts.wall_next leads on */
 } dem__wall_state;
@@ -2211,6 +2357,7 @@ typedef struct dem__pairs {
     double steps_per_second;
     double margin, margin_factor;               /* gap up to which pairs are listed [m]; its factor, 1 .. 3 */
     double least_tolerance;                     /* of bounds [m/s] */
+    double touch_gap;                           /* gap below which a contact may begin [m]: 0, but for linked pairs */
     double wall_reach;                          /* gap up to which walls are searched for [m] */
     double position_tolerance;                  /* how far corrections may shift a particle from its bound [m] */
     double gravity_size;                        /* [m/s2] */
@@ -2238,8 +2385,7 @@ typedef struct dem__contacts {
                                                     contact of a polyhedron (dem__is_convex_contact) */
     int32_t *type;                               /* index in types; -1: constants of its own */
     int32_t *slots;                              /* a list of slots, or one in each chunk */
-    uint8_t
-        *edge;      /* its edge step is to be corrected: written by the kernel for the contacts that it lists;
+    uint8_t *edge;  /* its edge step is to be corrected: written by the kernel for the contacts that it lists;
                       free before it, when dem__follow_meshes notes meshes with places left */
     uint8_t *ended; /* has ended */
     double *gap, *force;
@@ -2260,7 +2406,6 @@ typedef struct dem__contacts {
 typedef struct dem__links {
     const dem_law *law;
     dem_loop_fn loop;
-    void (*step)(dem_world *w); /* takes their step; set with their law */
     double interval, near;
     int on, every, states; /* every: steps between two evaluations */
     uint64_t mark;         /* dem__law_mark of the law that made the states; 0: unknown */
@@ -2294,9 +2439,10 @@ typedef struct dem__field {
 
 /* The energy ledger. step/step.h begins, pauses and resumes it; energy/ledger.h books. */
 typedef struct dem__ledger {
-    int on, started;     /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
-    int counts;          /* whether the last run had DEM_ENERGY */
-    double paused_error; /* error of the balance when a run without DEM_ENERGY began [J] */
+    int on, started;      /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
+    int counts;           /* whether the last run had DEM_ENERGY */
+    double stored_before; /* in contacts, before forces are found anew [J] */
+    double paused_error;  /* error of the balance when a run without DEM_ENERGY began [J] */
     dem_energy_ledger sums;
 } dem__ledger;
 
@@ -2317,6 +2463,8 @@ typedef struct dem__pace {
 } dem__pace;
 
 typedef struct dem__engine {
+    const dem__feature *feature[DEM__FEATURES_MAX]; /* those that the world has, in the order of `place` */
+    int features;
     dem__run run;
     dem__bodies bodies;
     dem__wall_state walls;
@@ -2336,157 +2484,39 @@ typedef struct dem__engine {
          in_##c < (w)->engine->contacts.chunk + (w)->engine->contacts.chunk_count; in_##c++)                           \
         for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->count; c++)
 
-/* ----------------------------------------------------------------------------------------------- >>base/parallel.h */
-/* The loops of a step on several threads. Promises: no result depends on the number of threads. */
+/* Calls a member of every feature that has it: DEM__TELL(w, add_particle, (w, i)). */
+#define DEM__TELL(w, member, arguments)                                                                                \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
+            if ((w)->engine->feature[f_]->member) (w)->engine->feature[f_]->member arguments;                          \
+        }                                                                                                              \
+    } while (0)
+/* The same for a member that returns 0 after a failure: does nothing from then on. ok: an int, 1 at first. */
+#define DEM__ASK(w, ok, member, arguments)                                                                             \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features && (ok); f_++) {                                                   \
+            if ((w)->engine->feature[f_]->member) (ok) = (w)->engine->feature[f_]->member arguments;                   \
+        }                                                                                                              \
+    } while (0)
 
-/* Runs the tasks of a loop one after the other. */
-static inline void dem__run_alone(int tasks, void (*task)(void *context, int index), void *context) {
-    for (int q = 0; q < tasks; q++) task(context, q);
-}
-
-#ifdef _OPENMP
-/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer
-   than the work takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task
-   that was interrupted counts as at most three times the first, which the waiting thread ran itself. After a loss of 2
-   ms, loops run on one thread for 20 ms, and for twice as long each time that threads lose again soon after. */
-static inline void dem__judge_threads(dem__pace *pace, double start, double end, const double *spent, int tasks) {
-    double alone = 0.0;
-    for (int q = 0; q < tasks; q++) alone += spent[q] < 3.0 * spent[0] ? spent[q] : 3.0 * spent[0];
-    pace->loss += end - start - alone;
-    if (!(pace->loss > 0.0)) pace->loss = 0.0;
-    if (!(pace->loss > 2e-3)) return;
-    pace->rest = end > pace->alone_until + 5.0 * pace->rest ? 0.02 : 2.0 * pace->rest;
-    if (pace->rest > 2.0) pace->rest = 2.0;
-    pace->alone_until = end + pace->rest;
-    pace->loss = 0.0;
-}
-
-/* Runs the tasks of a loop on OpenMP's threads, or on one while these lose time. */
-static inline void dem__run_openmp(dem__pace *pace, int tasks, void (*task)(void *context, int index), void *context) {
-    const double start = omp_get_wtime();
-    double spent[DEM__PARTS_MAX];
-    int q;
-    if (start < pace->alone_until) {
-        dem__run_alone(tasks, task, context);
-        return;
+/* Adds a feature to a world that may have it already. */
+static inline void dem__add_feature(dem_world *w, const dem__feature *feature) {
+    dem__engine *e = w->engine;
+    int k = e->features;
+    for (int q = 0; q < e->features; q++) {
+        if (e->feature[q]->place == feature->place) return; /* another file has a table of its own */
     }
-#pragma omp parallel for schedule(static, 1) num_threads(tasks)
-    for (q = 0; q < tasks; q++) {
-        const double began = omp_get_wtime();
-        task(context, q);
-        spent[q] = omp_get_wtime() - began;
+    for (e->features++; k > 0 && e->feature[k - 1]->place > feature->place; k--) e->feature[k] = e->feature[k - 1];
+    e->feature[k] = feature;
+}
+static inline void dem__drop_feature(dem_world *w, const dem__feature *feature) {
+    dem__engine *e = w->engine;
+    int left = 0;
+    for (int q = 0; q < e->features; q++) {
+        if (e->feature[q]->place != feature->place) e->feature[left++] = e->feature[q];
     }
-    dem__judge_threads(pace, start, omp_get_wtime(), spent, tasks);
+    e->features = left;
 }
-#endif
-
-/* Runs task(context, index) for every index below `tasks`: on the host's threads, on OpenMP's, or one after the other.
- */
-static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *context, int index), void *context) {
-    if (tasks == 1) task(context, 0); /* a parallel region would cost more than the work of a dilute step */
-    else if (w->def.parallel) w->def.parallel(w->def.parallel_user, tasks, task, context);
-    else {
-#ifdef _OPENMP
-        dem__run_openmp(&w->engine->pace, tasks, task, context);
-#else
-        dem__run_alone(tasks, task, context);
-#endif
-    }
-}
-
-/* Returns the number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for
-   waking a thread. */
-DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
-    const int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
-#ifndef _OPENMP
-    if (!w->def.parallel) return 1;
-#endif
-    return threads == 1 || n < 256 * (ptrdiff_t)threads ? 1 : threads;
-}
-
-/* Returns the same, but at most `most`. */
-DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
-    const int parts = dem__parts(w, n);
-    return parts < most ? parts : most;
-}
-
-/* Returns the first of n items that belongs to a part. */
-DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) {
-    return n / parts * part + (n % parts < part ? n % parts : part);
-}
-
-/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no
-   long lead. */
-DEM_INLINE ptrdiff_t dem__prefetch_from(ptrdiff_t n, ptrdiff_t ahead) { return n < ahead ? -n : -ahead; }
-
-/* Runs a loop over the items first .. end - 1 of part `part`. context: what the loop needs. */
-typedef void dem__range_fn(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context);
-typedef struct dem__split {
-    dem_world *w;
-    dem__range_fn *loop;
-    void *context;
-    ptrdiff_t n;
-    int parts;
-} dem__split;
-
-static inline void dem__run_part(void *context, int q) {
-    const dem__split *s = (const dem__split *)context;
-    s->loop(s->w, dem__part(s->n, q, s->parts), dem__part(s->n, q + 1, s->parts), q, s->context);
-}
-
-/* Runs a loop over n items in `parts` parts. */
-static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__range_fn *loop, void *context) {
-    dem__split split;
-    if (parts == 1) { /* saves the divisions of dem__part */
-        loop(w, 0, n, 0, context);
-        return;
-    }
-    split.w = w;
-    split.loop = loop;
-    split.context = context;
-    split.n = n;
-    split.parts = parts;
-    dem__parallel(w, parts, dem__run_part, &split);
-}
-
-/* ---------------------------------------------------------------------------------------------- >>base/triangles.h */
-/* The triangles of a mesh, in a tree of boxes. walls/mesh_tree.h makes it, walls/mesh_touch.h searches it. */
-
-/* A node of the tree. */
-typedef struct dem__node {
-    double low[3], high[3];
-    int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
-} dem__node;
-enum { DEM__LEAF = 4 };
-
-/* Flags of entry `at` of dem__mesh_edges: of an edge, and of the corner at which it begins. */
-enum {
-    DEM__EDGE = 1,     /* a sharp edge, which protrudes on one side, or a rim */
-    DEM__RIM = 2,      /* edge of one triangle, or of more than two: can be touched from all around */
-    DEM__CORNER = 4,   /* the corner is sharp, and this is its entry */
-    DEM__FROM_END = 8, /* the edge begins at a sharp corner */
-    DEM__TO_END = 16   /* the edge ends at one */
-};
-
-/* Sharp edges and corners of a mesh. Entry 3 k + c is the edge of triangle k from its corner c, and that corner. Edges
-   and corners that triangles share have one entry. */
-typedef struct dem__mesh_edges {
-    size_t bytes;
-    dem_vec *outward; /* of an edge: direction away from both of its faces; 0 for a rim */
-    dem_vec *tip;     /* of a corner: direction away from all of its edges; 0 at a rim */
-    uint8_t *kind;    /* DEM__EDGE, .. */
-} dem__mesh_edges;
-
-/* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in
-   depth-first order; `skip` is the next node that is not below this one. */
-typedef struct dem__tree {
-    size_t bytes;
-    dem__mesh_edges *edges; /* sharp edges and corners; NULL until there are polyhedra */
-    int32_t vertices, triangles, nodes;
-    dem_vec *vertex, *normal;
-    int32_t *corner; /* [triangles][3] */
-    dem__node *node;
-} dem__tree;
 
 /* ------------------------------------------------------------------------------------------------- >>base/arrays.h */
 /* Memory: blocks of arrays that grow together, and the tables of those arrays. */
@@ -2497,31 +2527,6 @@ static inline void *dem__default_allocator(void *user, void *old, size_t old_siz
     if (new_size > 0) return realloc(old, new_size);
     free(old);
     return NULL;
-}
-
-/* An array of a group. Lists of them make growing, freeing and saving loops. */
-typedef struct dem__array {
-    void *address; /* of the pointer to it */
-    size_t size;   /* of an entry [bytes] */
-} dem__array;
-enum { DEM__ARRAYS_MAX = 64 + DEM_STATE_MAX + DEM_CONSTANTS_MAX, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
-
-/* Lists the arrays of particles in a force field. Returns their number. */
-static inline int dem__field_arrays(dem_world *w, dem__array *list) {
-    dem__field *field = &w->engine->field;
-    const dem__array arrays[] = {{&field->until, sizeof *field->until},
-                                 {&field->end_velocity, sizeof *field->end_velocity},
-                                 {&field->force, sizeof *field->force},
-                                 {&field->work, sizeof *field->work},
-                                 {&field->booked, sizeof *field->booked}};
-    const int n = (int)(sizeof arrays / sizeof *arrays);
-    memcpy(list, arrays, sizeof arrays);
-    return n;
-}
-
-/* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
-DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) {
-    return w->engine->bodies.has_fixed && w->engine->bodies.fixed[i].on != 0;
 }
 
 /* Returns the shape of particle i, or NULL if it is a sphere. */
@@ -2539,10 +2544,9 @@ DEM_INLINE double dem__touching_radius(const dem_world *w, ptrdiff_t i) {
 /* Lists the arrays of particles. Returns their number. */
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     dem__bodies *bodies = &w->engine->bodies;
-    dem__links *links = &w->engine->links;
     int n = 0;
     double **doubles[] = {&bodies->wall_speed, &bodies->shifted, &bodies->mass_share};
-    dem__two_vec **sixes[] = {&bodies->load, &bodies->external, &links->evaluated_at};
+    dem__two_vec **sixes[] = {&bodies->load, &bodies->external};
     int32_t **integers[] = {&w->material,
                             &w->group,
                             &w->alive,
@@ -2554,8 +2558,6 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
                             &w->engine->scratch.index,
                             &bodies->activity,
                             &bodies->number,
-                            &links->first_link,
-                            &links->is_loaded,
                             &bodies->to_check};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
@@ -2566,16 +2568,6 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);
     }
-    if (bodies->rigid_capacity > 0) {
-        list[n].address = &bodies->rigid_of, list[n++].size = sizeof(int32_t);
-        list[n].address = &bodies->offset, list[n++].size = sizeof(dem_vec);
-        list[n].address = &bodies->arm, list[n++].size = sizeof(dem_vec);
-    }
-    if (bodies->has_fixed) list[n].address = &bodies->fixed, list[n++].size = sizeof(dem__fixed);
-    if (w->engine->convex.shapes > 0) {
-        list[n].address = &w->engine->convex.shape_of, list[n++].size = sizeof(int32_t);
-        list[n].address = &w->engine->convex.place, list[n++].size = sizeof(dem__placed);
-    }
     list[n].address = &w->particle, list[n++].size = sizeof(dem_particle);
     list[n].address = &w->spin_rate, list[n++].size = sizeof(dem_vec);
     list[n].address = &w->engine->pairs.listed_at, list[n++].size = sizeof(dem_vec);
@@ -2583,7 +2575,11 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
     list[n].address = &bodies->bound, list[n++].size = sizeof(dem__bound);
     list[n].address = &bodies->sum, list[n++].size = sizeof(dem__sum);
-    return w->engine->field.on ? n + dem__field_arrays(w, list + n) : n;
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->list_arrays) n += f->list_arrays(w, list + n);
+    }
+    return n;
 }
 
 static inline int dem__may_postpone(const dem_world *w) { return w->engine->contacts.postponed || w->def.threads > 1; }
@@ -2604,10 +2600,9 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) {
         list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
     }
-    if (w->engine->ledger.on) {
-        list[n].address = &contacts->elastic, list[n++].size = sizeof(double);
-        for (int k = 0; k < 3; k++, n++) list[n].address = &contacts->power[k], list[n].size = sizeof(double);
-        for (int k = 0; k < 4; k++, n++) list[n].address = &contacts->loss[k], list[n].size = sizeof(double);
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->list_contact_arrays) n += f->list_contact_arrays(w, list + n);
     }
     list[n].address = &contacts->ended, list[n++].size = 1;
     /* ... with constants of their own, ... */
@@ -2666,20 +2661,6 @@ static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, v
     return 1;
 }
 
-/* Lists the arrays of links. Returns their number. */
-static inline int dem__link_arrays(dem_world *w, dem__array *list) {
-    dem__links *links = &w->engine->links;
-    int n = 0;
-    int32_t **integers[] = {&links->i, &links->j, &links->element, &links->next_i, &links->next_j};
-    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++)
-        list[n].address = integers[k], list[n].size = sizeof(int32_t);
-    for (int k = 0; k < links->states; k++, n++) list[n].address = &links->state[k], list[n].size = sizeof(double);
-    for (int k = 0; k < 9; k++, n++) list[n].address = &links->wrench[k], list[n].size = sizeof(double);
-    list[n].address = &links->gap, list[n++].size = sizeof(double);
-    list[n].address = &links->ended, list[n++].size = 1;
-    return n;
-}
-
 /* Makes room for `count` timers, and for `bytes` beside each in another array. Returns 0 when out of memory. */
 static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count, void *other, size_t bytes) {
     const dem__array list[] = {{&t->due, DEM__LINE * sizeof *t->due},
@@ -2723,6 +2704,23 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
     *array = fresh;
     *capacity = larger;
     return 1;
+}
+
+/* Adds a feature to a world and makes room for its numbers of particles. DEM_BAD_ARGUMENT: another feature excludes it.
+   After a failure nothing has changed. */
+static inline dem_status dem__take_feature(dem_world *w, const dem__feature *feature) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__array list[DEM__ARRAYS_MAX];
+    for (int k = 0; k < w->engine->features; k++) {
+        if (w->engine->feature[k]->place == feature->place) return DEM_OK;
+        if (w->engine->feature[k]->exclusive && feature->exclusive) return DEM_BAD_ARGUMENT;
+    }
+    dem__add_feature(w, feature);
+    if (bodies->capacity == 0 || dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes,
+                                                 &bodies->capacity, bodies->capacity))
+        return DEM_OK;
+    dem__drop_feature(w, feature);
+    return DEM_OUT_OF_MEMORY;
 }
 
 /* --------------------------------------------------------------------------------------------- >>base/definition.h */
@@ -2939,20 +2937,27 @@ static inline void dem__release(const dem_allocator *a, void *block, size_t byte
     if (block) a->fn(a->user, block, bytes, 0);
 }
 
+DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!w || !w->def.allocator.fn || !pair || a < 0 || b < 0 || a >= w->def.materials || b >= w->def.materials ||
+        dem__bad_pair(pair))
+        return DEM_BAD_ARGUMENT;
+    dem_pair_def *own = dem_pair(&w->def, a, b);
+    *own = *pair, own->given = 1;
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
 DEM_API void dem_free(dem_world *world) {
     if (!world || !world->def.allocator.fn || dem__is_running(world)) return;
     const dem_allocator a = world->def.allocator;
     dem__engine *e = world->engine;
+    DEM__TELL(world, release, (world));
     dem__release(&a, e->bodies.block, e->bodies.bytes);
-    dem__release(&a, e->bodies.rigid, (size_t)e->bodies.rigid_capacity * sizeof *e->bodies.rigid);
-    dem__release(&a, e->convex.shape, (size_t)e->convex.shapes * sizeof *e->convex.shape);
-    dem__release(&a, e->convex.pair, (size_t)e->convex.pair_capacity * sizeof *e->convex.pair);
-    dem__release(&a, e->convex.point, (size_t)e->convex.point_capacity * sizeof *e->convex.point);
     dem__release(&a, e->contacts.block, e->contacts.bytes);
-    dem__release(&a, e->links.block, e->links.bytes);
     dem__release(&a, e->pairs.timers.block, e->pairs.timers.bytes);
     dem__release(&a, e->walls.timers.block, e->walls.timers.bytes);
-    dem__release(&a, e->field.timers.block, e->field.timers.bytes);
     dem__release(&a, e->pairs.adjacent, (size_t)e->pairs.adjacent_capacity * sizeof(int32_t));
     dem__release(&a, e->pairs.cells, (size_t)e->pairs.cells_capacity * sizeof(int32_t));
     dem__release(&a, world->passed, (size_t)e->bodies.passed_capacity * sizeof *world->passed);
@@ -2968,183 +2973,9 @@ DEM_API void dem_free(dem_world *world) {
     memset(world, 0, sizeof *world);
 }
 
-/* -------------------------------------------------------------------------------------------------- >>walls/kind.h */
-/* What a kind of wall is: one row of flags and functions, in the file of that kind. The engine asks the row of a wall
-   (wall->kind__), which the function that adds the wall sets, so that a program compiles only the kinds that it adds.
-   walls/kinds.h lists all rows. Functions get the place of a centre from the wall's origin, in the world's axes. */
-
-/* A place where a sphere is near a wall. */
-typedef struct dem__touch {
-    double gap, curvature;
-    dem_vec normal; /* from the wall to the sphere */
-    int32_t element;
-    int32_t face; /* mesh: the triangle that has the nearest point inside its edges; -1: none */
-} dem__touch;
-
-enum {
-    DEM__TOUCHES = 4, /* places of a wall that a sphere touches, at most */
-    DEM__NUMBERS = 16 /* contacts of a particle with a mesh, at most, including those that end in this step */
-};
-
-/* An edge of a wall that edges of polyhedra can cross: a line, or a capsule about one. */
-typedef struct dem__wall_edge {
-    dem_vec from, to; /* [m] */
-    double radius;    /* 0: sharp */
-    int32_t key;
-    int ends;     /* bit 0, bit 1: it ends at a corner of the wall there */
-    int is_sided; /* 1: it protrudes along `outward` only; 0: it can be touched from all around */
-    int is_axis;  /* 1: the axis of a bar, into which no core may pass */
-    double sign;  /* 1, -1: it is touched where the normal is on this side of `side`; 0: everywhere */
-    dem_vec outward, side;
-} dem__wall_edge;
-
-/* Gets the edges and corners of a wall. A corner is a ball about x; tip: its outward direction, 0: it can be touched
-   from all sides. */
-typedef struct dem__edge_visitor dem__edge_visitor;
-struct dem__edge_visitor {
-    void (*corner)(dem__edge_visitor *v, dem_vec x, double radius, dem_vec tip, int32_t key);
-    void (*edge)(dem__edge_visitor *v, const dem__wall_edge *e);
-};
-
-/* Keys tell the points of a polyhedron at a wall apart: first those of its corners, DEM_CORNERS_MAX for each place of
-   the wall that has keys of its own; then one for each corner of the wall, and DEM__EDGE_KEYS for each of its edges. */
-enum {
-    DEM__CROSSINGS_MAX = 4,                                       /* of an edge with a curved sheet, at most */
-    DEM__EDGE_KEYS = 5 * DEM_EDGES_MAX,                           /* of an edge of a wall */
-    DEM__SEARCH_KEYS = 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX,    /* of a curved sheet */
-    DEM__ELEMENT_KEYS = DEM_CORNERS_MAX + 2 + 3 * DEM__EDGE_KEYS, /* of a bar: all of its keys */
-    DEM__ELEMENTS_FROM = 1 << 18, /* added to the number of an element, which may be negative */
-    DEM__PLACE_DIRECTIONS = 54    /* directions of normals at a mesh, as places of corners */
-};
-
-/* Flags of a kind. */
-enum {
-    DEM__NO_SURFACE = 1, /* nothing touches it: particles beyond it leave */
-    DEM__HALF_SPACE = 2, /* a half space: dem__touch_flat finds where it is touched */
-    DEM__CONVEX = 4,     /* seen from where particles are, so that a gap shrinks no faster than along its normal, but
-                            for `closing` */
-    DEM__KEEPS_CURVATURE = 8, /* a contact keeps the curvature with which it began */
-    DEM__TRIANGULATED = 16,   /* made of the triangles in wall->tree: a contact keeps the place that it follows */
-    DEM__CURVED_SHEET = 32    /* where it touches the edges of a polyhedron must be searched along them */
-};
-
-/* How corners of a convex body tell its gap to a wall: some other part may be nearer, none is, or they say nothing. */
-enum { DEM__CORNERS_SOME, DEM__CORNERS_ALL, DEM__CORNERS_NONE };
-
-/* A kind of wall. NULL where nothing is said. */
-typedef struct dem__wall_kind {
-    int kind, flags;                    /* dem_wall_kind; DEM__HALF_SPACE and others */
-    int (*is_sound)(const dem_wall *w); /* returns whether its lengths, from a file, are those of such a wall */
-    /* Finds the places where a sphere's gap is below `limit`, at most DEM__TOUCHES: gap, normal, and what is not 0 of
-       curvature and element. Returns their number; least: a lower limit of the gap. */
-    int (*touch)(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out, double *least);
-    /* With several elements that are touched by themselves: computes the touch at one of them, whose number is set, at
-       any gap; and returns a lower limit of the gap to those that `touch` does not return. NULL: one element. */
-    void (*touch_element)(const dem_wall *w, dem_vec d, double radius, int32_t element, dem__touch *out);
-    double (*other_elements)(const dem_wall *w, double radius, double lowest);
-    /* Round walls: computes the vector from the axis or centre to the sphere's centre, and how far from there the
-       surface is. Returns 1 if the sphere is outside, -1 if inside, 0 if the place is not round or has no normal. */
-    double (*reach_round)(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner);
-    /* Returns the rate of change of the normal n [1/s] for a sphere that moves at u in the wall's own frame. inverse: 1
-       / distance from the axis of a round wall, with the sign of the side. NULL: 0. */
-    dem_vec (*normal_rate)(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n, double inverse,
-                           dem_vec u);
-    int (*is_endless)(const dem_wall *w, int axis); /* returns whether it is the same all along an axis of the world */
-    /* Returns a limit of the acceleration with which the gap of a place shrinks for a sphere in free fall, at u [m/s]
-       from the wall. NULL: that of gravity and of the wall. */
-    double (*closing)(const dem_wall *w, const dem__touch *touch, double radius, dem_vec gravity, dem_vec u);
-    /* For polyhedra. */
-    int (*corners)(const dem_wall *w); /* returns DEM__CORNERS_.. */
-    /* Shows a visitor the edges and corners that may be within `reach` of a centre, from which their places are. */
-    void (*edges)(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v);
-    int (*crosses)(const dem_wall *w, dem_vec p, dem_vec q); /* sheet: returns whether the line from p to q cuts it */
-} dem__wall_kind;
-
-/* Returns whether the kind of a wall has one of some flags. */
-DEM_INLINE int dem__has(const dem_wall *w, int flags) { return (w->kind__->flags & flags) != 0; }
-DEM_INLINE int dem__has_surface(const dem_wall *w) { return !dem__has(w, DEM__NO_SURFACE); }
-/* Returns whether a wall has several elements, which are touched by themselves. */
-DEM_INLINE int dem__has_elements(const dem_wall *w) { return w->kind__->touch_element != NULL; }
-
-/* Returns whether a wall acts on particles of a group. */
-DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) {
-    return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u);
-}
-/* Returns whether a wall is enabled and acts on particle i. */
-DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
-    return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
-}
-
-/* Converts a vector to a wall's own frame, and back. */
-DEM_INLINE dem_vec dem__to_frame(const dem_wall *w, dem_vec d) {
-    return dem_vec3(dem__dot(d, w->axis[0]), dem__dot(d, w->axis[1]), dem__dot(d, w->axis[2]));
-}
-DEM_INLINE dem_vec dem__from_frame(const dem_wall *w, dem_vec v) {
-    return dem__add(dem__add(dem__scale(v.x, w->axis[0]), dem__scale(v.y, w->axis[1])), dem__scale(v.z, w->axis[2]));
-}
-
-DEM_INLINE void dem__touch_flat(const dem_wall *w, dem_vec d, double radius, dem__touch *out) {
-    out->element = 0;
-    out->gap = dem__dot(d, w->axis[2]) - radius;
-    out->normal = w->axis[2], out->curvature = 0.0;
-}
-
-/* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and
-   those that overlap). Returns their number; least: a lower limit of the gap. */
-DEM_INLINE int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out,
-                               double *least) {
-    out[0].element = 0;
-    out[0].curvature = 0.0;
-    return w->kind__->touch(w, dem__sub(centre, w->position), radius, limit, out, least);
-}
-
-/* Finds the one place where an element of a wall is touched, at any gap. */
-static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double radius, int32_t element,
-                                      dem__touch *out) {
-    double least;
-    if (dem__has_elements(w)) {
-        w->kind__->touch_element(w, dem__sub(centre, w->position), radius, element, out);
-        return;
-    }
-    dem__touch touch[DEM__TOUCHES]; /* a mesh can be touched in several places */
-    touch[0].gap = HUGE_VAL, touch[0].normal = w->axis[2];
-    dem__touch_wall(w, centre, radius, HUGE_VAL, touch, &least);
-    *out = touch[0];
-}
-
-/* As dem__wall_kind.reach_round; 0 if the wall is not round. */
-DEM_INLINE double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t element, dem_vec *from, double *inner) {
-    return w->kind__->reach_round ? w->kind__->reach_round(w, dem__sub(centre, w->position), element, from, inner)
-                                  : 0.0;
-}
-/* As dem__wall_kind.normal_rate. */
-DEM_INLINE dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n,
-                                    double inverse, dem_vec u) {
-    return w->kind__->normal_rate
-               ? w->kind__->normal_rate(w, dem__sub(centre, w->position), radius, element, n, inverse, u)
-               : dem_vec3(0.0, 0.0, 0.0);
-}
-
-/* Returns the velocity of a wall's surface at a point whose normal is n. */
-DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
-    const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
-    return dem__add(dem__add(w->velocity, turning), dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n)));
-}
-/* Returns the acceleration of a wall's surface at a point. */
-DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
-    const dem_vec omega = dem__scale(w->spin, w->spin_axis), arm = dem__sub(point, w->position);
-    const dem_vec inward = dem__cross(omega, dem__cross(omega, arm));
-    return dem__add(w->acceleration, dem__add(inward, dem__scale(w->spin_rate, dem__cross(w->spin_axis, arm))));
-}
-
 /* ----------------------------------------------------------------------------------------------- >>energy/ledger.h */
 /* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its
    sums, but step/step.h sets where they start. */
-
-/* Returns the first of two vectors: the force of a wrench. */
-DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
-/* Returns the second one: the torque of a wrench. */
-DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
 
 /* Books the potential energy that a particle gains where it is put back into the periodic box [J]. */
 DEM_INLINE void dem__book_wrap(dem_world *w, double raised) {
@@ -3178,75 +3009,10 @@ DEM_INLINE void dem__book_field_work(dem_world *w, double work) {
     if (w->engine->ledger.on) w->engine->ledger.sums.field_work += work;
 }
 
-/* Returns whether the caller ended the contact of i and j: by changing the wall, or by fixing particles. */
-static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
-    if (j < 0) return !dem__is_at_wall(w, i, -1 - (int)j) || dem__is_fixed(w, i);
-    return dem__is_fixed(w, i) && dem__is_fixed(w, j);
-}
-
 /* Books the work of moving fixed particles on others [J]. */
 DEM_INLINE void dem__book_work_of_fixed(dem_world *w, double work) { w->engine->ledger.sums.external_work += work; }
 
-/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it;
-   otherwise as sliding loss, because its tangential spring is released. */
-static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
-    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    dem_energy_ledger *sums = &w->engine->ledger.sums;
-    if (!w->engine->ledger.counts) return;
-    if (w->alive[i] <= 0 || (j >= 0 && w->alive[j] <= 0) || dem__is_taken_away(w, i, j))
-        sums->removed += w->engine->contacts.elastic[c];
-    else sums->sliding_loss += w->engine->contacts.elastic[c];
-}
-
-/* Returns the energy stored in all contacts [J]; 0 while no ledger is kept. */
-static inline double dem__stored_energy(const dem_world *w) {
-    double sum = 0.0;
-    if (!w->engine->ledger.counts) return sum;
-    DEM__EACH_CONTACT(w, c) { sum += w->engine->contacts.elastic[c]; }
-    return sum;
-}
-
-/* Books the change of stored energy by the caller between runs: new contacts, changed constants. before: that energy at
-   the end of the last run [J]. */
-static inline void dem__book_callers_contacts(dem_world *w, double before) {
-    if (w->engine->ledger.started) w->engine->ledger.sums.added += dem__stored_energy(w) - before;
-}
-
-/* Books the work of fixed particle i by its motion in a step, by the trapezoidal rule. */
-static inline void dem__book_fixed(dem_world *w, ptrdiff_t i) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;
-    for (int a = 0; a < 3; a++) {
-        const double of_links = bodies->load[i][a] - bodies->external[i][a],
-                     turning = bodies->load[i][3 + a] - bodies->external[i][3 + a];
-        dem__book_work_of_fixed(w, -half * (before[a] + now[a] + of_links) * dem_axis(w->particle[i].v, a));
-        dem__book_work_of_fixed(w, -half * (before[3 + a] + now[3 + a] + turning) * dem_axis(w->particle[i].spin, a));
-    }
-}
-
-/* Books what contacts dissipated in a step, and the work of walls and loads. */
-static inline void dem__book_losses(dem_world *w) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const dem__contacts *contacts = &w->engine->contacts;
-    dem_energy_ledger *l = &w->engine->ledger.sums;
-    DEM__EACH_CONTACT(w, k) {
-        l->normal_loss += contacts->loss[0][k];
-        l->sliding_loss += contacts->loss[1][k];
-        l->rolling_loss += contacts->loss[2][k];
-        l->wall_work += contacts->loss[3][k];
-    }
-    for (ptrdiff_t k = 0; bodies->loads_on && k < bodies->active_count; k++) {
-        const ptrdiff_t i = bodies->active[k];
-        if (dem__is_fixed(w, i)) {
-            dem__book_fixed(w, i);
-            continue;
-        }
-        l->external_work += w->engine->run.dt * dem__dot(dem__first(bodies->external[i]), w->particle[i].v);
-        l->external_work += w->engine->run.dt * dem__dot(dem__second(bodies->external[i]), w->particle[i].spin);
-    }
-}
-
-/* ----------------------------------------------------------------------------------------------- >>base/rotation.h */
+/* --------------------------------------------------------------------------------------------- >>motion/rotation.h */
 /* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns the body's frame into the
    lab's; its scalar part comes first. */
 
@@ -3429,7 +3195,7 @@ DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem
     return single ? dem__turn_split(q, momentum, moments, t) : dem__turn_far(q, momentum, moments, t);
 }
 
-/* --------------------------------------------------------------------------------------- >>particles/free_flight.h */
+/* ----------------------------------------------------------------------------------------------- >>motion/motion.h */
 /* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned
    about one. Reads bodies. Promises: the same bits whenever a state is evaluated.
 
@@ -3437,6 +3203,16 @@ DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem
    consecutive in the world's arrays. Their mass is the body's, and their contacts count for all of them; x, v, a and
    spin are those of their centres as parts of the body, valid at the origin step and while forces are computed. In
    flight use dem__at and its like, never the parabola. */
+
+/* Returns the first of two vectors: the force of a wrench. */
+DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
+/* Returns the second one: the torque of a wrench. */
+DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
+
+/* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
+DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) {
+    return w->engine->bodies.has_fixed && w->engine->bodies.fixed[i].on != 0;
+}
 
 /* Returns the acceleration of a particle in flight without loads [m/s2]. Bounds and the list rely on its being the same
    for all. */
@@ -3466,10 +3242,6 @@ DEM_INLINE dem__rigid *dem__rigid_of(const dem_world *w, ptrdiff_t i) {
     return bodies->rigid && bodies->rigid_of[i] > 0 ? &bodies->rigid[bodies->rigid_of[i] - 1] : NULL;
 }
 
-/* Particles first .. end-1 that move as one. */
-typedef struct dem__pieces {
-    ptrdiff_t first, end;
-} dem__pieces;
 /* Returns the particles of particle i's rigid body, or i alone. */
 DEM_INLINE dem__pieces dem__pieces_of(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
@@ -3532,17 +3304,15 @@ DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? r->a : w->particle[i].a;
 }
-/* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at
-   both ends, but not the right velocities; the error at its end shows how the acceleration changes. */
+/* Returns what velocities on the parabola lack [m/s]: in a force field the parabola has the right places at both ends of
+   a flight, but not the right velocities. */
 static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
-    const dem__field *field = &w->engine->field;
-    const dem__rigid *r = dem__rigid_of(w, i);
-    const ptrdiff_t first = r ? r->first : i; /* has the flight */
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
-    if (!field->on || w->engine->bodies.activity[i] || field->until[first] == DEM__NO_FLIGHT) return none;
-    const double whole = (double)(field->until[first] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
-    if (!(share >= 0.0 && share <= 1.0)) return none;
-    return dem__scale(share * (3.0 * share - 2.0), dem__sub(field->end_velocity[first], dem__drift_at(w, i, whole)));
+    dem_vec error = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->velocity_error) error = f->velocity_error(w, i, tau);
+    }
+    return error;
 }
 /* Returns the velocity as accurately as it is known. */
 static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
@@ -3553,8 +3323,9 @@ DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
     return r ? dem__posture_at(w, r, tau).spin : dem__sphere_spin_at(w, i, tau);
 }
 
-/* ----------------------------------------------------------------------------------------- >>particles/particles.h */
-/* Particles between steps: adding them, their energy, loads and motion, and what acts on all of them. */
+/* ------------------------------------------------------------------------------------------------ >>motion/state.h */
+/* The state of what moves: its origin, energies and accelerations. A particle moves by itself, with its rigid body, or
+   not at all where it is fixed; every question which of these it does is asked in this folder. */
 
 /* Makes the present step the origin of particle i: the state of its parabola becomes the stored one. */
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
@@ -3631,15 +3402,8 @@ DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
    accurate velocity that is known. */
 static inline void dem__restart(dem_world *w, ptrdiff_t i) {
     const dem_vec error = dem__velocity_error(w, i, dem__now(w, i));
-    dem__rigid *r = dem__rigid_of(w, i);
     dem__set_origin(w, i);
-    if (!w->engine->field.on) return;
-    dem__book_field_work(w, -dem__motion_energy(w, i));
-    if (r) {
-        r->v = dem__add(r->v, error);
-        w->engine->bodies.calls->place(w, r);
-    } else w->particle[i].v = dem__add(w->particle[i].v, error);
-    dem__book_field_work(w, dem__motion_energy(w, i));
+    DEM__TELL(w, correct_velocity, (w, i, error));
 }
 
 DEM_INLINE double dem__nearest(double d, double length) {
@@ -3655,54 +3419,15 @@ DEM_INLINE dem_vec dem__nearest_image(const dem_world *w, dem_vec d) {
     return d;
 }
 
-/* Returns the number of steps between two evaluations of the links, also for a loaded world without their law. */
-DEM_INLINE int dem__steps_of_links(const dem_world *w) {
-    const double n = floor(w->engine->links.interval / w->engine->run.dt);
-    return n < 1.0 ? 1 : n > 1000.0 ? 1000 : (int)n;
-}
-
-/* Returns the time since links were evaluated [s]. */
-DEM_INLINE double dem__since_evaluated(const dem_world *w) {
-    return w->engine->run.dt * (double)(w->step - w->engine->links.evaluated_step);
-}
-
-/* Returns the work of the link forces on particle i, which is at x and has a spin, since they were evaluated [J]. */
-DEM_INLINE double dem__link_work_until(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const dem__links *links = &w->engine->links;
-    const double turned = 0.5 * dem__since_evaluated(w);
-    const dem_vec way = dem__nearest_image(w, dem__sub(x, dem__first(links->evaluated_at[i])));
-    const dem_vec force = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->external[i]));
-    const dem_vec torque = dem__sub(dem__second(bodies->load[i]), dem__second(bodies->external[i]));
-    return dem__dot(force, way) + turned * dem__dot(torque, dem__add(spin, dem__second(links->evaluated_at[i])));
-}
-static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
-    const double tau = dem__now(w, i);
-    if (!w->engine->links.is_loaded[i] || dem__is_fixed(w, i)) return 0.0;
-    return dem__link_work_until(w, i, dem__at(w, i, tau), dem__spin_at(w, i, tau));
-}
-
-/* Stop and resume counting the work of links on some particles, while a caller changes how they move. The spin from
-   which counting resumes is the one that a particle would have had at the last evaluation. */
-static inline void dem__stop_link_work(dem_world *w, dem__pieces of) {
-    for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) dem__book_link_work(w, dem__link_work(w, k));
-}
-static inline void dem__resume_link_work(dem_world *w, dem__pieces of) {
-    for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) {
-        double *from = w->engine->links.evaluated_at[k];
-        const double tau = dem__now(w, k);
-        if (!w->engine->links.is_loaded[k]) continue;
-        const dem_vec x = dem__at(w, k, tau),
-                      spin = dem__plus(dem__spin_at(w, k, tau), -dem__since_evaluated(w), w->spin_rate[k]);
-        for (int a = 0; a < 3; a++) from[a] = dem_axis(x, a), from[3 + a] = dem_axis(spin, a);
-        dem__book_link_work(w, -dem__link_work(w, k));
-    }
-}
 static inline dem__pieces dem__all_particles(const dem_world *w) {
     dem__pieces all;
     all.first = 0, all.end = w->count;
     return all;
 }
+
+/* Begin and end a change of how some particles move, by the caller. */
+static inline void dem__begin_change(dem_world *w, dem__pieces of) { DEM__TELL(w, begin_change, (w, of)); }
+static inline void dem__end_change(dem_world *w, dem__pieces of) { DEM__TELL(w, end_change, (w, of)); }
 
 /* Sets what turns forces on particle i into accelerations. */
 static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
@@ -3733,105 +3458,66 @@ static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     w->spin_rate[i] = dem__scale(sum->per_inertia, dem__second(bodies->load[i]));
 }
 
-DEM_INLINE double dem__sphere_mass(const dem_world *w, int material, double radius) {
-    const double d = 2.0 * radius;
-    return RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
+DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
+    const double *e = w->engine->bodies.external[i];
+    return e[0] != 0.0 || e[1] != 0.0 || e[2] != 0.0 || e[3] != 0.0 || e[4] != 0.0 || e[5] != 0.0;
 }
 
-/* Returns whether a diameter gives a mass and an inertia that are numbers. */
-static inline int dem__is_size(const dem_world *w, int material, double d) {
-    return dem__positive(d) && dem__positive(dem__sphere_mass(w, material, 0.5 * d) * d * d);
+/* Returns whether particle i, or any particle of its rigid body, has a load or is fixed. */
+DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
+    const dem__pieces own = dem__pieces_of(w, i);
+    int loaded = dem__is_fixed(w, i); /* does not fall */
+    for (ptrdiff_t k = own.first; k < own.end; k++) loaded |= dem__has_load(w, k);
+    return loaded;
 }
 
-/* Makes room for n more particles. Returns 0 when out of memory. */
-static inline int dem__reserve_particles(dem_world *w, ptrdiff_t n) {
-    dem__array list[DEM__ARRAYS_MAX];
+/* Makes particle i take steps from now on. */
+DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
-    return w->count + n + 1 <= bodies->capacity ||
-           dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
-                           w->count + n + 1);
+    if (bodies->activity[i]) return;
+    bodies->activity[i] = 1;
+    bodies->active[bodies->active_count++] = (int32_t)i;
+}
+/* Makes particle i, or all particles of its rigid body, take steps from now on. */
+DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) dem__wake_one(w, k);
 }
 
-/* Adds a particle at rest, for which there is room. Returns its number. */
-static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius, double mass, int material,
-                                          int group) {
-    const ptrdiff_t i = w->count++;
-    dem__bodies *bodies = &w->engine->bodies;
-    dem_particle *p = &w->particle[i];
-    p->x = dem__in_box(w, x);
-    p->v = dem_vec3(0.0, 0.0, 0.0);
-    p->spin = dem_vec3(0.0, 0.0, 0.0);
-    for (int a = 0; a < 6; a++) bodies->load[i][a] = bodies->external[i][a] = 0.0;
-    p->radius = radius;
-    p->mass = mass;
-    if (bodies->has_fixed) memset(&bodies->fixed[i], 0, sizeof *bodies->fixed);
-    dem__set_inverse_mass(w, i);
-    w->particle[i].origin = w->step;
-    w->id[i] = bodies->next_id++;
-    bodies->number[i] = (int32_t)(i - bodies->dropped);
-    w->material[i] = material;
-    w->group[i] = group;
-    w->alive[i] = 1;
-    w->touching[i] = bodies->activity[i] = 0;
-    w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
-    w->engine->links.is_loaded[i] = 0;
-    memset(&bodies->bound[i], 0, sizeof bodies->bound[i]);
-    bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
-    if (bodies->rigid) bodies->rigid_of[i] = 0;
-    if (w->engine->convex.shapes > 0)
-        w->engine->convex.shape_of[i] = 0; /* a polyhedron that has gone may have had this entry */
-    if (w->engine->field.on)
-        w->engine->field.until[i] = DEM__NO_FLIGHT, w->engine->field.force[i] = dem_vec3(0.0, 0.0, 0.0);
-    return i;
+/* Returns the rotation from the principal axes of the body of particle i to the frame in which its shape was given. */
+static inline dem_quaternion dem__given_frame(const dem_world *w, ptrdiff_t i, const dem__rigid *r) {
+    const dem_convex *s = dem__shape_of(w, i);
+    if (!s) return r->frame;
+    const dem_quaternion own = dem__turn_of_shape(s);
+    return own.w != 1.0 ? dem__turns(own, r->frame) : r->frame;
 }
 
-DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters,
-                                   int material, int group) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && (!centres || !diameters)) || material < 0 ||
-        material >= w->def.materials)
-        return DEM_BAD_ARGUMENT;
-    if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
-    for (ptrdiff_t k = 0; k < n; k++) {
-        const dem_vec at = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
-        if (!dem__is_size(w, material, diameters[k]) || !dem__finite_vec(at) || !dem__is_place(dem__in_box(w, at)))
-            return DEM_BAD_ARGUMENT;
-    }
-    if (!dem__reserve_particles(w, n)) return DEM_OUT_OF_MEMORY;
-    for (ptrdiff_t k = 0; k < n; k++) {
-        const dem_vec x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
-        const ptrdiff_t i = dem__put_particle(w, x, 0.5 * diameters[k],
-                                              dem__sphere_mass(w, material, 0.5 * diameters[k]), material, group);
-        dem__free_acceleration(w, i);
-        dem__book_added(w, dem__potential(w, i));
-    }
-    if (n > 0) w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
-    return DEM_OK;
+/* Returns the position of a rigid body now, within the periodic box. */
+static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
+    const double tau = dem__now(w, r->first);
+    return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
 }
 
-/* Sets the number of steps between two evaluations of the links, and the step of the last one as it would have been
-   with it. */
-static inline void dem__set_link_steps(dem_world *w) {
-    dem__links *links = &w->engine->links;
-    if (!links->on) return;
-    if (links->law) links->every = dem__steps_of_links(w);
-    links->evaluated_step = w->step - w->step % dem__steps_of_links(w);
+static inline int dem__is_present(const dem_world *w, ptrdiff_t i) {
+    return w && i >= 0 && i < w->count && w->alive[i];
 }
+
+/* ----------------------------------------------------------------------------------------------- >>motion/change.h */
+/* What a caller changes between runs: motion, orientation, load, gravity, the time step. */
 
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !dem__is_time_step(dt)) return DEM_BAD_ARGUMENT;
-    dem__stop_link_work(w, dem__all_particles(w));
+    dem__begin_change(w, dem__all_particles(w));
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__restart(w, i);
     }
     w->engine->run.start_time = w->time;
     w->engine->run.start_step = w->step;
     w->def.dt = w->engine->run.dt = dt;
-    dem__set_link_steps(w);
-    dem__resume_link_work(w, dem__all_particles(w));
+    DEM__TELL(w, set_time_step, (w));
+    dem__end_change(w, dem__all_particles(w));
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
@@ -3866,48 +3552,6 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
     return DEM_OK;
 }
 
-DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair) {
-    dem_world *w = world;
-    if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn || !pair || a < 0 || b < 0 || a >= w->def.materials || b >= w->def.materials ||
-        dem__bad_pair(pair))
-        return DEM_BAD_ARGUMENT;
-    dem_pair_def *own = dem_pair(&w->def, a, b);
-    *own = *pair, own->given = 1;
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return DEM_OK;
-}
-
-DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
-    const double *e = w->engine->bodies.external[i];
-    return e[0] != 0.0 || e[1] != 0.0 || e[2] != 0.0 || e[3] != 0.0 || e[4] != 0.0 || e[5] != 0.0;
-}
-
-/* Returns whether particle i, or any particle of its rigid body, has a load or is fixed. */
-DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
-    const dem__pieces own = dem__pieces_of(w, i);
-    int loaded = dem__is_fixed(w, i); /* does not fall */
-    for (ptrdiff_t k = own.first; k < own.end; k++) loaded |= dem__has_load(w, k);
-    return loaded;
-}
-
-/* Makes particle i take steps from now on. */
-DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
-    dem__bodies *bodies = &w->engine->bodies;
-    if (bodies->activity[i]) return;
-    bodies->activity[i] = 1;
-    bodies->active[bodies->active_count++] = (int32_t)i;
-}
-/* Makes particle i, or all particles of its rigid body, take steps from now on. */
-DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
-    const dem__pieces own = dem__pieces_of(w, i);
-    for (ptrdiff_t k = own.first; k < own.end; k++) dem__wake_one(w, k);
-}
-
-static inline int dem__is_present(const dem_world *w, ptrdiff_t i) {
-    return w && i >= 0 && i < w->count && w->alive[i];
-}
-
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
@@ -3915,14 +3559,14 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) i = r->first;
     if (r && dem__is_fixed(w, i) && dem__dot(spin, spin) > 0.0) return DEM_BAD_ARGUMENT;
-    dem__stop_link_work(w, dem__pieces_of(w, i));
+    dem__begin_change(w, dem__pieces_of(w, i));
     dem__restart(w, i);
     dem__book_motion(w, -dem__motion_energy(w, i));
     w->particle[i].v = dem__flushed_vec(velocity);
     w->particle[i].spin = dem__flushed_vec(spin);
     if (r) w->engine->bodies.calls->set_motion(w, r, dem__flushed_vec(velocity), dem__flushed_vec(spin));
     dem__book_motion(w, dem__motion_energy(w, i));
-    dem__resume_link_work(w, dem__pieces_of(w, i));
+    dem__end_change(w, dem__pieces_of(w, i));
     w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
@@ -3933,7 +3577,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     if (!dem__is_present(w, i) || !dem__moderate_vec(dem__scale(1.0 / w->particle[i].mass, force)) ||
         !dem__moderate_vec(dem__scale(1.0 / dem__inertia(w, i), torque)))
         return DEM_BAD_ARGUMENT;
-    dem__stop_link_work(w, dem__pieces_of(w, i));
+    dem__begin_change(w, dem__pieces_of(w, i));
     dem__restart(w, i);
     double *load = w->engine->bodies.load[i], *external = w->engine->bodies.external[i];
     dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
@@ -3949,14 +3593,1619 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     for (int a = 0; a < 6; a++) {
         const double change = wanted[a] - external[a];
         if (!fixed) *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
-        load[a] = !w->engine->links.is_loaded[i] ? wanted[a] : load[a] + change;
+        load[a] = load[a] == external[a] ? wanted[a] : load[a] + change; /* links add to it */
         external[a] = wanted[a];
     }
     if (r) w->engine->bodies.calls->place(w, r);
     if (!w->touching[i]) dem__free_acceleration(w, i);
-    dem__resume_link_work(w, dem__pieces_of(w, i));
+    dem__end_change(w, dem__pieces_of(w, i));
     dem__wake(w, i); /* a loaded particle is not in free flight */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    dem_quaternion q;
+    if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) return DEM_BAD_ARGUMENT;
+    dem__begin_change(w, dem__pieces_of(w, i));
+    dem__restart(w, i);
+    dem__book_motion(w, -dem__rotational(w, r->first));
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    r->turn = dem__turns(q, dem__given_frame(w, i, r));
+    w->engine->bodies.calls->set_motion(w, r, r->v, spin);
+    dem__book_motion(w, dem__rotational(w, r->first));
+    if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
+    dem__end_change(w, dem__pieces_of(w, i));
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+/* -------------------------------------------------------------------------------------------------- >>walls/kind.h */
+/* What a kind of wall is: one row of flags and functions, in the file of that kind. The engine asks the row of a wall
+   (wall->kind__), which the function that adds the wall sets, so that a program compiles only the kinds that it adds.
+   walls/kinds.h lists all rows. Functions get the place of a centre from the wall's origin, in the world's axes. */
+
+/* A place where a sphere is near a wall. */
+typedef struct dem__touch {
+    double gap, curvature;
+    dem_vec normal; /* from the wall to the sphere */
+    int32_t element;
+    int32_t face; /* mesh: the triangle that has the nearest point inside its edges; -1: none */
+} dem__touch;
+
+enum {
+    DEM__TOUCHES = 4, /* places of a wall that a sphere touches, at most */
+    DEM__NUMBERS = 16 /* contacts of a particle with a mesh, at most, including those that end in this step */
+};
+
+/* An edge of a wall that edges of polyhedra can cross: a line, or a capsule about one. */
+typedef struct dem__wall_edge {
+    dem_vec from, to; /* [m] */
+    double radius;    /* 0: sharp */
+    int32_t key;
+    int ends;     /* bit 0, bit 1: it ends at a corner of the wall there */
+    int is_sided; /* 1: it protrudes along `outward` only; 0: it can be touched from all around */
+    int is_axis;  /* 1: the axis of a bar, into which no core may pass */
+    double sign;  /* 1, -1: it is touched where the normal is on this side of `side`; 0: everywhere */
+    dem_vec outward, side;
+} dem__wall_edge;
+
+/* Gets the edges and corners of a wall. A corner is a ball about x; tip: its outward direction, 0: it can be touched
+   from all sides. */
+typedef struct dem__edge_visitor dem__edge_visitor;
+struct dem__edge_visitor {
+    void (*corner)(dem__edge_visitor *v, dem_vec x, double radius, dem_vec tip, int32_t key);
+    void (*edge)(dem__edge_visitor *v, const dem__wall_edge *e);
+};
+
+/* Keys tell the points of a polyhedron at a wall apart: first those of its corners, DEM_CORNERS_MAX for each place of
+   the wall that has keys of its own; then one for each corner of the wall, and DEM__EDGE_KEYS for each of its edges. */
+enum {
+    DEM__CROSSINGS_MAX = 4,                                       /* of an edge with a curved sheet, at most */
+    DEM__EDGE_KEYS = 5 * DEM_EDGES_MAX,                           /* of an edge of a wall */
+    DEM__SEARCH_KEYS = 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX,    /* of a curved sheet */
+    DEM__ELEMENT_KEYS = DEM_CORNERS_MAX + 2 + 3 * DEM__EDGE_KEYS, /* of a bar: all of its keys */
+    DEM__ELEMENTS_FROM = 1 << 18, /* added to the number of an element, which may be negative */
+    DEM__PLACE_DIRECTIONS = 54    /* directions of normals at a mesh, as places of corners */
+};
+
+/* Flags of a kind. */
+enum {
+    DEM__NO_SURFACE = 1, /* nothing touches it: particles beyond it leave */
+    DEM__HALF_SPACE = 2, /* a half space: dem__touch_flat finds where it is touched */
+    DEM__CONVEX = 4,     /* seen from where particles are, so that a gap shrinks no faster than along its normal, but
+                            for `closing` */
+    DEM__KEEPS_CURVATURE = 8, /* a contact keeps the curvature with which it began */
+    DEM__TRIANGULATED = 16,   /* made of the triangles in wall->tree: a contact keeps the place that it follows */
+    DEM__CURVED_SHEET = 32    /* where it touches the edges of a polyhedron must be searched along them */
+};
+
+/* How corners of a convex body tell its gap to a wall: some other part may be nearer, none is, or they say nothing. */
+enum { DEM__CORNERS_SOME, DEM__CORNERS_ALL, DEM__CORNERS_NONE };
+
+/* A kind of wall. NULL where nothing is said. */
+typedef struct dem__wall_kind {
+    int kind, flags;                    /* dem_wall_kind; DEM__HALF_SPACE and others */
+    int (*is_sound)(const dem_wall *w); /* returns whether its lengths, from a file, are those of such a wall */
+    /* Finds the places where a sphere's gap is below `limit`, at most DEM__TOUCHES: gap, normal, and what is not 0 of
+       curvature and element. Returns their number; least: a lower limit of the gap. */
+    int (*touch)(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out, double *least);
+    /* With several elements that are touched by themselves: computes the touch at one of them, whose number is set, at
+       any gap; and returns a lower limit of the gap to those that `touch` does not return. NULL: one element. */
+    void (*touch_element)(const dem_wall *w, dem_vec d, double radius, int32_t element, dem__touch *out);
+    double (*other_elements)(const dem_wall *w, double radius, double lowest);
+    /* Round walls: computes the vector from the axis or centre to the sphere's centre, and how far from there the
+       surface is. Returns 1 if the sphere is outside, -1 if inside, 0 if the place is not round or has no normal. */
+    double (*reach_round)(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner);
+    /* Returns the rate of change of the normal n [1/s] for a sphere that moves at u in the wall's own frame. inverse: 1
+       / distance from the axis of a round wall, with the sign of the side. NULL: 0. */
+    dem_vec (*normal_rate)(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n, double inverse,
+                           dem_vec u);
+    int (*is_endless)(const dem_wall *w, int axis); /* returns whether it is the same all along an axis of the world */
+    /* Returns a limit of the acceleration with which the gap of a place shrinks for a sphere in free fall, at u [m/s]
+       from the wall. NULL: that of gravity and of the wall. */
+    double (*closing)(const dem_wall *w, const dem__touch *touch, double radius, dem_vec gravity, dem_vec u);
+    /* For polyhedra. */
+    int (*corners)(const dem_wall *w); /* returns DEM__CORNERS_.. */
+    /* Shows a visitor the edges and corners that may be within `reach` of a centre, from which their places are. */
+    void (*edges)(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v);
+    int (*crosses)(const dem_wall *w, dem_vec p, dem_vec q); /* sheet: returns whether the line from p to q cuts it */
+} dem__wall_kind;
+
+/* Returns whether the kind of a wall has one of some flags. */
+DEM_INLINE int dem__has(const dem_wall *w, int flags) { return (w->kind__->flags & flags) != 0; }
+DEM_INLINE int dem__has_surface(const dem_wall *w) { return !dem__has(w, DEM__NO_SURFACE); }
+/* Returns whether a wall has several elements, which are touched by themselves. */
+DEM_INLINE int dem__has_elements(const dem_wall *w) { return w->kind__->touch_element != NULL; }
+
+/* Returns whether a wall acts on particles of a group. */
+DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) {
+    return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u);
+}
+/* Returns whether a wall is enabled and acts on particle i. */
+DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
+    return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
+}
+
+/* Converts a vector to a wall's own frame, and back. */
+DEM_INLINE dem_vec dem__to_frame(const dem_wall *w, dem_vec d) {
+    return dem_vec3(dem__dot(d, w->axis[0]), dem__dot(d, w->axis[1]), dem__dot(d, w->axis[2]));
+}
+DEM_INLINE dem_vec dem__from_frame(const dem_wall *w, dem_vec v) {
+    return dem__add(dem__add(dem__scale(v.x, w->axis[0]), dem__scale(v.y, w->axis[1])), dem__scale(v.z, w->axis[2]));
+}
+
+DEM_INLINE void dem__touch_flat(const dem_wall *w, dem_vec d, double radius, dem__touch *out) {
+    out->element = 0;
+    out->gap = dem__dot(d, w->axis[2]) - radius;
+    out->normal = w->axis[2], out->curvature = 0.0;
+}
+
+/* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and
+   those that overlap). Returns their number; least: a lower limit of the gap. */
+DEM_INLINE int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out,
+                               double *least) {
+    out[0].element = 0;
+    out[0].curvature = 0.0;
+    return w->kind__->touch(w, dem__sub(centre, w->position), radius, limit, out, least);
+}
+
+/* Finds the one place where an element of a wall is touched, at any gap. */
+static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double radius, int32_t element,
+                                      dem__touch *out) {
+    double least;
+    if (dem__has_elements(w)) {
+        w->kind__->touch_element(w, dem__sub(centre, w->position), radius, element, out);
+        return;
+    }
+    dem__touch touch[DEM__TOUCHES]; /* a mesh can be touched in several places */
+    touch[0].gap = HUGE_VAL, touch[0].normal = w->axis[2];
+    dem__touch_wall(w, centre, radius, HUGE_VAL, touch, &least);
+    *out = touch[0];
+}
+
+/* As dem__wall_kind.reach_round; 0 if the wall is not round. */
+DEM_INLINE double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t element, dem_vec *from, double *inner) {
+    return w->kind__->reach_round ? w->kind__->reach_round(w, dem__sub(centre, w->position), element, from, inner)
+                                  : 0.0;
+}
+/* As dem__wall_kind.normal_rate. */
+DEM_INLINE dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n,
+                                    double inverse, dem_vec u) {
+    return w->kind__->normal_rate
+               ? w->kind__->normal_rate(w, dem__sub(centre, w->position), radius, element, n, inverse, u)
+               : dem_vec3(0.0, 0.0, 0.0);
+}
+
+/* Returns the velocity of a wall's surface at a point whose normal is n. */
+DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
+    const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
+    return dem__add(dem__add(w->velocity, turning), dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n)));
+}
+/* Returns the acceleration of a wall's surface at a point. */
+DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
+    const dem_vec omega = dem__scale(w->spin, w->spin_axis), arm = dem__sub(point, w->position);
+    const dem_vec inward = dem__cross(omega, dem__cross(omega, arm));
+    return dem__add(w->acceleration, dem__add(inward, dem__scale(w->spin_rate, dem__cross(w->spin_axis, arm))));
+}
+
+/* --------------------------------------------------------------------------------------------------- >>walls/add.h */
+/* What the functions that add walls share. */
+
+static inline int dem__unit(dem_vec v, dem_vec *unit) {
+    double length = dem__length(v);
+    if (!(length >= 1e-140 && length <= DBL_MAX)) return 0; /* squares of shorter lengths lose digits */
+    *unit = dem__scale(1.0 / length, v);
+    return 1;
+}
+
+/* Completes a frame whose third axis is given. The first axis is near `along`, or any if that is parallel to the third.
+   Returns 0 if the third has no direction. */
+static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
+    dem_vec z, x;
+    if (!dem__unit(normal, &z)) return 0;
+    x = dem__sub(along, dem__scale(dem__dot(along, z), z));
+    if (!(dem__length(x) > 1e-6)) {
+        dem_vec other = fabs(z.x) < 0.9 ? dem_vec3(1, 0, 0) : dem_vec3(0, 1, 0);
+        x = dem__sub(other, dem__scale(dem__dot(other, z), z));
+    }
+    if (!dem__unit(x, &x)) return 0;
+    wall->axis[0] = wall->asked.rest_axis[0] = x;
+    wall->axis[1] = wall->asked.rest_axis[1] = dem__cross(z, x);
+    wall->axis[2] = wall->asked.rest_axis[2] = z;
+    return 1;
+}
+
+/* Makes room for what contacts with meshes and cones keep. Returns 0 when out of memory. */
+static inline int dem__make_touch_memory(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__array list[DEM__ARRAYS_MAX];
+    if (w->engine->walls.touch_keepers++ > 0 || contacts->capacity == 0) return 1;
+    if (dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
+                        contacts->capacity))
+        return 1;
+    w->engine->walls.touch_keepers--;
+    return 0;
+}
+
+/* Returns DEM_OK if a wall of a material can be added. */
+static inline dem_status dem__may_add_wall(const dem_world *w, int material) {
+    if (dem__is_running(w)) return DEM_BUSY;
+    return w && w->def.allocator.fn && material >= 0 && material < w->def.materials ? DEM_OK : DEM_BAD_ARGUMENT;
+}
+
+/* Adds a wall of a kind, at rest at asked.origin. Returns its index, or minus a dem_status. */
+static inline int dem__add_wall(dem_world *w, const dem__wall_kind *kind, int material, const dem_wall *shape) {
+    if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
+    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
+    if ((kind->flags & (DEM__KEEPS_CURVATURE | DEM__TRIANGULATED)) && !dem__make_touch_memory(w))
+        return -(int)DEM_OUT_OF_MEMORY;
+    dem_wall *a = &w->wall[w->walls];
+    *a = *shape;
+    a->kind = kind->kind, a->kind__ = kind;
+    a->material = material;
+    a->enabled = 1;
+    a->groups = 0xffffffffu;
+    a->position = a->asked.origin;
+    a->asked.motion_start = w->time;
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return w->walls++;
+}
+
+/* ------------------------------------------------------------------------------------------------- >>walls/sheet.h */
+/* What thin sheets share: their circular rims. */
+
+enum { DEM__RIM_POINTS = 16 }; /* points of a rim at which faces of polyhedra can touch it */
+
+/* Returns the rate of change of the normal n [1/s] where a surface or a rim goes around the axis axis[2]. radial: the
+   part of the place that is perpendicular to it; distance: from the rim to the sphere's centre; 0: not at a rim [m]. */
+static inline dem_vec dem__turn_about_axis(const dem_wall *w, dem_vec radial, double distance, dem_vec n, dem_vec u) {
+    const double from_axis = dem__length(radial);
+    if (!(from_axis > 0.0)) return dem_vec3(0.0, 0.0, 0.0);
+    const dem_vec outward = dem__scale(1.0 / from_axis, radial);
+    const dem_vec round = dem__cross(w->axis[2], outward);
+    const double about = dem__dot(u, round);
+    const dem_vec rate = dem__scale(dem__dot(n, outward) * about / from_axis, round);
+    if (distance == 0.0) return rate;
+    const dem_vec up = dem__sub(u, dem__add(dem__scale(dem__dot(u, n), n), dem__scale(about, round)));
+    return dem__plus(rate, 1.0 / distance, up);
+}
+
+/* Shows points of a rim as sharp corners. middle: its centre. */
+static inline void dem__show_rim(const dem_wall *w, dem_vec middle, double radius, double reach, int32_t key,
+                                 dem__edge_visitor *v) {
+    if (!(dem__length(middle) < radius + reach)) return;
+    for (int k = 0; k < (radius > 0.0 ? DEM__RIM_POINTS : 1); k++) {
+        const dem_vec out = dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI / (double)DEM__RIM_POINTS * (double)k);
+        v->corner(v, dem__plus(middle, radius, out), 0.0, dem_vec3(0.0, 0.0, 0.0), key + k);
+    }
+}
+
+/* -------------------------------------------------------------------------------------------------- >>walls/cone.h */
+/* Cones: frustums and tubes of finite length, as thin sheets. A sheet is touched from both sides and at its rims. */
+
+/* Computes the touch with a frustum. Its nearest point lies in the plane of axis and centre, on a segment. d: the
+   centre, from the low end. Returns 0 if the gap is not below `limit`; least: the gap. */
+static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                  double *least) {
+    const double up = dem__dot(d, w->axis[2]);
+    const dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
+    const double rho = dem__length(radial), rise = w->high_radius - w->radius,
+                 slant = sqrt(rise * rise + w->length * w->length);
+    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is
+                                                                                       nearest: any point of it */
+    const double along = dem__clamp(((rho - w->radius) * rise + up * w->length) / (slant * slant), 0.0, 1.0);
+    const double x = rho - (w->radius + along * rise), y = up - along * w->length;
+    double distance = sqrt(x * x + y * y), nx = w->length / slant, ny = -rise / slant;
+    const int on_rim = !(along > 0.0 && along < 1.0);
+    if (!on_rim) { /* from the side's own normal, which is accurate near the surface */
+        const double side = (rho - w->radius) * nx + up * ny;
+        distance = fabs(side);
+        if (side < 0.0) nx = -nx, ny = -ny;
+    } else if (distance > 0.0) nx = x / distance, ny = y / distance;
+    *least = out[0].gap = distance - radius;
+    if (!(*least < limit)) return 0;
+    out[0].normal = dem__add(dem__scale(nx, outward), dem__scale(ny, w->axis[2]));
+    /* that half way up: one contact type wherever a contact begins; spheres wider than the ring lie on a rim */
+    out[0].curvature = on_rim ? 0.0 : (nx < 0.0 ? -1.0 : 1.0) * w->length / (slant * (w->radius + w->high_radius));
+    return 1;
+}
+
+/* Returns the rate of change of the normal [1/s]; at a rim it is that of a ring. */
+static inline dem_vec dem__turn_at_cone(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
+                                        double inverse, dem_vec u) {
+    dem__touch touch;
+    double least;
+    (void)element, (void)inverse;
+    if (!dem__touch_cone(w, d, radius, HUGE_VAL, &touch, &least)) return dem_vec3(0.0, 0.0, 0.0);
+    const dem_vec radial = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
+    return dem__turn_about_axis(w, radial, touch.curvature != 0.0 ? 0.0 : radius + touch.gap, n, u);
+}
+
+static inline int dem__is_cone(const dem_wall *w) {
+    return dem__positive(w->length) && dem__not_negative(w->radius) && dem__not_negative(w->high_radius) &&
+           dem__positive(w->radius + w->high_radius);
+}
+
+/* Returns whether the line from p to q passes through the sheet. */
+static inline int dem__crosses_cone(const dem_wall *w, dem_vec p, dem_vec q) {
+    const dem_vec u = dem__sub(q, p);
+    const double slope = (w->high_radius - w->radius) / w->length, z = dem__dot(p, w->axis[2]),
+                 along = dem__dot(u, w->axis[2]);
+    const double r = w->radius + slope * z, dr = slope * along; /* radius of the cone at p, and its change to q */
+    const double a = dem__dot(u, u) - along * along - dr * dr, b = dem__dot(p, u) - z * along - r * dr;
+    const double c = dem__dot(p, p) - z * z - r * r, root = sqrt(b * b > a * c ? b * b - a * c : 0.0);
+    const double t[2] = {b > 0.0 ? c / (-b - root) : (root - b) / a, b > 0.0 ? (-b - root) / a : c / (root - b)};
+    if (b * b < a * c) return 0;
+    for (int k = 0; k < 2; k++) {
+        if (t[k] >= 0.0 && t[k] <= 1.0 && z + t[k] * along >= 0.0 && z + t[k] * along <= w->length &&
+            r + t[k] * dr >= 0.0)
+            return 1;
+    }
+    return 0;
+}
+
+/* Shows points of both rims. */
+static inline void dem__cone_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    const dem_vec low = dem__sub(w->position, centre);
+    dem__show_rim(w, low, w->radius, reach, DEM_CORNERS_MAX + DEM__SEARCH_KEYS, v);
+    dem__show_rim(w, dem__plus(low, w->length, w->axis[2]), w->high_radius, reach,
+                  DEM_CORNERS_MAX + DEM__SEARCH_KEYS + DEM__RIM_POINTS, v);
+}
+
+static inline const dem__wall_kind *dem__cone(void) {
+    static const dem__wall_kind row = {
+        DEM_CONE,                                 /* kind */
+        DEM__KEEPS_CURVATURE | DEM__CURVED_SHEET, /* flags */
+        dem__is_cone,                             /* is_sound */
+        dem__touch_cone,                          /* touch */
+        NULL,                                     /* touch_element */
+        NULL,                                     /* other_elements */
+        NULL,                                     /* reach_round */
+        dem__turn_at_cone,                        /* normal_rate */
+        NULL,                                     /* is_endless */
+        NULL,                                     /* closing */
+        NULL,                                     /* corners */
+        dem__cone_edges,                          /* edges */
+        dem__crosses_cone                         /* crosses */
+    };
+    return &row;
+}
+
+DEM_API dem_cone dem_default_cone(void) {
+    dem_cone c;
+    c.low = dem_vec3(0, 0, 0);
+    c.high = dem_vec3(0, 0, 0.1);
+    c.low_radius = 0.02;
+    c.high_radius = 0.1;
+    return c;
+}
+
+DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
+    dem_wall wall;
+    const dem_status status = dem__may_add_wall(world, material);
+    memset(&wall, 0, sizeof wall);
+    if (status != DEM_OK) return -(int)status;
+    if (!cone || !dem__is_place(cone->low) || !dem__is_place(cone->high)) return -(int)DEM_BAD_ARGUMENT;
+    const dem_vec axis = dem__sub(cone->high, cone->low);
+    wall.asked.origin = cone->low;
+    wall.radius = cone->low_radius;
+    wall.high_radius = cone->high_radius;
+    wall.length = dem__length(axis);
+    if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0)) || !dem__is_cone(&wall)) return -(int)DEM_BAD_ARGUMENT;
+    return dem__add_wall(world, dem__cone(), material, &wall);
+}
+
+/* ------------------------------------------------------------------------------------------------- >>walls/round.h */
+/* What cylinders and spheres share. `radial` is the part of the place that is perpendicular to an axis, or all of it. */
+
+/* Finds the touch with a surface of constant radius. part: its mean curvature times the radius [-]. */
+DEM_INLINE int dem__touch_round(const dem_wall *w, dem_vec radial, double part, double radius, double limit,
+                                dem__touch *out, double *least) {
+    const double distance = dem__length(radial), side = w->inside ? -1.0 : 1.0;
+    *least = out[0].gap = side * (distance - w->radius) - radius;
+    if (!(out[0].gap < limit) || !(distance > 0.0)) return 0;
+    out[0].normal = dem__scale(side / distance, radial);
+    out[0].curvature = part * side / w->radius;
+    return 1;
+}
+
+/* Returns which side of a surface of constant radius a sphere is on; 0 where it has no normal. */
+DEM_INLINE double dem__side_of_round(const dem_wall *w, dem_vec radial, dem_vec *from, double *inner) {
+    *from = radial;
+    *inner = w->radius;
+    return !(dem__dot(radial, radial) > 0.0) ? 0.0 : w->inside ? -1.0 : 1.0;
+}
+
+static inline int dem__is_round(const dem_wall *w) { return w->radius > 0.0 && w->radius <= DBL_MAX; }
+
+/* Adds a cylinder or a sphere. */
+static inline int dem__add_round(dem_world *w, const dem__wall_kind *kind, int material, dem_vec point, dem_vec axis,
+                                 double radius, int inside) {
+    dem_wall wall;
+    const dem_status status = dem__may_add_wall(w, material);
+    memset(&wall, 0, sizeof wall);
+    if (status != DEM_OK) return -(int)status;
+    if (!dem__is_place(point) || !dem__finite_vec(axis) || !dem__positive(radius) ||
+        !dem__frame(&wall, axis, dem_vec3(1, 0, 0)))
+        return -(int)DEM_BAD_ARGUMENT;
+    wall.asked.origin = point;
+    wall.radius = radius;
+    wall.inside = inside != 0;
+    return dem__add_wall(w, kind, material, &wall);
+}
+
+/* ---------------------------------------------------------------------------------------------- >>walls/cylinder.h */
+/* Cylinders without ends: with particles inside, or outside. */
+
+/* Returns the part of a vector that is perpendicular to the axis. */
+DEM_INLINE dem_vec dem__across_axis(const dem_wall *w, dem_vec d) {
+    return dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
+}
+
+static inline int dem__touch_cylinder(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                      double *least) {
+    return dem__touch_round(w, dem__across_axis(w, d), 0.5, radius, limit, out, least);
+}
+
+static inline double dem__reach_cylinder(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner) {
+    (void)element;
+    return dem__side_of_round(w, dem__across_axis(w, d), from, inner);
+}
+
+static inline dem_vec dem__turn_at_cylinder(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
+                                            double inverse, dem_vec u) {
+    (void)d, (void)radius, (void)element;
+    return dem__scale(inverse, dem__across_axis(w, dem__sub(u, dem__scale(dem__dot(u, n), n))));
+}
+
+static inline int dem__is_along_cylinder(const dem_wall *w, int axis) {
+    return fabs(dem_axis(w->axis[2], axis)) == 1.0;
+}
+
+/* Along the axis nothing closes the gap. From inside, a straight path at u bends towards the surface: the distance from
+   the axis grows by no more than the outward velocity and u_side^2 / distance give. */
+static inline double dem__closing_at_cylinder(const dem_wall *w, const dem__touch *touch, double radius,
+                                              dem_vec gravity, dem_vec u) {
+    const double along = dem__dot(gravity, w->axis[2]), from_axis = w->radius - radius - touch->gap;
+    const double a = sqrt(fabs(dem__dot(gravity, gravity) - along * along)) + w->side_bound;
+    if (!w->inside) return a;
+    const double up = dem__dot(u, w->axis[2]);
+    return a + (from_axis > 0.0 ? (dem__dot(u, u) - up * up) / from_axis : HUGE_VAL);
+}
+
+static inline int dem__cylinder_corners(const dem_wall *w) { return w->inside ? DEM__CORNERS_ALL : DEM__CORNERS_SOME; }
+
+/* From outside, a cylinder is one long edge: as long as edges of a polyhedron can cross it. */
+static inline void dem__cylinder_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    const dem_vec foot = dem__across_axis(w, dem__sub(w->position, centre));
+    const double far_off = 4.0 * (reach + w->radius);
+    dem__wall_edge e;
+    if (w->inside) return;
+    memset(&e, 0, sizeof e);
+    e.from = dem__plus(foot, -far_off, w->axis[2]), e.to = dem__plus(foot, far_off, w->axis[2]);
+    e.radius = w->radius;
+    e.key = DEM_CORNERS_MAX;
+    v->edge(v, &e);
+}
+
+static inline const dem__wall_kind *dem__cylinder(void) {
+    static const dem__wall_kind row = {
+        DEM_CYLINDER,             /* kind */
+        DEM__CONVEX,              /* flags */
+        dem__is_round,            /* is_sound */
+        dem__touch_cylinder,      /* touch */
+        NULL,                     /* touch_element */
+        NULL,                     /* other_elements */
+        dem__reach_cylinder,      /* reach_round */
+        dem__turn_at_cylinder,    /* normal_rate */
+        dem__is_along_cylinder,   /* is_endless */
+        dem__closing_at_cylinder, /* closing */
+        dem__cylinder_corners,    /* corners */
+        dem__cylinder_edges,      /* edges */
+        NULL                      /* crosses */
+    };
+    return &row;
+}
+
+DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside) {
+    return dem__add_round(world, dem__cylinder(), material, point, axis, radius, inside);
+}
+
+/* -------------------------------------------------------------------------------------------------- >>walls/disc.h */
+/* Discs: flat and thin, with or without a round hole in the middle. A disc is touched from both sides and at its rims. */
+
+/* Finds the touch: the nearest point lies in the plane of axis and centre, at the distance `at` from the axis. */
+static inline int dem__touch_disc(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                  double *least) {
+    const double up = dem__dot(d, w->axis[2]);
+    const dem_vec radial = dem__plus(d, -up, w->axis[2]);
+    const double rho = dem__length(radial), at = dem__clamp(rho, w->radius, w->high_radius), beyond = rho - at;
+    const double distance = beyond == 0.0 ? fabs(up) : sqrt(beyond * beyond + up * up);
+    *least = out[0].gap = distance - radius;
+    if (!(*least < limit)) return 0;
+    out[0].normal = dem__scale(up < 0.0 ? -1.0 : 1.0, w->axis[2]);
+    if (beyond == 0.0) return 1;
+    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is
+                                                                                       nearest: any point of it */
+    out[0].normal = dem__add(dem__scale(beyond / distance, outward), dem__scale(up / distance, w->axis[2]));
+    return 1;
+}
+
+/* Returns the rate of change of the normal [1/s]: 0 at a face; at a rim it is that of a ring. */
+static inline dem_vec dem__turn_at_disc(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
+                                        double inverse, dem_vec u) {
+    const dem_vec radial = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
+    const double rho = dem__length(radial);
+    dem__touch touch;
+    double least;
+    (void)element, (void)inverse;
+    if (rho >= w->radius && rho <= w->high_radius) return dem_vec3(0.0, 0.0, 0.0);
+    dem__touch_disc(w, d, radius, HUGE_VAL, &touch, &least);
+    return dem__turn_about_axis(w, radial, radius + touch.gap, n, u);
+}
+
+static inline int dem__is_disc(const dem_wall *w) {
+    return dem__not_negative(w->radius) && dem__positive(w->high_radius) && w->radius < w->high_radius;
+}
+
+/* Returns whether the line from p to q passes through the disc. */
+static inline int dem__crosses_disc(const dem_wall *w, dem_vec p, dem_vec q) {
+    const double from = dem__dot(p, w->axis[2]), to = dem__dot(q, w->axis[2]);
+    if (!(from * to < 0.0)) return 0;
+    const double rho = dem__length(dem__plus(p, from / (from - to), dem__sub(q, p)));
+    return rho >= w->radius && rho <= w->high_radius;
+}
+
+/* Shows points of the rims. */
+static inline void dem__disc_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    const dem_vec middle = dem__sub(w->position, centre);
+    const int32_t key = DEM_CORNERS_MAX + DEM__SEARCH_KEYS;
+    dem__show_rim(w, middle, w->high_radius, reach, key, v);
+    if (w->radius > 0.0) dem__show_rim(w, middle, w->radius, reach, key + DEM__RIM_POINTS, v);
+}
+
+static inline const dem__wall_kind *dem__disc(void) {
+    static const dem__wall_kind row = {
+        DEM_DISC,          /* kind */
+        DEM__CURVED_SHEET, /* flags */
+        dem__is_disc,      /* is_sound */
+        dem__touch_disc,   /* touch */
+        NULL,              /* touch_element */
+        NULL,              /* other_elements */
+        NULL,              /* reach_round */
+        dem__turn_at_disc, /* normal_rate */
+        NULL,              /* is_endless */
+        NULL,              /* closing */
+        NULL,              /* corners */
+        dem__disc_edges,   /* edges */
+        dem__crosses_disc  /* crosses */
+    };
+    return &row;
+}
+
+DEM_API dem_disc dem_default_disc(void) {
+    dem_disc d;
+    d.centre = dem_vec3(0, 0, 0);
+    d.normal = dem_vec3(0, 0, 1);
+    d.radius = 0.1;
+    d.hole_radius = 0.0;
+    return d;
+}
+
+DEM_API int dem_add_disc(dem_world *world, int material, const dem_disc *disc) {
+    dem_wall wall;
+    const dem_status status = dem__may_add_wall(world, material);
+    memset(&wall, 0, sizeof wall);
+    if (status != DEM_OK) return -(int)status;
+    if (!disc || !dem__is_place(disc->centre) || !dem__finite_vec(disc->normal) ||
+        !dem__frame(&wall, disc->normal, dem_vec3(1, 0, 0)))
+        return -(int)DEM_BAD_ARGUMENT;
+    wall.asked.origin = disc->centre;
+    wall.radius = disc->hole_radius;
+    wall.high_radius = disc->radius;
+    if (!dem__is_disc(&wall)) return -(int)DEM_BAD_ARGUMENT;
+    return dem__add_wall(world, dem__disc(), material, &wall);
+}
+
+/* ------------------------------------------------------------------------------------------------- >>walls/plane.h */
+/* Planes: half spaces, touched where the sphere is nearest. */
+
+static inline int dem__touch_plane(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                   double *least) {
+    dem__touch_flat(w, d, radius, out);
+    *least = out[0].gap;
+    return out[0].gap < limit;
+}
+
+/* Returns whether a plane is the same all along an axis of the world. */
+static inline int dem__is_along_plane(const dem_wall *w, int axis) { return dem_axis(w->axis[2], axis) == 0.0; }
+
+static inline int dem__plane_corners(const dem_wall *w) {
+    (void)w;
+    return DEM__CORNERS_ALL;
+}
+
+static inline const dem__wall_kind *dem__plane(void) {
+    static const dem__wall_kind row = {
+        DEM_PLANE,                     /* kind */
+        DEM__HALF_SPACE | DEM__CONVEX, /* flags */
+        NULL,                          /* is_sound */
+        dem__touch_plane,              /* touch */
+        NULL,                          /* touch_element */
+        NULL,                          /* other_elements */
+        NULL,                          /* reach_round */
+        NULL,                          /* normal_rate */
+        dem__is_along_plane,           /* is_endless */
+        NULL,                          /* closing */
+        dem__plane_corners,            /* corners */
+        NULL,                          /* edges */
+        NULL                           /* crosses */
+    };
+    return &row;
+}
+
+/* Adds a plane or an exit. */
+static inline int dem__add_flat(dem_world *w, const dem__wall_kind *kind, int material, dem_vec point, dem_vec normal) {
+    dem_wall wall;
+    const dem_status status = dem__may_add_wall(w, material);
+    memset(&wall, 0, sizeof wall);
+    if (status != DEM_OK) return -(int)status;
+    if (!dem__is_place(point) || !dem__finite_vec(normal) || !dem__frame(&wall, normal, dem_vec3(1, 0, 0)))
+        return -(int)DEM_BAD_ARGUMENT;
+    wall.asked.origin = point;
+    return dem__add_wall(w, kind, material, &wall);
+}
+
+DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal) {
+    return dem__add_flat(world, dem__plane(), material, point, normal);
+}
+
+/* -------------------------------------------------------------------------------------------------- >>walls/exit.h */
+/* Exits: planes without a surface. A particle leaves when its centre is beyond one. */
+
+static inline int dem__touch_exit(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                  double *least) {
+    (void)radius;
+    return dem__touch_plane(w, d, 0.0, limit, out, least);
+}
+
+static inline const dem__wall_kind *dem__exit(void) {
+    static const dem__wall_kind row = {
+        DEM_EXIT,                      /* kind */
+        DEM__NO_SURFACE | DEM__CONVEX, /* flags */
+        NULL,                          /* is_sound */
+        dem__touch_exit,               /* touch */
+        NULL,                          /* touch_element */
+        NULL,                          /* other_elements */
+        NULL,                          /* reach_round */
+        NULL,                          /* normal_rate */
+        dem__is_along_plane,           /* is_endless */
+        NULL,                          /* closing */
+        NULL,                          /* corners */
+        NULL,                          /* edges */
+        NULL                           /* crosses */
+    };
+    return &row;
+}
+
+DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) {
+    return dem__add_flat(world, dem__exit(), 0, point, normal);
+}
+
+/* -------------------------------------------------------------------------------------------- >>walls/mesh_touch.h */
+/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by
+   a search. */
+
+/* The face on which a contact with a mesh rests. It is the only place touched as long as the centre is within `slack`
+   of `at`, and a contact opens by less than that in a step. */
+typedef struct dem__footing {
+    dem_vec at;   /* in the wall's own frame */
+    double slack; /* [m]; 0: search */
+    int32_t face;
+} dem__footing;
+#define DEM__SMOOTH 0.9 /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides is round */
+
+/* Returns the vector from the plane of a triangle to p; distance: its length. All triangles of one plane give the same
+   vector. */
+DEM_INLINE dem_vec dem__above_face(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
+    const double up = dem__dot(dem__sub(p, t->vertex[t->corner[3 * k]]), t->normal[k]);
+    *distance = fabs(up);
+    return dem__scale(up, t->normal[k]);
+}
+
+/* Returns the vector from the nearest point of a triangle to p (Ericson 2005, Real-Time Collision Detection, 5.1.5).
+   distance: its length; inside: whether the point is not on an edge or a corner. */
+static inline dem_vec dem__from_triangle(const dem__tree *t, int32_t k, dem_vec p, double *distance, int *inside) {
+    const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]],
+                  c = t->vertex[t->corner[3 * k + 2]];
+    const dem_vec ab = dem__sub(b, a), ac = dem__sub(c, a), ap = dem__sub(p, a), bp = dem__sub(p, b),
+                  cp = dem__sub(p, c);
+    const double a1 = dem__dot(ab, ap), a2 = dem__dot(ac, ap), b1 = dem__dot(ab, bp), b2 = dem__dot(ac, bp),
+                 c1 = dem__dot(ab, cp), c2 = dem__dot(ac, cp);
+    const double to_ab = a1 * b2 - b1 * a2, to_ac = c1 * a2 - a1 * c2, to_bc = b1 * c2 - c1 * b2;
+    dem_vec v;
+    *inside = 0;
+    if (a1 <= 0.0 && a2 <= 0.0) v = ap;
+    else if (b1 >= 0.0 && b2 <= b1) v = bp;
+    else if (c2 >= 0.0 && c1 <= c2) v = cp;
+    else if (to_ab <= 0.0 && a1 >= 0.0 && b1 <= 0.0) v = dem__sub(ap, dem__scale(a1 / (a1 - b1), ab));
+    else if (to_ac <= 0.0 && a2 >= 0.0 && c2 <= 0.0) v = dem__sub(ap, dem__scale(a2 / (a2 - c2), ac));
+    else if (to_bc <= 0.0 && b2 >= b1 && c1 >= c2)
+        v = dem__sub(bp, dem__scale((b2 - b1) / ((b2 - b1) + (c1 - c2)), dem__sub(c, b)));
+    else {
+        *inside = 1;
+        return dem__above_face(t, k, p, distance);
+    }
+    *distance = dem__length(v);
+    return v;
+}
+
+/* Returns whether p is `reach` or more away from a node's box. */
+DEM_INLINE int dem__is_far(const dem__node *b, dem_vec p, double reach) {
+    const double x = p.x - dem__clamp(p.x, b->low[0], b->high[0]), y = p.y - dem__clamp(p.y, b->low[1], b->high[1]),
+                 z = p.z - dem__clamp(p.z, b->low[2], b->high[2]);
+    return !(x * x + y * y + z * z < reach * reach);
+}
+
+/* Returns whether a place is in the shadow of a nearer one, because a surface is touched only once: their normals agree
+   to 26 degrees, or the place does not rise over the nearer one's tangent plane, as edges and corners of a touched face
+   do not. */
+DEM_INLINE int dem__is_shadowed(const dem__touch *far_one, const dem__touch *near_one, double radius) {
+    const double flat = (1.0 - 1e-9) * (radius + near_one->gap) / (radius + far_one->gap);
+    return dem__dot(far_one->normal, near_one->normal) > (flat < DEM__SMOOTH ? flat : DEM__SMOOTH);
+}
+
+/* Returns whether p is certainly `far_off` or more away from the plane of a triangle. */
+DEM_INLINE int dem__is_off_plane(const dem__tree *t, int32_t k, dem_vec p, double far_off) {
+    const dem_vec d = dem__sub(p, t->vertex[t->corner[3 * k]]);
+    return fabs(dem__dot(d, t->normal[k])) - 1e-12 * (fabs(d.x) + fabs(d.y) + fabs(d.z)) > far_off;
+}
+
+static inline void dem__meet_triangle(const dem__tree *t, int32_t k, dem_vec p, double radius, dem__touch *touch) {
+    double distance;
+    int inside;
+    const dem_vec v = dem__from_triangle(t, k, p, &distance, &inside);
+    touch->gap = distance - radius;
+    touch->normal = distance > 0.0 ? dem__scale(1.0 / distance, v) : t->normal[k];
+    touch->curvature = 0.0;
+    touch->face = inside ? k : -1;
+}
+
+/* Finds the nearest place of a mesh, if its gap is below `limit`, and those with a gap below `deep` that no nearer one
+   shadows: at most DEM__TOUCHES, nearest first. Returns how many; least: the smallest gap, or limit. */
+static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, double deep, double limit,
+                                  dem__touch *out, double *least) {
+    const dem__tree *t = w->tree;
+    const dem_vec p = dem__to_frame(w, d);
+    dem__touch here;
+    int n = 0;
+    *least = limit;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, p, radius + *least)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            if (dem__is_off_plane(t, k, p, radius + *least)) continue;
+            dem__meet_triangle(t, k, p, radius, &here);
+            if (here.gap < *least) *least = here.gap, out[0] = here, n = 1;
+        }
+    }
+    for (int32_t b = *least < deep ? 0 : t->nodes; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, p, radius + deep)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            int at = 0, kept;
+            if (dem__is_off_plane(t, k, p, radius + deep)) continue;
+            dem__meet_triangle(t, k, p, radius, &here);
+            if (!(here.gap < deep)) continue;
+            while (at < n && out[at].gap <= here.gap && !dem__is_shadowed(&here, &out[at], radius)) at++;
+            if (at == DEM__TOUCHES || (at < n && out[at].gap <= here.gap)) continue;
+            kept = at;
+            for (int q = at; q < n; q++) { /* remove those in its shadow */
+                if (!dem__is_shadowed(&out[q], &here, radius)) out[kept++] = out[q];
+            }
+            n = kept < DEM__TOUCHES ? kept + 1 : DEM__TOUCHES;
+            for (int q = n - 1; q > at; q--) out[q] = out[q - 1];
+            out[at] = here;
+        }
+    }
+    for (int q = 0; q < n; q++) {
+        out[q].normal = dem__from_frame(w, out[q].normal);
+        out[q].element = q;
+    }
+    return n;
+}
+
+/* Returns how far q, a point of the plane of triangle k, is inside its edges [m]; < 0 outside. */
+static inline double dem__inside_edges(const dem__tree *t, int32_t k, dem_vec q) {
+    double least = HUGE_VAL;
+    for (int e = 0; e < 3; e++) {
+        const dem_vec u = t->vertex[t->corner[3 * k + e]], v = t->vertex[t->corner[3 * k + (e + 1) % 3]],
+                      along = dem__sub(v, u);
+        const double in = dem__dot(dem__sub(q, u), dem__cross(t->normal[k], along)) / dem__length(along);
+        least = in < least ? in : least;
+    }
+    return least;
+}
+
+/* Computes the footing of a sphere whose only touch is on a face. A triangle that rises above the plane of the face can
+   be touched, or become the nearest, after half its gap. One that does not rise is in the face's shadow; it becomes the
+   nearest only where the centre leaves the face for it. */
+static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, double radius, const dem__touch *touch) {
+    const dem__tree *t = w->tree;
+    const int32_t face = touch->face;
+    dem__footing f;
+    double height;
+    f.at = dem__to_frame(w, d), f.slack = 0.0, f.face = face;
+    if (face < 0 || !(touch->gap <= 0.0)) return f;
+    const dem_vec up = dem__above_face(t, face, f.at, &height), a = t->vertex[t->corner[3 * face]];
+    const double inside = dem__inside_edges(t, face, dem__sub(f.at, up));
+    const double above = height - 0.1 * radius; /* near the plane of the face, others are no longer in its shadow */
+    double slack = 0.25 * radius < inside ? 0.25 * radius : inside;
+    slack = above < slack ? above : slack;
+    if (!(slack > 0.0)) return f;
+    const dem_vec out = dem__scale(1.0 / height, up);
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, f.at, radius + 2.0 * slack)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            double distance, rise = 0.0;
+            int inner;
+            if (k == face) continue;
+            dem__from_triangle(t, k, f.at, &distance, &inner);
+            for (int c = 0; c < 3; c++) {
+                const double corner = dem__dot(dem__sub(t->vertex[t->corner[3 * k + c]], a), out);
+                rise = corner > rise ? corner : rise;
+            }
+            const double aside = distance * distance - height * height, /* the shadow's tolerance is 1e-9 */
+                reach = rise > 5e-10 * height ? 0.5 * (distance - radius) : sqrt(aside > 0.0 ? aside : 0.0);
+            slack = reach < slack ? reach : slack;
+        }
+    }
+    f.slack = slack > 0.0 ? 0.999 * slack : 0.0;
+    return f;
+}
+
+/* Computes the touch of a sphere that has not left its footing. Returns 0 if a search is needed. opens: the most that a
+   contact opens in a step [m]. */
+DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_vec d, double radius, double opens,
+                                  dem__touch *out) {
+    const dem_vec p = dem__to_frame(w, d), moved = dem__sub(p, f->at);
+    double distance;
+    if (!(f->slack > opens && dem__dot(moved, moved) < f->slack * f->slack)) return 0;
+    const dem_vec v = dem__above_face(w->tree, f->face, p, &distance);
+    out->gap = distance - radius;
+    out->normal = dem__from_frame(w, dem__scale(1.0 / distance, v));
+    return 1;
+}
+
+/* --------------------------------------------------------------------------------------------- >>walls/mesh_tree.h */
+/* The tree of a mesh's triangles. */
+
+/* Spreads 21 bits to every third bit of a Morton code. */
+static inline uint64_t dem__interleave(uint64_t v) {
+    v = (v | v << 32) & 0x1f00000000ffffu;
+    v = (v | v << 16) & 0x1f0000ff0000ffu;
+    v = (v | v << 8) & 0x100f00f00f00f00fu;
+    v = (v | v << 4) & 0x10c30c30c30c30c3u;
+    return (v | v << 2) & 0x1249249249249249u;
+}
+
+typedef struct dem__keyed {
+    uint64_t key;
+    int32_t index;
+} dem__keyed;
+/* Sorts by key, then index. temporary: room for n items. */
+static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptrdiff_t n) {
+    for (ptrdiff_t width = 1; width < n; width *= 2) {
+        for (ptrdiff_t low = 0; low < n; low += 2 * width) {
+            const ptrdiff_t mid = low + width < n ? low + width : n, high = mid + width < n ? mid + width : n;
+            for (ptrdiff_t a = low, b = mid, to = low; to < high; to++) {
+                const int left = a < mid && (b >= high || items[a].key < items[b].key ||
+                                             (items[a].key == items[b].key && items[a].index < items[b].index));
+                temporary[to] = left ? items[a++] : items[b++];
+            }
+        }
+        memcpy(items, temporary, (size_t)n * sizeof *items);
+    }
+}
+
+/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those
+   of each half. */
+static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
+    const int32_t at = t->nodes++;
+    dem__node *node = &t->node[at];
+    node->first = first;
+    node->count = end - first <= DEM__LEAF ? end - first : 0;
+    for (int a = 0; a < 3; a++) node->low[a] = HUGE_VAL, node->high[a] = -HUGE_VAL;
+    for (int32_t k = 3 * first; k < 3 * (first + node->count); k++) {
+        for (int a = 0; a < 3; a++) {
+            const double v = dem_axis(t->vertex[t->corner[k]], a);
+            node->low[a] = v < node->low[a] ? v : node->low[a];
+            node->high[a] = v > node->high[a] ? v : node->high[a];
+        }
+    }
+    if (node->count == 0) {
+        const int32_t middle = first + (end - first) / 2;
+        for (int side = 0; side < 2; side++) {
+            const int32_t child = t->nodes;
+            dem__grow_node(t, side ? middle : first, side ? end : middle);
+            for (int a = 0; a < 3; a++) {
+                const double low = t->node[child].low[a], high = t->node[child].high[a];
+                node->low[a] = low < node->low[a] ? low : node->low[a];
+                node->high[a] = high > node->high[a] ? high : node->high[a];
+            }
+        }
+    }
+    node->skip = t->nodes;
+}
+
+/* Returns an empty tree with room for the mesh; NULL when out of memory. */
+static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
+    const size_t v = (size_t)vertices, k = (size_t)triangles;
+    const size_t bytes =
+        sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
+    dem__tree *t = (dem__tree *)a->fn(a->user, NULL, 0, bytes);
+    if (!t) return NULL;
+    memset(t, 0, bytes);
+    t->bytes = bytes;
+    t->vertices = (int32_t)vertices;
+    t->vertex = (dem_vec *)(void *)(t + 1);
+    t->normal = t->vertex + v;
+    t->node = (dem__node *)(void *)(t->normal + k);
+    t->corner = (int32_t *)(void *)(t->node + k);
+    return t;
+}
+
+/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for
+   slivers. */
+static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
+    const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
+    const double x = dem__dot(ab, ab), y = dem__dot(bc, bc), z = dem__dot(ca, ca);
+    if (x >= y && x >= z) return dem__cross(bc, ca);
+    return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
+}
+
+/* Returns whether a triangle has an area that is not round-off of its corners; unit: its normal. */
+static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
+    const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
+    double longest = dem__dot(ab, ab);
+    longest = dem__dot(ac, ac) > longest ? dem__dot(ac, ac) : longest;
+    longest = dem__dot(bc, bc) > longest ? dem__dot(bc, bc) : longest;
+    return dem__length(n) > 1e-9 * longest && dem__unit(n, unit);
+}
+
+/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT
+   if there is none. */
+static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex,
+                                        ptrdiff_t triangles, const int32_t *corner, dem_status *status) {
+    const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
+    dem_vec low = vertex[0], high = vertex[0], normal;
+    ptrdiff_t n = 0;
+    for (ptrdiff_t v = 0; v < vertices; v++) {
+        for (int c = 0; c < 3; c++) {
+            double *l = dem_axis_of(&low, c), *h = dem_axis_of(&high, c), x = dem_axis(vertex[v], c);
+            *l = x < *l ? x : *l;
+            *h = x > *h ? x : *h;
+        }
+    }
+    *status = DEM_OUT_OF_MEMORY;
+    dem__keyed *items = (dem__keyed *)a->fn(a->user, NULL, 0, scratch);
+    if (!items) return NULL;
+    for (int32_t k = 0; k < (int32_t)triangles; k++) {
+        const dem_vec p[3] = {vertex[corner[3 * k]], vertex[corner[3 * k + 1]], vertex[corner[3 * k + 2]]};
+        if (!dem__has_area(p[0], p[1], p[2], &normal)) continue;
+        items[n].index = k;
+        items[n].key = 0;
+        for (int c = 0; c < 3; c++) {
+            const double from = dem_axis(low, c), span = dem_axis(high, c) - from;
+            const double x = (dem_axis(p[0], c) + dem_axis(p[1], c) + dem_axis(p[2], c)) / 3.0 - from;
+            items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0)
+                            << c;
+        }
+        n++;
+    }
+    dem__tree *t = n > 0 ? dem__plant(a, vertices, n) : NULL;
+    if (n == 0) *status = DEM_BAD_ARGUMENT;
+    if (t) {
+        dem__sort_keyed(items, items + n, n);
+        memcpy(t->vertex, vertex, (size_t)vertices * sizeof *vertex);
+        for (ptrdiff_t k = 0; k < n; k++) {
+            const int32_t *from = &corner[3 * items[k].index];
+            memcpy(&t->corner[3 * k], from, 3 * sizeof *from);
+            dem__has_area(vertex[from[0]], vertex[from[1]], vertex[from[2]], &t->normal[k]);
+        }
+        t->triangles = (int32_t)n;
+        dem__grow_node(t, 0, (int32_t)n);
+        *status = DEM_OK;
+    }
+    a->fn(a->user, items, scratch, 0);
+    return t;
+}
+
+/* Returns whether a mesh's numbers are valid; low, high: its bounding box. */
+static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
+    if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
+        m->triangles > INT32_MAX / 4)
+        return 0;
+    *low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), *high = dem__scale(-1.0, *low);
+    for (ptrdiff_t k = 0; k < 3 * m->triangles; k++) {
+        if (m->triangle[k] < 0 || m->triangle[k] >= m->vertices) return 0;
+    }
+    for (ptrdiff_t k = 0; k < 3 * m->vertices; k++) {
+        double *l = dem_axis_of(low, (int)(k % 3)), *h = dem_axis_of(high, (int)(k % 3)), x = m->vertex[k];
+        if (!(fabs(x) < 1e50)) return 0; /* so that squares of areas are finite */
+        *l = x < *l ? x : *l;
+        *h = x > *h ? x : *h;
+    }
+    return 1;
+}
+
+/* -------------------------------------------------------------------------------------------------- >>walls/mesh.h */
+/* Meshes of triangles: thin sheets, or closed bodies. Spheres touch them at several places, which their contacts follow
+   (meshes/follow.h); polyhedra touch their sharp edges and corners. */
+
+static inline int dem__touch_triangles(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                       double *least) {
+    return dem__touch_mesh(w, d, radius, limit < 0.0 ? limit : 0.0, limit, out, least);
+}
+
+/* Keys of an edge and its corner. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the order of
+   the tree. */
+enum { DEM__SHARP_KEYS = 1 + DEM__EDGE_KEYS, DEM__SHARP_EDGES_MAX = (1 << 30) / DEM__SHARP_KEYS };
+DEM_INLINE int32_t dem__sharp_key(int32_t at) {
+    return DEM_CORNERS_MAX * DEM__PLACE_DIRECTIONS + (int32_t)((int64_t)(at % DEM__SHARP_EDGES_MAX) * DEM__SHARP_KEYS);
+}
+
+/* Shows the sharp edges and corners of a triangle. */
+static inline void dem__show_triangle(const dem_wall *w, int32_t k, dem_vec d, dem__edge_visitor *v) {
+    const dem__tree *t = w->tree;
+    for (int32_t at = 3 * k; at < 3 * k + 3; at++) {
+        const int kind = t->edges->kind[at];
+        dem__wall_edge e;
+        if (!(kind & (DEM__EDGE | DEM__CORNER))) continue;
+        memset(&e, 0, sizeof e);
+        e.key = dem__sharp_key(at);
+        e.from = dem__sub(dem__from_frame(w, t->vertex[t->corner[at]]), d);
+        if (kind & DEM__CORNER) v->corner(v, e.from, 0.0, dem__from_frame(w, t->edges->tip[at]), e.key);
+        if (!(kind & DEM__EDGE)) continue;
+        e.to = dem__sub(dem__from_frame(w, t->vertex[t->corner[at % 3 < 2 ? at + 1 : at - 2]]), d);
+        e.ends = (kind & DEM__FROM_END ? 1 : 0) | (kind & DEM__TO_END ? 2 : 0);
+        e.is_sided = !(kind & DEM__RIM), e.outward = dem__from_frame(w, t->edges->outward[at]);
+        e.key++;
+        v->edge(v, &e);
+    }
+}
+static inline void dem__mesh_edges_near(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    const dem__tree *t = w->tree;
+    const dem_vec d = dem__sub(centre, w->position), p = dem__to_frame(w, d);
+    for (int32_t b = 0; b < (t->edges ? t->nodes : 0);) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, p, reach)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) dem__show_triangle(w, k, d, v);
+    }
+}
+
+static inline const dem__wall_kind *dem__triangles(void) {
+    static const dem__wall_kind row = {
+        DEM_MESH,             /* kind */
+        DEM__TRIANGULATED,    /* flags */
+        NULL,                 /* is_sound: triangles are checked as they are read */
+        dem__touch_triangles, /* touch */
+        NULL,                 /* touch_element */
+        NULL,                 /* other_elements */
+        NULL,                 /* reach_round */
+        NULL,                 /* normal_rate: a contact knows its normals */
+        NULL,                 /* is_endless */
+        NULL,                 /* closing */
+        NULL,                 /* corners */
+        dem__mesh_edges_near, /* edges */
+        NULL                  /* crosses */
+    };
+    return &row;
+}
+
+/* ------------------------------------------------------------------------------------------------ >>walls/screen.h */
+/* Woven screens: two families of bars, round or half-round. Each bar is an element. */
+
+/* Computes the vector `from`, in (along, across, up), from the nearest point of the axis of bar `index` of a family, at
+   (index - 1/2) pitch, to a centre. along: the centre's coordinate parallel to the bars; across: in the deck,
+   perpendicular to them. Returns how far the surface is from that point [m]; < 0 if there is no such bar. */
+DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, double along, double across, double up,
+                                 dem_vec *from) {
+    const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire);
+    const double side = family ? w->half_x : w->half_y, length = family ? w->half_y : w->half_x;
+    const double end2 =
+        w->circular ? (w->half_x - bar) * (w->half_x + bar) : length * length; /* square of its half length */
+    const int beyond = !(along * along <= end2);
+    const double da = !beyond ? 0.0 : along < 0.0 ? along + sqrt(end2) : along - sqrt(end2), dc = across - bar;
+    *from = dem_vec3(da, dc, up);
+    if (w->circular ? !(fabs(bar) < w->half_x) : !(fabs(bar) <= side)) return -1.0;
+    if (w->profile == DEM_ROUND || !(up < 0.0)) return half;
+    /* the flat side is as wide as the wire; its ends are round, seen from below */
+    if (!beyond) {
+        from->y = dc - dem__clamp(dc, -half, half);
+        return 0.0;
+    }
+    const double out_by = sqrt(da * da + dc * dc), rest = out_by > half ? (out_by - half) / out_by : 0.0;
+    from->x = rest * da, from->y = rest * dc;
+    return 0.0;
+}
+
+/* Computes the touch with bar `index` of a family; its normal is in (along, across, up). Returns 0 if there is no such
+   bar. */
+DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up,
+                              double radius, dem__touch *out) {
+    dem_vec from;
+    const double inner = dem__reach_bar(w, family, index, along, across, up, &from);
+    if (!(inner >= 0.0)) return 0;
+    const double distance = dem__length(from);
+    out->gap = distance - inner - radius;
+    out->curvature =
+        1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on where it begins */
+    out->normal = dem__scale(1.0 / distance, from);
+    out->element = 2 * (int32_t)index + family;
+    return distance > 0.0;
+}
+
+/* Converts a vector from (along, across, up) of a family to the world's axes. */
+DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
+    const dem_vec a = dem__scale(v.x, w->axis[family]), c = dem__scale(v.y, w->axis[1 - family]),
+                  u = dem__scale(v.z, w->axis[2]);
+    return dem__add(dem__add(a, c), u);
+}
+
+/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck they
+   are the last two. */
+DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across) {
+    const double pitch = w->aperture + w->wire, half = family ? w->half_x : w->half_y,
+                 nearest = floor(across / pitch + 0.5);
+    if (fabs(across) < half - pitch) return nearest;
+    const double last = floor(half / pitch + 0.5);
+    return dem__clamp(nearest, 1.0 - last, last - 1.0);
+}
+
+/* Returns a lower limit of the gap of all other bars [m]. lowest: the smallest gap found, which counts where it is
+   negative. */
+DEM_INLINE double dem__third_bar(const dem_wall *w, double radius, double lowest) {
+    const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, near = lowest < 0.0 ? sum + lowest : sum;
+    return sqrt(near * near + 0.75 * pitch * pitch) - sum;
+}
+
+static inline int dem__touch_screen(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                    double *least) {
+    const double up = dem__dot(d, w->axis[2]);
+    int n = 0;
+    *least = fabs(up) - radius - 0.5 * w->wire;
+    if (!(*least < limit)) return 0;
+    double bound = HUGE_VAL;
+    for (int family = 0; family < 2; family++) {
+        const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]);
+        const double nearest = dem__nearest_bar(w, family, across);
+        if (!(fabs(nearest) < 1e6)) continue;
+        for (int side = 0; side < 2; side++) {
+            if (!dem__touch_bar(w, family, nearest + side, along, across, up, radius, &out[n])) continue;
+            bound = out[n].gap < bound ? out[n].gap : bound;
+            if (!(out[n].gap < limit)) continue;
+            out[n].normal = dem__from_bar(w, family, out[n].normal);
+            n++;
+        }
+    }
+    const double third = dem__third_bar(w, radius, bound);
+    bound = third < bound ? third : bound;
+    *least = bound > *least ? bound : *least;
+    return n;
+}
+
+/* Finds the family and the index of a bar from the number of the element. */
+DEM_INLINE int dem__family_of(int32_t element) { return (int)((uint32_t)element & 1u); }
+DEM_INLINE double dem__index_of(int32_t element) { return (double)((element - dem__family_of(element)) / 2); }
+
+static inline void dem__touch_element_of_screen(const dem_wall *w, dem_vec d, double radius, int32_t element,
+                                                dem__touch *out) {
+    const int family = dem__family_of(element);
+    out->gap = HUGE_VAL, out->curvature = 0.0, out->normal = w->axis[2];
+    if (dem__touch_bar(w, family, dem__index_of(element), dem__dot(d, w->axis[family]),
+                       dem__dot(d, w->axis[1 - family]), dem__dot(d, w->axis[2]), radius, out))
+        out->normal = dem__from_bar(w, family, out->normal);
+}
+
+static inline double dem__reach_screen(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner) {
+    const int family = dem__family_of(element);
+    const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]),
+                 up = dem__dot(d, w->axis[2]);
+    *inner = dem__reach_bar(w, family, dem__index_of(element), along, across, up, from);
+    *from = dem__from_bar(w, family, *from);
+    return *inner >= 0.0 && dem__dot(*from, *from) > 0.0 ? 1.0 : 0.0;
+}
+
+static inline dem_vec dem__turn_at_screen(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
+                                          double inverse, dem_vec u) {
+    const dem_vec along = w->axis[dem__family_of(element)], side = dem__sub(u, dem__scale(dem__dot(u, n), n));
+    (void)d, (void)radius;
+    if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side); /* at a bar's end */
+    if (w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) <= 1e-12 - 1.0)
+        return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
+    return dem__scale(inverse, dem__plus(side, -dem__dot(side, along), along));
+}
+
+/* Finds the ends of a bar's axis, from the screen's origin. Returns 0 if there is no such bar. */
+static inline int dem__bar_ends(const dem_wall *w, int family, double index, dem_vec end[2]) {
+    const double bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
+    dem_vec from;
+    if (dem__reach_bar(w, family, index, 0.0, bar, 0.0, &from) < 0.0) return 0;
+    const double reach = w->circular ? sqrt((w->half_x - bar) * (w->half_x + bar)) : length;
+    for (int k = 0; k < 2; k++) end[k] = dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0));
+    return 1;
+}
+/* Finds the first and the last bar of a family near a polyhedron at d. reach: its own [m]. */
+DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double reach, double *first, double *last) {
+    const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]),
+                 half = family ? w->half_x : w->half_y;
+    const double low = dem__clamp(across - reach - 0.5 * w->wire, -half, half);
+    const double high = dem__clamp(across + reach + 0.5 * w->wire, -half, half);
+    *first = floor(low / pitch + 0.5), *last = floor(high / pitch + 0.5);
+}
+
+/* Shows the edges of a bar and its ends. A half-round bar is a capsule when touched from above, and two sharp edges
+   when touched from below. */
+static inline void dem__show_bar(const dem_wall *w, int family, double index, dem_vec d, dem__edge_visitor *v) {
+    const double half = 0.5 * w->wire;
+    const int32_t key = DEM__ELEMENT_KEYS * (2 * (int32_t)index + family + DEM__ELEMENTS_FROM) + DEM_CORNERS_MAX;
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    dem__wall_edge e, below;
+    dem_vec end[2];
+    if (!dem__bar_ends(w, family, index, end)) return;
+    for (int k = 0; k < 2; k++) end[k] = dem__sub(end[k], d);
+    for (int k = 0; k < 2; k++) v->corner(v, end[k], half, none, key + k);
+    memset(&e, 0, sizeof e);
+    e.from = end[0], e.to = end[1], e.radius = half, e.ends = 3, e.is_axis = 1, e.key = key + 2;
+    e.side = w->axis[2], e.sign = w->profile == DEM_ROUND ? 0.0 : 1.0;
+    v->edge(v, &e);
+    for (int side = -1; side < 2 && w->profile != DEM_ROUND; side += 2) {
+        const dem_vec off = dem__scale(side * half, w->axis[1 - family]);
+        memset(&below, 0, sizeof below);
+        below.from = dem__add(end[0], off), below.to = dem__add(end[1], off);
+        below.key = key + 2 + DEM__EDGE_KEYS * (side > 0 ? 2 : 1);
+        below.side = w->axis[2], below.sign = -1.0;
+        v->edge(v, &below);
+    }
+}
+static inline void dem__screen_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    const dem_vec d = dem__sub(centre, w->position);
+    double first, last;
+    for (int family = 0; family < 2; family++) {
+        dem__bars_near(w, family, d, reach, &first, &last);
+        for (double index = first; index <= last; index += 1.0) dem__show_bar(w, family, index, d, v);
+    }
+}
+
+/* Returns whether a screen has lengths, and no more bars and apertures than integers count. */
+static inline int dem__is_deck(const dem_wall *w) {
+    const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
+    return (w->profile == DEM_ROUND || w->profile == DEM_SEMICIRCLE) && dem__positive(w->aperture) &&
+           dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 && x * y < 2.5e8;
+}
+
+static inline const dem__wall_kind *dem__woven_screen(void) {
+    static const dem__wall_kind row = {
+        DEM_SCREEN,                   /* kind */
+        DEM__CONVEX,                  /* flags: of each bar */
+        dem__is_deck,                 /* is_sound */
+        dem__touch_screen,            /* touch */
+        dem__touch_element_of_screen, /* touch_element */
+        dem__third_bar,               /* other_elements */
+        dem__reach_screen,            /* reach_round */
+        dem__turn_at_screen,          /* normal_rate */
+        NULL,                         /* is_endless */
+        NULL,                         /* closing */
+        NULL,                         /* corners */
+        dem__screen_edges,            /* edges */
+        NULL                          /* crosses */
+    };
+    return &row;
+}
+
+DEM_API dem_screen dem_default_screen(void) {
+    dem_screen s;
+    memset(&s, 0, sizeof s);
+    s.aperture = 8e-3;
+    s.wire = 2e-3;
+    s.profile = DEM_SEMICIRCLE;
+    s.circular = 1;
+    s.half_x = s.half_y = 0.095;
+    s.normal = dem_vec3(0, 0, 1);
+    s.direction = dem_vec3(1, 0, 0);
+    return s;
+}
+
+DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen) {
+    dem_wall wall;
+    const dem_status status = dem__may_add_wall(world, material);
+    memset(&wall, 0, sizeof wall);
+    if (status != DEM_OK) return -(int)status;
+    if (!screen || !dem__is_place(screen->centre) || !dem__finite_vec(screen->normal) ||
+        !dem__finite_vec(screen->direction) || !dem__frame(&wall, screen->normal, screen->direction))
+        return -(int)DEM_BAD_ARGUMENT;
+    wall.asked.origin = screen->centre;
+    wall.aperture = screen->aperture;
+    wall.wire = screen->wire;
+    wall.profile = (int)screen->profile;
+    wall.circular = screen->circular != 0;
+    wall.half_x = screen->half_x;
+    wall.half_y = screen->circular ? screen->half_x : screen->half_y;
+    if (!dem__is_deck(&wall)) return -(int)DEM_BAD_ARGUMENT;
+    return dem__add_wall(world, dem__woven_screen(), material, &wall);
+}
+
+/* ------------------------------------------------------------------------------------------------ >>walls/sphere.h */
+/* Spheres as walls: hollow, with particles inside, or solid ones with particles outside. */
+
+static inline int dem__touch_sphere(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                    double *least) {
+    return dem__touch_round(w, d, 1.0, radius, limit, out, least);
+}
+
+static inline double dem__reach_sphere(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner) {
+    (void)element;
+    return dem__side_of_round(w, d, from, inner);
+}
+
+static inline dem_vec dem__turn_at_sphere(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
+                                          double inverse, dem_vec u) {
+    (void)w, (void)d, (void)radius, (void)element;
+    return dem__scale(inverse, dem__sub(u, dem__scale(dem__dot(u, n), n)));
+}
+
+/* A solid sphere touches a polyhedron as a corner of a wall does, with all of its surface. */
+static inline int dem__sphere_corners(const dem_wall *w) { return w->inside ? DEM__CORNERS_ALL : DEM__CORNERS_NONE; }
+static inline void dem__sphere_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    (void)reach;
+    if (!w->inside) v->corner(v, dem__sub(w->position, centre), w->radius, dem_vec3(0.0, 0.0, 0.0), 0);
+}
+
+static inline const dem__wall_kind *dem__sphere(void) {
+    static const dem__wall_kind row = {
+        DEM_SPHERE,          /* kind */
+        0,                   /* flags */
+        dem__is_round,       /* is_sound */
+        dem__touch_sphere,   /* touch */
+        NULL,                /* touch_element */
+        NULL,                /* other_elements */
+        dem__reach_sphere,   /* reach_round */
+        dem__turn_at_sphere, /* normal_rate */
+        NULL,                /* is_endless */
+        NULL,                /* closing */
+        dem__sphere_corners, /* corners */
+        dem__sphere_edges,   /* edges */
+        NULL                 /* crosses */
+    };
+    return &row;
+}
+
+DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside) {
+    return dem__add_round(world, dem__sphere(), material, centre, dem_vec3(0, 0, 1), radius, inside);
+}
+
+/* ------------------------------------------------------------------------------------------------- >>walls/kinds.h */
+/* All kinds of walls. A new kind is a file like these and its row in the list; its name is in base/types.h. */
+
+/* Returns the row of a kind; NULL for an unknown kind. */
+static inline const dem__wall_kind *dem__find_kind(int kind) {
+    const dem__wall_kind *const row[] = {
+        dem__plane(),  dem__cylinder(), dem__woven_screen(), dem__exit(),
+        dem__sphere(), dem__cone(),     dem__triangles(),    dem__disc(),
+    };
+    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
+        if (row[k]->kind == kind) return row[k];
+    }
+    return NULL;
+}
+
+/* ----------------------------------------------------------------------------------------------- >>base/parallel.h */
+/* The loops of a step on several threads. Promises: no result depends on the number of threads. */
+
+/* Runs the tasks of a loop one after the other. */
+static inline void dem__run_alone(int tasks, void (*task)(void *context, int index), void *context) {
+    for (int q = 0; q < tasks; q++) task(context, q);
+}
+
+#ifdef _OPENMP
+/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer
+   than the work takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task
+   that was interrupted counts as at most three times the first, which the waiting thread ran itself. After a loss of 2
+   ms, loops run on one thread for 20 ms, and for twice as long each time that threads lose again soon after. */
+static inline void dem__judge_threads(dem__pace *pace, double start, double end, const double *spent, int tasks) {
+    double alone = 0.0;
+    for (int q = 0; q < tasks; q++) alone += spent[q] < 3.0 * spent[0] ? spent[q] : 3.0 * spent[0];
+    pace->loss += end - start - alone;
+    if (!(pace->loss > 0.0)) pace->loss = 0.0;
+    if (!(pace->loss > 2e-3)) return;
+    pace->rest = end > pace->alone_until + 5.0 * pace->rest ? 0.02 : 2.0 * pace->rest;
+    if (pace->rest > 2.0) pace->rest = 2.0;
+    pace->alone_until = end + pace->rest;
+    pace->loss = 0.0;
+}
+
+/* Runs the tasks of a loop on OpenMP's threads, or on one while these lose time. */
+static inline void dem__run_openmp(dem__pace *pace, int tasks, void (*task)(void *context, int index), void *context) {
+    const double start = omp_get_wtime();
+    double spent[DEM__PARTS_MAX];
+    int q;
+    if (start < pace->alone_until) {
+        dem__run_alone(tasks, task, context);
+        return;
+    }
+#pragma omp parallel for schedule(static, 1) num_threads(tasks)
+    for (q = 0; q < tasks; q++) {
+        const double began = omp_get_wtime();
+        task(context, q);
+        spent[q] = omp_get_wtime() - began;
+    }
+    dem__judge_threads(pace, start, omp_get_wtime(), spent, tasks);
+}
+#endif
+
+/* Runs task(context, index) for every index below `tasks`: on the host's threads, on OpenMP's, or one after the other.
+ */
+static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *context, int index), void *context) {
+    if (tasks == 1) task(context, 0); /* a parallel region would cost more than the work of a dilute step */
+    else if (w->def.parallel) w->def.parallel(w->def.parallel_user, tasks, task, context);
+    else {
+#ifdef _OPENMP
+        dem__run_openmp(&w->engine->pace, tasks, task, context);
+#else
+        dem__run_alone(tasks, task, context);
+#endif
+    }
+}
+
+/* Returns the number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for
+   waking a thread. */
+DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
+    const int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
+#ifndef _OPENMP
+    if (!w->def.parallel) return 1;
+#endif
+    return threads == 1 || n < 256 * (ptrdiff_t)threads ? 1 : threads;
+}
+
+/* Returns the same, but at most `most`. */
+DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
+    const int parts = dem__parts(w, n);
+    return parts < most ? parts : most;
+}
+
+/* Returns the first of n items that belongs to a part. */
+DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) {
+    return n / parts * part + (n % parts < part ? n % parts : part);
+}
+
+/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no
+   long lead. */
+DEM_INLINE ptrdiff_t dem__prefetch_from(ptrdiff_t n, ptrdiff_t ahead) { return n < ahead ? -n : -ahead; }
+
+/* Runs a loop over the items first .. end - 1 of part `part`. context: what the loop needs. */
+typedef void dem__range_fn(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context);
+typedef struct dem__split {
+    dem_world *w;
+    dem__range_fn *loop;
+    void *context;
+    ptrdiff_t n;
+    int parts;
+} dem__split;
+
+static inline void dem__run_part(void *context, int q) {
+    const dem__split *s = (const dem__split *)context;
+    s->loop(s->w, dem__part(s->n, q, s->parts), dem__part(s->n, q + 1, s->parts), q, s->context);
+}
+
+/* Runs a loop over n items in `parts` parts. */
+static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__range_fn *loop, void *context) {
+    dem__split split;
+    if (parts == 1) { /* saves the divisions of dem__part */
+        loop(w, 0, n, 0, context);
+        return;
+    }
+    split.w = w;
+    split.loop = loop;
+    split.context = context;
+    split.n = n;
+    split.parts = parts;
+    dem__parallel(w, parts, dem__run_part, &split);
+}
+
+/* ----------------------------------------------------------------------------------------- >>particles/particles.h */
+/* Adding particles. */
+
+DEM_INLINE double dem__sphere_mass(const dem_world *w, int material, double radius) {
+    const double d = 2.0 * radius;
+    return RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
+}
+
+/* Returns whether a diameter gives a mass and an inertia that are numbers. */
+static inline int dem__is_size(const dem_world *w, int material, double d) {
+    return dem__positive(d) && dem__positive(dem__sphere_mass(w, material, 0.5 * d) * d * d);
+}
+
+/* Makes room for n more particles. Returns 0 when out of memory. */
+static inline int dem__reserve_particles(dem_world *w, ptrdiff_t n) {
+    dem__array list[DEM__ARRAYS_MAX];
+    dem__bodies *bodies = &w->engine->bodies;
+    return w->count + n + 1 <= bodies->capacity ||
+           dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
+                           w->count + n + 1);
+}
+
+/* Adds a particle at rest, for which there is room. Returns its number. */
+static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius, double mass, int material,
+                                          int group) {
+    const ptrdiff_t i = w->count++;
+    dem__bodies *bodies = &w->engine->bodies;
+    dem_particle *p = &w->particle[i];
+    p->x = dem__in_box(w, x);
+    p->v = dem_vec3(0.0, 0.0, 0.0);
+    p->spin = dem_vec3(0.0, 0.0, 0.0);
+    for (int a = 0; a < 6; a++) bodies->load[i][a] = bodies->external[i][a] = 0.0;
+    p->radius = radius;
+    p->mass = mass;
+    DEM__TELL(w, add_particle, (w, i));
+    dem__set_inverse_mass(w, i);
+    w->particle[i].origin = w->step;
+    w->id[i] = bodies->next_id++;
+    bodies->number[i] = (int32_t)(i - bodies->dropped);
+    w->material[i] = material;
+    w->group[i] = group;
+    w->alive[i] = 1;
+    w->touching[i] = bodies->activity[i] = 0;
+    w->engine->walls.first_contact[i] = -1;
+    memset(&bodies->bound[i], 0, sizeof bodies->bound[i]);
+    bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
+    return i;
+}
+
+DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters,
+                                   int material, int group) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && (!centres || !diameters)) || material < 0 ||
+        material >= w->def.materials)
+        return DEM_BAD_ARGUMENT;
+    if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const dem_vec at = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
+        if (!dem__is_size(w, material, diameters[k]) || !dem__finite_vec(at) || !dem__is_place(dem__in_box(w, at)))
+            return DEM_BAD_ARGUMENT;
+    }
+    if (!dem__reserve_particles(w, n)) return DEM_OUT_OF_MEMORY;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const dem_vec x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
+        const ptrdiff_t i = dem__put_particle(w, x, 0.5 * diameters[k],
+                                              dem__sphere_mass(w, material, 0.5 * diameters[k]), material, group);
+        dem__free_acceleration(w, i);
+        dem__book_added(w, dem__potential(w, i));
+    }
+    if (n > 0) w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
 
@@ -4294,24 +5543,6 @@ static inline int dem__touches_element(const dem_world *w, ptrdiff_t i, int wall
     return 0;
 }
 
-/* Returns the link after k in particle i's list; -1 at its end. */
-DEM_INLINE int32_t dem__next_link(const dem_world *w, int32_t k, ptrdiff_t i) {
-    const dem__links *links = &w->engine->links;
-    return links->i[k] == i ? links->next_i[k] : links->next_j[k];
-}
-
-/* Returns the link of particle i with body j (a wall: -1 - index) at an element of it, or -1. */
-static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element) {
-    const dem__links *links = &w->engine->links;
-    int32_t k = links->first_link[i];
-    while (k >= 0) {
-        const int first = links->i[k] == i;
-        if ((first ? links->j[k] : links->i[k]) == j && (j >= 0 || links->element[k] == element)) return k;
-        k = dem__next_link(w, k, i);
-    }
-    return -1;
-}
-
 /* Returns an arm [m]: no point of a wall at x is faster than speed_bound + arm * spin_bound. */
 DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
     const double arm =
@@ -4420,7 +5651,8 @@ typedef struct dem__wall_test {
 static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test *t) {
     const dem_wall *wall = t->wall;
     const double stray = 2.0 * w->engine->bodies.bound[t->i].tolerance,
-                 near = w->engine->links.near + w->engine->pairs.position_tolerance, radius = w->particle[t->i].radius;
+                 near = w->engine->pairs.touch_gap + w->engine->pairs.position_tolerance,
+                 radius = w->particle[t->i].radius;
     const dem_vec u = dem__sub(t->v, wall->velocity), g = dem__free_fall(w);
     double a = w->engine->pairs.gravity_size + wall->acceleration_bound, least = HUGE_VAL;
     if (t->found == 0 || wall->asked.drive != DEM_KINEMATIC || !dem__has(wall, DEM__CONVEX) || wall->spin != 0.0 ||
@@ -4444,10 +5676,20 @@ static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t
     else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
 }
 
+/* Returns whether a feature wants a contact of particle i with an element of a wall before they touch. */
+static inline int dem__begins_early(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
+    int early = 0;
+    for (int k = 0; k < w->engine->features && !early; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->begins_early) early = f->begins_early(w, i, -1 - wall, element);
+    }
+    return early;
+}
+
 /* Begins contacts at the places found, and sets what is clear of them. Returns 0 if the wall needs no other test: it is
    touched at its only place, or memory ran out. */
 static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
-    const double near = w->engine->links.near;
+    const double near = w->engine->pairs.touch_gap;
     int touches = 0;
     if (dem__has_elements(t->wall))
         t->others = dem__other_elements(w, t->wall, w->particle[t->i].radius, t->touch, t->found);
@@ -4455,8 +5697,8 @@ static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
     for (int q = 0; q < t->found; q++) {
         const dem__touch *place = &t->touch[q];
         if (dem__touches_element(w, t->i, t->k, place->element)) continue;
-        const int linked = place->gap < near && dem__link_of(w, t->i, -1 - t->k, place->element) >= 0;
-        if (place->gap < (linked ? near : 0.0)) {
+        const int early = place->gap < near && dem__begins_early(w, t->i, t->k, place->element);
+        if (place->gap < (early ? near : 0.0)) {
             if (!dem__new_wall_contact(w, t->i, t->k, place, place->element)) return 0;
             touches = 1;
         } else t->clear = place->gap - near < t->clear ? place->gap - near : t->clear;
@@ -4508,7 +5750,7 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     if (w->engine->run.has_periodic)
         t.x = dem__in_box(w, t.x); /* where the step will put it: bars are told apart by their place */
     t.others = w->engine->pairs.wall_reach;
-    t.found = dem__touch_wall(t.wall, t.x, radius, skips ? t.others : w->engine->links.near, t.touch, &t.clear);
+    t.found = dem__touch_wall(t.wall, t.x, radius, skips ? t.others : w->engine->pairs.touch_gap, t.touch, &t.clear);
     if (!dem__has_surface(t.wall) && t.clear < 0.0) {
         dem__test_exit(w, &t, e, step);
         return;
@@ -4567,26 +5809,9 @@ static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
     return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);
 }
 
-/* Renumbers rigid bodies and their first particles after dropped particles have been removed. Bodies are in the order
-   of their particles. */
-static inline void dem__compact_bodies(dem_world *w) {
-    dem__bodies *bodies = &w->engine->bodies;
-    ptrdiff_t n = 0;
-    for (ptrdiff_t i = 0; i < w->count && bodies->rigid; i++) {
-        if (bodies->rigid_of[i] == 0) continue;
-        dem__rigid *r = &bodies->rigid[n++];
-        *r = bodies->rigid[bodies->rigid_of[i] - 1];
-        r->first = (int32_t)i;
-        for (ptrdiff_t end = i + r->pieces; i < end; i++) bodies->rigid_of[i] = (int32_t)n;
-        i--;
-    }
-    if (bodies->rigid) bodies->rigid_count = n;
-}
-
 /* Removes dropped particles from the arrays; the others keep their order. */
 static inline void dem__compact(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
-    dem__links *links = &w->engine->links;
     if (!w->engine->bodies.dropped) return;
     ptrdiff_t to = 0;
     dem__array list[DEM__ARRAYS_MAX];
@@ -4610,13 +5835,9 @@ static inline void dem__compact(dem_world *w) {
     }
     for (int q = 0; q < contacts->chunk_count; q++)
         contacts->chunk[q].first_particle = dem__remapped(w, contacts->chunk[q].first_particle);
-    for (ptrdiff_t k = 0; k < links->count; k++) {
-        links->i[k] = remap[links->i[k]];
-        if (links->j[k] >= 0) links->j[k] = remap[links->j[k]];
-    }
     w->count = to;
     w->engine->bodies.dropped = 0;
-    dem__compact_bodies(w);
+    DEM__TELL(w, renumber, (w, remap));
 }
 
 /* ------------------------------------------------------------------------------------------------ >>search/cells.h */
@@ -4709,69 +5930,6 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
     int32_t cx, cy, cz;
     dem__cells(g, 0, at.x, 0.0, &cx), dem__cells(g, 1, at.y, 0.0, &cy), dem__cells(g, 2, at.z, 0.0, &cz);
     return g->first + ((ptrdiff_t)cz * g->n[1] + cy) * g->n[0] + cx;
-}
-
-/* --------------------------------------------------------------------------------------------------- >>walls/add.h */
-/* What the functions that add walls share. */
-
-static inline int dem__unit(dem_vec v, dem_vec *unit) {
-    double length = dem__length(v);
-    if (!(length >= 1e-140 && length <= DBL_MAX)) return 0; /* squares of shorter lengths lose digits */
-    *unit = dem__scale(1.0 / length, v);
-    return 1;
-}
-
-/* Completes a frame whose third axis is given. The first axis is near `along`, or any if that is parallel to the third.
-   Returns 0 if the third has no direction. */
-static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
-    dem_vec z, x;
-    if (!dem__unit(normal, &z)) return 0;
-    x = dem__sub(along, dem__scale(dem__dot(along, z), z));
-    if (!(dem__length(x) > 1e-6)) {
-        dem_vec other = fabs(z.x) < 0.9 ? dem_vec3(1, 0, 0) : dem_vec3(0, 1, 0);
-        x = dem__sub(other, dem__scale(dem__dot(other, z), z));
-    }
-    if (!dem__unit(x, &x)) return 0;
-    wall->axis[0] = wall->asked.rest_axis[0] = x;
-    wall->axis[1] = wall->asked.rest_axis[1] = dem__cross(z, x);
-    wall->axis[2] = wall->asked.rest_axis[2] = z;
-    return 1;
-}
-
-/* Makes room for what contacts with meshes and cones keep. Returns 0 when out of memory. */
-static inline int dem__make_touch_memory(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    dem__array list[DEM__ARRAYS_MAX];
-    if (w->engine->walls.touch_keepers++ > 0 || contacts->capacity == 0) return 1;
-    if (dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
-                        contacts->capacity))
-        return 1;
-    w->engine->walls.touch_keepers--;
-    return 0;
-}
-
-/* Returns DEM_OK if a wall of a material can be added. */
-static inline dem_status dem__may_add_wall(const dem_world *w, int material) {
-    if (dem__is_running(w)) return DEM_BUSY;
-    return w && w->def.allocator.fn && material >= 0 && material < w->def.materials ? DEM_OK : DEM_BAD_ARGUMENT;
-}
-
-/* Adds a wall of a kind, at rest at asked.origin. Returns its index, or minus a dem_status. */
-static inline int dem__add_wall(dem_world *w, const dem__wall_kind *kind, int material, const dem_wall *shape) {
-    if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
-    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
-    if ((kind->flags & (DEM__KEEPS_CURVATURE | DEM__TRIANGULATED)) && !dem__make_touch_memory(w))
-        return -(int)DEM_OUT_OF_MEMORY;
-    dem_wall *a = &w->wall[w->walls];
-    *a = *shape;
-    a->kind = kind->kind, a->kind__ = kind;
-    a->material = material;
-    a->enabled = 1;
-    a->groups = 0xffffffffu;
-    a->position = a->asked.origin;
-    a->asked.motion_start = w->time;
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return w->walls++;
 }
 
 /* -------------------------------------------------------------------------------------------- >>walls/kinematics.h */
@@ -5118,13 +6276,17 @@ DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
 /* ----------------------------------------------------------------------------------------------- >>search/bounds.h */
 /* Bounds on particles' motion, and the timers that depend on them. */
 
-/* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present
-   forces. */
-DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (r) return w->engine->bodies.calls->link_drift(w, r, i);
-    return (double)w->engine->links.every * w->engine->run.dt / w->particle[i].mass *
-           dem__length(dem__first(w->engine->bodies.load[i]));
+/* Marks an active particle for dem__check_bounds. */
+DEM_INLINE void dem__mark_one(dem_world *w, ptrdiff_t i) {
+    dem__bodies *bodies = &w->engine->bodies;
+    if (bodies->activity[i] != 1) return;
+    bodies->activity[i] = 2;
+    bodies->to_check[bodies->to_check_count++] = (int32_t)i;
+}
+/* Marks particle i, or all particles of its rigid body. */
+DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) dem__mark_one(w, k);
 }
 
 /* Returns a limit of the change of velocity by an acceleration in one step [m/s]; the sum of components needs no root.
@@ -5149,7 +6311,6 @@ DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double straye
 DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec x, dem_vec v) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__pairs *pairs = &w->engine->pairs;
-    const dem__links *links = &w->engine->links;
     const double t = dem__since_listed(w, step);
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem__rigid *body =
@@ -5168,8 +6329,10 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
         c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
     c->tolerance += swing;
-    if (links->on && (links->first_link[i] >= 0 || dem__rigid_of(w, i))) c->tolerance += 2.0 * dem__link_drift(w, i);
-    c->reach = w->particle[i].radius + 0.5 * links->near + pairs->position_tolerance - t * c->tolerance;
+    for (int k = 0; k < w->engine->features; k++) {
+        if (w->engine->feature[k]->drift) c->tolerance += w->engine->feature[k]->drift(w, i);
+    }
+    c->reach = w->particle[i].radius + 0.5 * pairs->touch_gap + pairs->position_tolerance - t * c->tolerance;
     dem__set_tolerance_left(w, i, turn);
 }
 
@@ -5798,30 +6961,6 @@ static inline void dem__find_contacts(dem_world *w) {
     }
 }
 
-/* Sets the distance at which near pair p is in contact, which is larger for linked particles. p = -1: does nothing. */
-DEM_INLINE void dem__mark_link(dem_world *w, int32_t p, int linked) {
-    if (p < 0) return;
-    dem__near *q = &w->engine->pairs.near[p];
-    q->distance = w->particle[q->i].radius + w->particle[q->j].radius + (linked ? w->engine->links.near : 0.0);
-}
-
-DEM_INLINE void dem__list_link(dem_world *w, int32_t k) {
-    dem__links *links = &w->engine->links;
-    const int32_t i = links->i[k], j = links->j[k];
-    links->next_i[k] = links->first_link[i];
-    links->first_link[i] = k;
-    if (j < 0) return;
-    const int32_t p = dem__near_pair(w, i, j);
-    links->next_j[k] = links->first_link[j];
-    links->first_link[j] = k;
-    dem__mark_link(w, p, 1);
-}
-
-static inline void dem__find_links(dem_world *w) {
-    for (ptrdiff_t i = 0; i < w->count; i++) w->engine->links.first_link[i] = -1;
-    for (int32_t k = 0; k < (int32_t)w->engine->links.count; k++) dem__list_link(w, k);
-}
-
 /* Sets the timers of all near pairs in pages first .. end-1 that do not touch. */
 DEM_INLINE void dem__set_new_timers(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     const dem__pairs *pairs = &w->engine->pairs;
@@ -5897,7 +7036,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__pairs *pairs = &w->engine->pairs;
     const int keeps = !run->needs_lists;
-    if (bodies->rigid) bodies->calls->note_strides(w);
+    DEM__TELL(w, keep_up, (w));
     if (w->status != DEM_OK) return 0;
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     if (!keeps) dem__release_unloaded(w);
@@ -5907,16 +7046,16 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__choose_frame(w);
     dem__choose_margin(w, keeps, smallest, largest);
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
-    if (!(w->engine->links.near <= 0.01 * pairs->margin) && w->engine->links.count > 0)
-        return dem__fail_to_list(w, DEM_BAD_DEFINITION);
     if (pairs->count > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) return dem__fail_to_list(w, DEM_TOO_MANY);
     if (!dem__make_timers(w, keeps)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
-    if (w->engine->convex.calls && !w->engine->convex.calls->list_pairs(w))
-        return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
-    dem__find_links(w);
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        const dem_status status = f->listed ? f->listed(w) : DEM_OK;
+        if (status != DEM_OK) return dem__fail_to_list(w, status);
+    }
     pairs->next_check = w->step + DEM__STEPS_MAX;
     pairs->listed_step = w->step;
     w->rebuilds++;
@@ -5937,7 +7076,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
     const int64_t least = 1 + (w->step - w->engine->pairs.listed_step) / 40;
-    if (w->engine->bodies.rigid) w->engine->bodies.calls->note_strides(w);
+    DEM__TELL(w, keep_up, (w));
     int64_t due = w->engine->pairs.listed_step + DEM__STEPS_MAX;
     if (w->step >= due) return dem__rebuild(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -6873,70 +8012,6 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
     }
 }
 
-/* Returns the number of parts into which the links are split. */
-DEM_INLINE int dem__link_parts(const dem_world *w) {
-    return dem__parts_of(w, w->engine->links.count, w->engine->scratch.works);
-}
-
-/* Adds the forces of links first .. end-1 to the loads of their bodies, in the order of the links. */
-DEM_INLINE void dem__add_links(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
-    dem__bodies *bodies = &w->engine->bodies;
-    const dem__links *links = &w->engine->links;
-    double *const *out = links->wrench;
-    for (ptrdiff_t k = first; k < end; k++) {
-        const ptrdiff_t i = links->i[k], j = links->j[k], ahead = k + DEM__AHEAD;
-        if (ahead < end) {
-            DEM__PREFETCH(bodies->load[links->i[ahead]]);
-            DEM__PREFETCH(bodies->load[links->j[ahead] < 0 ? 0 : links->j[ahead]]);
-        }
-        if (links->ended[k]) continue;
-        for (int a = 0; a < 6; a++) bodies->load[i][a] += out[a][k];
-        if (j < 0) continue;
-        for (int a = 0; a < 3; a++) bodies->load[j][a] -= out[a][k];
-        for (int a = 3; a < 6; a++) bodies->load[j][a] += out[3 + a][k];
-    }
-}
-
-/* Gathers the block of n links from base on, and prefetches those after it. */
-DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t base, int n, ptrdiff_t end) {
-    const dem__links *links = &w->engine->links;
-    x->walls = 0;
-    for (int k = 0; k < n; k++) {
-        const ptrdiff_t c = base + k, i = links->i[c], j = links->j[c], ahead = c + DEM__AHEAD;
-        if (ahead < end) dem__prefetch_particle(w, links->i[ahead]), dem__prefetch_particle(w, links->j[ahead]);
-        if (j >= 0) dem__gather_pair(w->particle, i, j, &x->rows, k, 1);
-        else dem__gather_wall(w, i, -1 - j, links->element[c], -1, &x->rows, k, 0.0, &x->wall[x->walls++]);
-        x->types.sum[k] = w->particle[i].radius + (j >= 0 ? w->particle[j].radius : 0.0);
-        x->types.part[k] = w->particle[i].radius / x->types.sum[k];
-    }
-    dem__complete_rows(w, &x->rows, &x->types, n, 0.0, 0.5 * w->engine->run.kernel_dt, x->wall, x->walls, 1);
-}
-
-/* Evaluates links first .. end - 1 at the present positions. If there is only one thread, it adds up each block while
-   it is in the cache. */
-DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law) {
-    dem__links *links = &w->engine->links;
-    dem__work *x = dem__work_of(w, part);
-    const double h = w->engine->run.kernel_dt;
-    for (ptrdiff_t base = first; base < end; base += DEM__BLOCK) {
-        const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;
-        const size_t bytes = (size_t)n * sizeof(double);
-        dem__columns old, at;
-        dem__gather_links(w, x, base, n, end);
-        for (int a = 0; a < law->states; a++) old.state[a] = links->state[a] + base;
-        for (int a = 0; a < 9; a++) old.out[a] = links->wrench[a] + base;
-        for (int a = 0; a < law->states; a++) at.state[a] = DEM__COPY_ROWS ? x->block.state[a] : old.state[a];
-        for (int a = 0; a < 9; a++) at.out[a] = DEM__COPY_ROWS ? x->block.out[a] : old.out[a];
-        dem__apply_law(w, x, links->i + base, links->j + base, n, &old, &at, law, h, 1.0 / h,
-                       DEM_FRICTION | DEM__OF_LINKS);
-        for (int a = 0; a < law->history && DEM__COPY_ROWS; a++) memcpy(old.state[a], at.state[a], bytes);
-        for (int a = 0; a < 9 && DEM__COPY_ROWS; a++) memcpy(old.out[a], at.out[a], bytes);
-        memcpy(links->gap + base, x->rows.gap, bytes);
-        for (int k = 0; k < n; k++) links->ended[base + k] = x->ended[k] != 0.0;
-        if (dem__link_parts(w) == 1) dem__add_links(w, base, base + n);
-    }
-}
-
 #define DEM__LOOP(name, call)                                                                                          \
     DEM__AVX2_CLONE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end, int part), (world, first, end, part),    \
                     call)
@@ -6957,28 +8032,10 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
         static const dem_kernel kernel = {&(law), features, name##_loop};                                              \
         return &kernel;                                                                                                \
     }
-#define DEM_LINK_KERNEL(name, law)                                                                                     \
-    DEM__LOOP(name##_loop, dem__link_kernel(world, first, end, part, &(law)))                                          \
-    static const dem_link_kernel name = {&(law), name##_loop};
 
-/* -------------------------------------------------------------------------------------------- >>particles/detach.h */
-/* Particles that leave, and their links, which end with them. Reads bodies, walls, pairs; writes links and lists.
-   Promises: a particle that is gone is in no list. */
-
-/* Removes link k from particle i's list, or puts another link in its place. */
-static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t replacement) {
-    dem__links *links = &w->engine->links;
-    int32_t *at = &links->first_link[i];
-    while (*at != k) at = links->i[*at] == i ? &links->next_i[*at] : &links->next_j[*at];
-    *at = replacement >= 0 ? replacement : dem__next_link(w, k, i);
-}
-
-/* Returns the highest slot of a particle's links. The order of its list depends on the history of the scene. */
-static inline int32_t dem__last_link(const dem_world *w, ptrdiff_t i) {
-    int32_t last = -1;
-    for (int32_t k = w->engine->links.first_link[i]; k >= 0; k = dem__next_link(w, k, i)) last = k > last ? k : last;
-    return last;
-}
+/* ------------------------------------------------------------------------------------------- >>contacts/contacts.h */
+/* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and
+   timers. Promises: the order depends only on the history of the scene, never on threads. */
 
 /* Calls the law's hook for a contact or a link that has ended. */
 static inline void dem__report_end(dem_world *w, const dem_law *law, int32_t k) {
@@ -6988,69 +8045,11 @@ static inline void dem__report_end(dem_world *w, const dem_law *law, int32_t k) 
     w->engine->run.ending = 0;
 }
 
-/* Ends link k; the last link takes its slot. Its force acts until links are evaluated next. */
-static inline void dem__cut_link(dem_world *w, int32_t k) {
-    const int32_t i = w->engine->links.i[k], j = w->engine->links.j[k], last = (int32_t)w->engine->links.count - 1;
-    dem__report_end(w, w->engine->links.law, k);
-    dem__unlist_link(w, k, i, -1);
-    if (j >= 0) {
-        const int32_t p = dem__near_pair(w, i, j);
-        dem__mark_link(w, p, 0);
-        dem__unlist_link(w, k, j, -1);
-    }
-    w->engine->links.count = last;
-    if (k == last) return;
-    dem__unlist_link(w, last, w->engine->links.i[last], k);
-    if (w->engine->links.j[last] >= 0) dem__unlist_link(w, last, w->engine->links.j[last], k);
-    dem__array list[DEM__ARRAYS_MAX];
-    const int n = dem__link_arrays(w, list);
-    for (int a = 0; a < n; a++) {
-        char *base;
-        memcpy(&base, list[a].address, sizeof base);
-        memcpy(base + (size_t)k * list[a].size, base + (size_t)last * list[a].size, list[a].size);
-    }
+/* Returns whether the caller ended the contact of i and j: by changing the wall, or by fixing particles. */
+static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
+    if (j < 0) return !dem__is_at_wall(w, i, -1 - (int)j) || dem__is_fixed(w, i);
+    return dem__is_fixed(w, i) && dem__is_fixed(w, j);
 }
-
-/* Marks an active particle for dem__check_bounds. */
-DEM_INLINE void dem__mark_one(dem_world *w, ptrdiff_t i) {
-    dem__bodies *bodies = &w->engine->bodies;
-    if (bodies->activity[i] != 1) return;
-    bodies->activity[i] = 2;
-    bodies->to_check[bodies->to_check_count++] = (int32_t)i;
-}
-/* Marks particle i, or all particles of its rigid body. */
-DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
-    const dem__pieces own = dem__pieces_of(w, i);
-    for (ptrdiff_t k = own.first; k < own.end; k++) dem__mark_one(w, k);
-}
-
-/* Removes particle i from all lists. Its entries in the arrays are removed by a later rebuild. */
-static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
-    dem__pairs *pairs = &w->engine->pairs;
-    dem__book_link_work(w, dem__link_work(w, i));
-    dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
-    w->alive[i] = DEM_LEAVING; /* so that the law can tell a removal from a rupture */
-    while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
-    w->engine->links.is_loaded[i] = 0; /* the work of its links has been booked */
-    w->alive[i] = 0;
-    w->engine->bodies.dropped++;
-    dem__mark_to_check(w, i);
-    if (w->engine->run.needs_lists) return;
-    for (int32_t a = pairs->adjacent_start[i]; a < pairs->adjacent_start[i + 1]; a++) {
-        dem__stop_timer(&pairs->timers, pairs->adjacent[2 * a]);
-    }
-    for (int k = 0; k < w->walls; k++) dem__stop_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k);
-}
-
-/* Removes particle i, or all particles of its rigid body, from all lists. */
-static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
-    const dem__pieces own = dem__pieces_of(w, i);
-    for (ptrdiff_t k = own.first; k < own.end; k++) dem__detach_one(w, k);
-}
-
-/* ------------------------------------------------------------------------------------------- >>contacts/contacts.h */
-/* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and
-   timers. Promises: the order depends only on the history of the scene, never on threads. */
 
 /* Returns whether contact a comes before b: by i, the last first, then by j (walls last), then by element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
@@ -7298,10 +8297,6 @@ static inline void dem__commit_begun(dem_world *w, double gap) {
         contacts->gap[c] = gap;
         contacts->force[c] = 0.0;
         contacts->edge[c] = contacts->ended[c] = 0;
-        if (w->engine->ledger.on) {
-            contacts->elastic[c] = 0.0;
-            for (int a = 0; a < 3; a++) contacts->power[a][c] = 0.0;
-        }
     }
     contacts->begun = 0;
 }
@@ -7344,7 +8339,7 @@ static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32
     dem__report_end(w, w->engine->run.law, dem__number_of(w, c));
     dem__count_contact(w, i, -1);
     dem__mark_to_check(w, i);
-    dem__book_contact_end(w, c);
+    DEM__TELL(w, end_contact, (w, c));
     if (j >= 0) {
         dem__count_contact(w, j, -1);
         dem__mark_to_check(w, j);
@@ -7451,3545 +8446,6 @@ static inline int dem__reorder_contacts(dem_world *w) {
         dem__list_wall_contacts(w);
     }
     return 1;
-}
-
-/* -------------------------------------------------------------------------------------------- >>particles/remove.h */
-/* Consequences of a removal of particles: the ends of their contacts, the numbers of those present. Reads bodies;
-   writes contacts. Promises: a particle that has no contact left is in flight afterwards. */
-
-/* Removes the force of ended contacts from the acceleration of particles that touch nothing any more. */
-static inline void dem__free_untouched(dem_world *w) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    for (ptrdiff_t k = 0; k < bodies->active_count; k++) {
-        if (!w->touching[bodies->active[k]]) dem__free_acceleration(w, bodies->active[k]);
-    }
-}
-
-/* Numbers the particles present, after a removal. */
-static inline void dem__number_present(dem_world *w) {
-    int32_t n = 0;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        w->engine->bodies.number[i] = n;
-        n += w->alive[i] != 0;
-    }
-}
-
-/* Ends the contacts of removed particles. */
-static inline void dem__end_contacts_of_removed(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    DEM__EACH_CONTACT(w, c) {
-        const int32_t j = contacts->j[c];
-        if (!w->alive[contacts->i[c]] || (j >= 0 && !w->alive[j])) contacts->ended[c] = 1;
-    }
-    dem__number_present(w);
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    dem__remove_ended(w, w->step, 1);
-    dem__free_untouched(w);
-}
-
-DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    if (!dem__is_present(w, i)) return DEM_BAD_ARGUMENT;
-    w->engine->run.running = 1;
-    dem__detach_particle(w, i);
-    dem__end_contacts_of_removed(w);
-    w->engine->run.running = 0;
-    return DEM_OK;
-}
-
-/* --------------------------------------------------------------------------------------------- >>contacts/forces.h */
-/* Forces of all contacts, on one thread or several. Reads contacts; writes the sums of bodies and the forces on walls.
-   Promises: every sum is added in the order of slots, whatever the number of threads. */
-
-/* An evaluation of all contacts on several threads. */
-typedef struct dem__evaluation {
-    dem_loop_fn loop;
-    int parts, has_friction;
-} dem__evaluation;
-
-/* Adds the postponed forces on particles low .. high-1 to their sums. */
-static inline void dem__add_postponed_to(dem_world *w, int32_t low, int32_t high, int has_friction) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
-        dem__postponed *later = contacts->postponed + in->first;
-        if (in->postponed == 0 || in->low >= high || in->high < low) continue;
-        for (ptrdiff_t k = 0; k < in->postponed; k++, later++) {
-            const int32_t from = low > in->postpone_from ? low : in->postpone_from; /* the others have been added */
-            const int to_i = later->i >= from && later->i < high, to_j = later->j >= from && later->j < high;
-            double *out[9];
-            for (int a = 0; a < 9; a++) out[a] = &later->out[a];
-            dem__add_forces(w, 0, later->i, later->j, out, 0, has_friction, to_i, to_j);
-        }
-    }
-}
-
-/* Adds the postponed forces on the particles of the share before this thread's own (the first thread: of the last
-   share): it made nearly all of them itself, so they are in its cache. */
-static inline void dem__add_postponed_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const dem__evaluation *e = (const dem__evaluation *)context;
-    const dem__chunk *chunk = w->engine->contacts.chunk;
-    const int chunks = w->engine->contacts.chunk_count, share = (part + e->parts - 1) % e->parts;
-    first = dem__part(chunks, share, e->parts), end = dem__part(chunks, share + 1, e->parts);
-    dem__add_postponed_to(w, chunk[end - 1].first_particle, first > 0 ? chunk[first - 1].first_particle : INT32_MAX,
-                          e->has_friction);
-}
-static inline void dem__add_postponed(dem_world *w, int has_friction) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    dem__evaluation e;
-    ptrdiff_t n = 0;
-    for (int q = 0; q < contacts->chunk_count; q++) n += contacts->chunk[q].postponed;
-    e.parts = dem__parts_of(w, n, contacts->chunk_count), e.has_friction = has_friction;
-    if (e.parts == 1) dem__add_postponed_to(w, 0, INT32_MAX, has_friction);
-    else dem__in_parts(w, e.parts, contacts->chunk_count, dem__add_postponed_range, &e);
-}
-
-/* Evaluates the chunks of a share. Its thread may add to particles whose contacts are all in this share or in later
-   ones; the forces on others are postponed. */
-static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const dem__evaluation *e = (const dem__evaluation *)context;
-    dem__chunk *chunk = w->engine->contacts.chunk;
-    for (ptrdiff_t q = first; q < end; q++)
-        chunk[q].postpone_from = first > 0 ? chunk[first - 1].first_particle : INT32_MAX;
-    e->loop(w, first, end, part);
-}
-
-/* Computes what the contacts present store and dissipate now, for a ledger that begins. */
-static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
-    dem__run *run = &w->engine->run;
-    run->kernel_dt = 0.0;
-    run->only_ledger = 1;
-    loop(w, 0, w->engine->contacts.chunk_count, 0);
-    run->only_ledger = 0;
-}
-
-/* Computes the forces of all contacts and their sums. keep: keeps the wrench of each for readers. */
-static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int has_friction, int keep) {
-    dem__contacts *contacts = &w->engine->contacts;
-    dem__evaluation e;
-    e.loop = loop, e.has_friction = has_friction;
-    e.parts = contacts->postponed
-                  ? dem__parts_of(w, contacts->count,
-                                  contacts->chunk_count < w->engine->scratch.works ? contacts->chunk_count
-                                                                                   : w->engine->scratch.works)
-                  : 1;
-    w->engine->run.kernel_dt = h;
-    w->engine->run.keeps_wrenches = keep;
-    dem__in_parts(w, e.parts, contacts->chunk_count, dem__evaluate_range, &e);
-    if (e.parts > 1) dem__add_postponed(w, has_friction);
-    for (int k = 0; k < w->walls; k++) {
-        dem_wall *wall = &w->wall[k];
-        wall->force = wall->torque = dem_vec3(0.0, 0.0, 0.0);
-        for (int q = 0; q < contacts->chunk_count; q++) {
-            const dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
-            wall->force = dem__add(wall->force, push->force);
-            wall->torque = dem__add(wall->torque, push->torque);
-        }
-        wall->impulse = dem__plus(wall->impulse, h, wall->force);
-    }
-}
-
-/* -------------------------------------------------------------------------------------------- >>search/due_tests.h */
-/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers.
-   Promises: every contact that begins is found; a step that cannot be finished leaves no trace. */
-
-/* Sets the status, and failed_id to the first particle whose state is not finite. Returns 0. */
-static inline int dem__fail(dem_world *w, dem_status status) {
-    w->status = status;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem_particle *p = &w->particle[i];
-        const dem_vec sum = dem__add(dem__add(p->v, p->a), dem__add(p->spin, w->spin_rate[i]));
-        const double v = sum.x + sum.y + sum.z;
-        if (!(fabs(v) <= DBL_MAX)) {
-            w->failed_id = w->id[i];
-            break;
-        }
-    }
-    return 0;
-}
-
-/* Tests the due pairs in pages first .. end-1. */
-DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step,
-                                   int rigid) {
-    dem__pairs *pairs = &w->engine->pairs;
-    int32_t *due = pairs->timers.list + first * DEM__PAGE;
-    ptrdiff_t n;
-    dem__list_due(&pairs->timers, first, end, step, DEM__NEVER, &n);
-    dem__clear_batch(waits);
-    waits->found = due; /* pairs that are found overwrite pairs that have been tested */
-    for (ptrdiff_t k = dem__prefetch_from(n, 2 * DEM__AHEAD); k < n; k++) {
-        const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
-        if (pair < n) DEM__PREFETCH(&pairs->near[due[pair]]);
-        if (flight >= 0 && flight < n) {
-            dem__prefetch_flight(w, pairs->near[due[flight]].i);
-            dem__prefetch_flight(w, pairs->near[due[flight]].j);
-        }
-        if (k >= 0) dem__test_pair(w, waits, due[k], step, rigid);
-    }
-    dem__flush_batch(w, waits, step);
-}
-
-static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
-    dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 0);
-}
-
-/* Tests the due pairs. The number of threads follows from the number of due pairs in the step before. */
-static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
-    dem__pairs *pairs = &w->engine->pairs;
-    const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
-    dem__in_parts(w, parts, pairs->timers.pages,
-                  w->engine->bodies.rigid ? w->engine->bodies.calls->test_due : dem__test_due_range, &step);
-    pairs->due_count = 0;
-    for (int q = 0; q < parts; q++) {
-        dem__timer_batch *batch = &dem__work_of(w, q)->batch;
-        pairs->due_count += (ptrdiff_t)batch->looks;
-        dem__new_pair_contacts(w, batch);
-    }
-}
-
-/* Tests all pairs that do not touch. */
-static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
-    const dem__pairs *pairs = &w->engine->pairs;
-    dem__timer_batch waits;
-    dem__clear_batch(&waits);
-    waits.found = pairs->timers.list;
-    for (int32_t p = 0; p < (int32_t)pairs->count; p++) {
-        if (pairs->timers.due[p] != DEM__STOPPED) dem__test_pair(w, &waits, p, step, 1);
-    }
-    dem__new_pair_contacts(w, &waits);
-}
-
-/* Tests everything that is due at a step. */
-static inline void dem__detect(dem_world *w, int64_t step) {
-    dem__wall_state *walls = &w->engine->walls;
-    if (walls->meshes) walls->follow_meshes(w, step);
-    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, step);
-    if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__test_all_pairs(w, step);
-    if (!(w->def.skip & DEM_SKIP_SPACE)) {
-        for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
-            if (dem__needs_test(w, e / w->walls, (int)(e % w->walls))) dem__test_wall(w, e, step);
-        }
-    }
-    dem__test_due_pairs(w, step);
-    ptrdiff_t n;
-    dem__list_due(&walls->timers, 0, walls->timers.pages, step, DEM__STOPPED, &n);
-    for (ptrdiff_t k = 0; k < n; k++) dem__test_wall(w, walls->timers.list[k], step);
-}
-
-/* Fails if a contact begins between two different materials whose pair was never set. Until it is set, later runs fail
-   at the same place. */
-static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const ptrdiff_t end = dem__next_slot(w);
-    for (ptrdiff_t c = end - contacts->begun; c < end && w->status == DEM_OK; c++) {
-        const int32_t i = contacts->i[c], j = contacts->j[c];
-        const int a = w->material[i], b = j < 0 ? w->wall[-1 - j].material : w->material[j];
-        const int low = a < b ? a : b, high = a < b ? b : a;
-        if (low == high || w->def.pair[low][high].given) continue;
-        w->status = DEM_PAIR_NOT_SET;
-        w->failed_id = w->id[i];
-        w->failed_pair[0] = low, w->failed_pair[1] = high;
-        w->engine->run.needs_lists = 1; /* what was found must be found again */
-    }
-}
-
-/* Undoes what was found in a step that cannot be finished. Returns 0. */
-static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    for (; contacts->begun > 0; contacts->begun--) {
-        const int32_t p = contacts->near[dem__next_slot(w) - 1];
-        contacts->chunk[contacts->chunk_count - 1].count--;
-        contacts->count--;
-        if (p >= 0) w->engine->pairs.timers.due[p] = DEM__NEVER;
-    }
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem__rigid *r = dem__rigid_of(w, i);
-        if (w->alive[i] >= 0) continue;
-        w->alive[i] = 1;
-        if (!r || r->first == i) w->passed_count--, w->passed_total--;
-    }
-    w->engine->run.leaving = 0;
-    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
-    return 0;
-}
-
-/* --------------------------------------------------------------------------------------------- >>particles/fixed.h */
-/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h;
-   every part that turns forces into motion calls dem__is_fixed(). */
-
-/* Makes room for the state of fixed particles. Returns 0 when out of memory; then nothing has changed. */
-static inline int dem__reserve_fixed(dem_world *w) {
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__array list[DEM__ARRAYS_MAX];
-    if (bodies->has_fixed) return 1;
-    bodies->has_fixed = 1;
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
-                        w->count + 1))
-        return 1;
-    bodies->has_fixed = 0, bodies->fixed = NULL;
-    return 0;
-}
-
-DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
-    dem_world *w = world;
-    if (dem__is_running(w)) return DEM_BUSY;
-    if (!dem__is_present(w, i) || (fixed != 0 && fixed != 1)) return DEM_BAD_ARGUMENT;
-    dem__rigid *r = dem__rigid_of(w, i);
-    const dem__pieces own = dem__pieces_of(w, i);
-    if (dem__is_fixed(w, i) == fixed) return DEM_OK;
-    if (!dem__reserve_fixed(w)) return DEM_OUT_OF_MEMORY;
-    i = own.first;
-    dem__stop_link_work(w, own);
-    dem__restart(w, i);
-    dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
-    if (r && fixed) r->v = r->momentum = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t k = own.first; k < own.end; k++) {
-        memset(&w->engine->bodies.fixed[k], 0, sizeof *w->engine->bodies.fixed);
-        w->engine->bodies.fixed[k].on = fixed;
-        dem__set_inverse_mass(w, k);
-        dem__set_mass_share(w, k);
-        if (fixed) w->particle[k].v = w->particle[k].spin = dem_vec3(0.0, 0.0, 0.0);
-    }
-    dem__free_acceleration(w, i);
-    dem__book_added(w, dem__potential(w, i));
-    dem__book_motion(w, dem__motion_energy(w, i));
-    dem__resume_link_work(w, own);
-    dem__wake(w, i); /* it takes steps, as a particle with a load does */
-    w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return DEM_OK;
-}
-
-DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i) {
-    return dem__is_present(world, i) && dem__is_fixed(world, i);
-}
-
-DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque,
-                                       dem_vec *impulse) {
-    const dem_world *w = world;
-    if (!force || !torque || !impulse) return DEM_BAD_ARGUMENT;
-    *force = *torque = *impulse = dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    if (!dem_is_fixed(w, i)) return DEM_BAD_ARGUMENT;
-    const dem__rigid *r = dem__rigid_of(w, i);
-    const dem__pieces own = dem__pieces_of(w, i);
-    *force = *torque = *impulse = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t k = own.first; k < own.end; k++) {
-        const dem__fixed *f = &w->engine->bodies.fixed[k];
-        const dem_vec on = dem__first(f->load), turning = dem__second(f->load);
-        *force = dem__add(*force, on), *impulse = dem__add(*impulse, f->impulse);
-        *torque = dem__add(*torque, r ? dem__add(turning, dem__cross(w->engine->bodies.arm[k], on)) : turning);
-    }
-    return DEM_OK;
-}
-
-/* Records the force on a fixed particle at the end of a step, without the caller's loads. half: half of the step [s].
- */
-DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, dem_vec torque, double half) {
-    dem__fixed *f = &w->engine->bodies.fixed[i];
-    const double *external = w->engine->bodies.external[i];
-    force = dem__sub(force, dem__first(external)), torque = dem__sub(torque, dem__second(external));
-    f->impulse = dem__plus(f->impulse, half, dem__add(dem__first(f->load), force));
-    for (int a = 0; a < 3; a++) f->load[a] = dem_axis(force, a), f->load[3 + a] = dem_axis(torque, a);
-}
-
-/* Records the impulse of a contact that begins or ends within a step on a fixed particle, and its work if the particle
-   moves. */
-static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
-    const dem_particle *p = &w->particle[i];
-    w->engine->bodies.fixed[i].impulse = dem__add(w->engine->bodies.fixed[i].impulse, impulse);
-    if (w->engine->run.features & DEM_ENERGY)
-        dem__book_work_of_fixed(w, -dem__dot(impulse, p->v) - dem__dot(turn, p->spin));
-}
-
-/* ---------------------------------------------------------------------------------------------- >>step/integrate.h */
-/* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies
-   and timers. Promises: a particle whose velocity left its bound has a new one before the next step. */
-
-/* Returns where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far
-   apart in memory. */
-DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
-    return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
-}
-
-/* Moves active particles first .. end-1 to the end of the step, and their velocities to its middle. rigid: leaves out
-   those of rigid bodies. */
-DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid) {
-    const int64_t step = w->step + (h > 0.0);
-    const ptrdiff_t apart = dem__prefetch_until(w, first, end);
-    const double dt = w->engine->run.dt;
-    for (ptrdiff_t k = first; k < end; k++) {
-        const ptrdiff_t i = w->engine->bodies.active[k];
-        if (k < apart) dem__prefetch_particle(w, w->engine->bodies.active[k + DEM__AHEAD]);
-        if (rigid && dem__rigid_of(w, i)) continue;
-        dem_particle *p = &w->particle[i];
-        const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
-        p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle),
-        p->spin = dem__sphere_spin_at(w, i, middle);
-        p->origin = w->step; /* for hooks, whose step is the present one */
-        if (w->engine->run.has_periodic) dem__wrap(w, i);
-    }
-}
-DEM__AVX2_CLONE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
-                dem__advance_all(w, h, first, end, 0))
-static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
-    (void)part;
-    dem__advance_part(w, *(const double *)h, first, end);
-}
-static inline void dem__advance(dem_world *w, double h) {
-    const ptrdiff_t n = w->engine->bodies.active_count;
-    const int books =
-        w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
-    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n,
-                  w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range,
-                  &h); /* n / 4: little work for each particle */
-}
-
-/* Returns the deviation of particle i [m/s], whose velocity is known at time t of the bounds [s]. */
-DEM_INLINE dem_vec dem__deviation(const dem_world *w, ptrdiff_t i, double t) {
-    const dem__bound *c = &w->engine->bodies.bound[i];
-    return dem__sub(dem__plus(w->particle[i].v, -t, dem__free_fall(w)), dem_vec3(c->ux, c->uy, c->uz));
-}
-
-/* Returns the deviation at the end of the next step. Between the two it changes linearly. */
-DEM_INLINE dem_vec dem__next_deviation(const dem_world *w, ptrdiff_t i, dem_vec d) {
-    return dem__plus(d, w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
-}
-
-/* Returns whether a particle with deviation d is within its tolerances to the end of the next step. */
-DEM_INLINE int dem__within_bound(const dem_world *w, ptrdiff_t i, dem_vec d) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const dem_vec e = dem__next_deviation(w, i, d);
-    const double tolerance = bodies->bound[i].tolerance * bodies->bound[i].tolerance;
-    return dem__dot(d, d) < tolerance && dem__dot(e, e) < tolerance &&
-           bodies->shifted[i] < w->engine->pairs.position_tolerance; /* false for NaN */
-}
-
-/* Takes the greatest change of velocity in this step from tolerance_left__. Returns whether the rest suffices for the
-   next step, too. */
-DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
-    const double way = dem__most_change(dt, pull);
-    p->tolerance_left__ -= way;
-    return p->tolerance_left__ > 0.5 * way; /* false for NaN */
-}
-
-/* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step
-   to its end. Sets the sums of forces to zero for the next step. Lists particles that may leave their tolerances in
-   scratch.index from `first` on. check: 0, or NaN if a force is not finite; strays: length of the list; loads: a
-   constant, 0 where nothing has a load. */
-DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays,
-                              int loads) {
-    dem__bodies *bodies = &w->engine->bodies;
-    const int64_t step = w->step + (h > 0.0);
-    const double half = 0.5 * h;
-    const double dt = w->engine->run.dt;
-    const dem_vec gravity = dem__free_fall(w);
-    int32_t *doubtful = w->engine->scratch.index + first;
-    const ptrdiff_t apart = dem__prefetch_until(w, first, end);
-    double all = 0.0;
-    ptrdiff_t n = 0;
-    for (ptrdiff_t k = first; k < end; k++) {
-        const ptrdiff_t i = bodies->active[k];
-        if (k < apart) dem__prefetch_body(w->particle, bodies->sum, bodies->active[k + DEM__AHEAD]);
-        dem__sum *sum = &bodies->sum[i];
-        dem_particle *p = &w->particle[i];
-        dem_vec force = dem__first(sum->load), torque = dem__second(sum->load), pull;
-        if (loads) {
-            force = dem__add(force, dem__first(bodies->load[i]));
-            torque = dem__add(torque, dem__second(bodies->load[i]));
-        }
-        if (loads && dem__is_fixed(w, i)) {
-            dem__note_fixed_force(w, i, force, torque, half);
-            pull = dem__scale(-1.0, gravity), torque = dem_vec3(0.0, 0.0, 0.0);
-        } else pull = dem__scale(sum->per_mass, force);
-        p->a = dem__add(gravity, pull);
-        const dem_vec turn = dem__scale(sum->per_inertia, torque);
-        w->spin_rate[i] = turn;
-        p->v = dem__flushed_vec(dem__plus(p->v, half, p->a));
-        p->spin = dem__flushed_vec(dem__plus(p->spin, half, turn));
-        p->origin = step;
-        for (int a = 0; a < 6; a++) sum->load[a] = 0.0;
-        all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
-        doubtful[n] = (int32_t)i; /* without a branch, which would be mispredicted */
-        n += !dem__surely_within(p, dt, pull);
-    }
-    *check = 0.0 * all;
-    *strays = n;
-}
-/* Does so without loads where there are none: whether there are any is a constant of the loop. */
-DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
-                                        ptrdiff_t *strays) {
-    if (w->engine->bodies.loads_on || w->engine->links.on) dem__kick_all(w, h, first, end, check, strays, 1);
-    else dem__kick_all(w, h, first, end, check, strays, 0);
-}
-DEM__AVX2_CLONE(dem__kick_part,
-                (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
-                (w, h, first, end, check, strays), dem__kick_loaded_or_not(w, h, first, end, check, strays))
-
-/* Moves those of n particles that leave their tolerances to the front of the list, and returns their number. Renews
-   tolerance_left__ of the others. */
-static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
-    const double t = dem__since_listed(w, w->step + (h > 0.0));
-    ptrdiff_t strays = 0;
-    for (ptrdiff_t k = dem__prefetch_from(n, DEM__AHEAD); k < n; k++) {
-        if (k + DEM__AHEAD < n) dem__prefetch_flight(w, doubtful[k + DEM__AHEAD]);
-        if (k < 0) continue;
-        const int32_t i = doubtful[k];
-        const dem_vec stray = dem__deviation(w, i, t);
-        if (dem__within_bound(w, i, stray)) dem__set_tolerance_left(w, i, dem__length(stray));
-        else doubtful[strays++] = i;
-    }
-    return strays;
-}
-typedef struct dem__kicked {
-    double h, check[DEM__PARTS_MAX]; /* check: 0, or NaN if a force is not finite */
-    ptrdiff_t strays[DEM__PARTS_MAX];
-} dem__kicked;
-static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    dem__kicked *kicked = (dem__kicked *)context;
-    dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
-    kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
-}
-/* Computes the accelerations of all loaded bodies without contacts as dem__check_bounds does for some of them.
-   dem__kick_all finds them from sums over particles, which round differently; which bodies are checked depends on what
-   a step skips, and results must not depend on it. */
-static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
-    for (ptrdiff_t k = 0; k < w->engine->bodies.active_count; k++) {
-        const ptrdiff_t i = w->engine->bodies.active[k];
-        dem__rigid *r = dem__rigid_of(w, i);
-        if (!r || r->first != i || w->touching[i] > 0) continue;
-        w->engine->bodies.calls->place(w, r); /* the torque needs the arms that this sets */
-        w->engine->bodies.calls->fall(w, r);
-    }
-}
-
-/* Moves the velocities of active particles to the end of the step, and marks those that leave their bounds. Returns 0
-   if a force is not finite. */
-static inline int dem__kick(dem_world *w, double h) {
-    const ptrdiff_t n = w->engine->bodies.active_count;
-    const int parts = dem__parts(w, n / 4); /* n / 4: little work for each particle */
-    dem__kicked kicked;
-    double all = 0.0;
-    if (n == 0) return 1;
-    kicked.h = h;
-    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.calls->kick, &h);
-    dem__in_parts(w, parts, n, dem__kick_range, &kicked);
-    for (int q = 0; q < parts; q++) {
-        const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
-        for (ptrdiff_t k = 0; k < kicked.strays[q]; k++) dem__mark_to_check(w, stray[k]);
-        all += kicked.check[q];
-    }
-    if (w->engine->bodies.rigid && w->engine->bodies.loads_on) dem__place_loaded_bodies(w);
-    return all == 0.0;
-}
-
-/* Sets what an impact that has just begun changes in the velocities of i and j by its middle: there, both have the
-   normal velocity of their centre of mass. New bounds rely on it. */
-DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
-    if (!(closing > 0.0)) return; /* the contact has ended */
-    double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
-    if (w->engine->bodies.has_fixed && j >= 0) part = dem__is_fixed(w, i) ? 0.0 : dem__is_fixed(w, j) ? 1.0 : part;
-    w->engine->bodies.impact[i] = dem__scale(part * closing, n);
-    if (j >= 0) w->engine->bodies.impact[j] = dem__scale((part - 1.0) * closing, n);
-}
-
-/* Returns whether a rigid body takes part in the contact in slot c. */
-DEM_INLINE int dem__has_body(const dem_world *w, int32_t c) {
-    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    return dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j));
-}
-
-/* Applies the impulse and the shift of the contact in slot c, which began or ended within the step. */
-static inline void dem__apply_correction(dem_world *w, int32_t c, int has_friction) {
-    dem__contacts *contacts = &w->engine->contacts;
-    const dem__correction *h = &contacts->correction[c];
-    const int32_t i = contacts->i[c], j = contacts->j[c];
-    if (dem__has_body(w, c)) {
-        w->engine->bodies.calls->push(w, c, has_friction);
-        return;
-    }
-    const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
-    for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
-        const int32_t a = side ? j : i;
-        if (dem__is_fixed(w, a)) {
-            const dem_vec turn = has_friction ? dem__first(h->impulse + (side ? 6 : 3)) : dem_vec3(0.0, 0.0, 0.0);
-            dem__strike_fixed(w, a, dem__scale(side ? -1.0 : 1.0, impulse), turn);
-            continue;
-        }
-        dem__mark_to_check(w, a);
-        dem_particle *p = &w->particle[a];
-        const double m = (side ? -1.0 : 1.0) / p->mass;
-        p->v = dem__plus(p->v, m, impulse);
-        p->x = dem__plus(p->x, m * h->shift, n);
-        w->engine->bodies.shifted[a] += fabs(m * h->shift);
-        if (!has_friction) continue;
-        const dem_vec torque = dem__first(h->impulse + (side ? 6 : 3));
-        p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, a), torque);
-    }
-    if (j < 0) {
-        const dem_vec place = w->particle[i].x, t = has_friction ? dem__second(h->impulse) : dem_vec3(0.0, 0.0, 0.0);
-        const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], place, n));
-        dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(-1.0, t));
-        dem__expect_impact(w, i, j, n, -dem__dot(v, n));
-        return;
-    }
-    /* keeps angular momentum: a pair that is moved apart turns more slowly */
-    dem_particle *a = &w->particle[i], *b = &w->particle[j];
-    const dem_vec d = dem__nearest_image(w, dem__sub(a->x, b->x)), v = dem__sub(a->v, b->v);
-    const dem_vec slower = dem__scale(-h->shift / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
-    a->v = dem__plus(a->v, dem__per_mass(w, i), slower);
-    b->v = dem__plus(b->v, -dem__per_mass(w, j), slower);
-    dem__expect_impact(w, i, j, n, -dem__dot(v, n));
-}
-/* Applies the corrections of all edge steps; the shifts of rigid bodies come last. */
-static inline void dem__apply_corrections(dem_world *w, int has_friction) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
-        for (ptrdiff_t k = 0; k < in->marked; k++) {
-            const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c]) dem__apply_correction(w, c, has_friction);
-        }
-    }
-    for (int q = 0; w->engine->bodies.rigid && q < contacts->chunk_count; q++) {
-        const dem__chunk *in = &contacts->chunk[q];
-        for (ptrdiff_t k = 0; k < in->marked; k++) {
-            const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c] && dem__has_body(w, c)) w->engine->bodies.calls->shift(w, c);
-        }
-    }
-}
-
-/* Result of a thread's share of to_check: how many particles have new bounds, how many of these need earlier wall
-   timers, and whether a flight begins. */
-typedef struct dem__checked {
-    ptrdiff_t reset, hurried;
-    int flown;
-    dem__outcome news;
-} dem__checked;
-
-/* Prefetches what the check of a bound reads. */
-DEM_INLINE void dem__prefetch_check(const dem_world *w, ptrdiff_t i) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    dem__prefetch_flight(w, i);
-    DEM__PREFETCH(&w->engine->pairs.listed_at[i]);
-    DEM__PREFETCH(&w->alive[i]);
-    DEM__PREFETCH(&w->touching[i]);
-    DEM__PREFETCH(&bodies->shifted[i]);
-    DEM__PREFETCH(&bodies->wall_speed[i]);
-    DEM__PREFETCH(&w->engine->walls.timers.due[i * w->walls]);
-    DEM__PREFETCH(&w->engine->walls.sure[i * w->walls]);
-}
-
-/* Checks particles first .. end-1 of to_check. A particle whose velocity left its tolerance, or whose flight begins,
-   gets a new bound and is listed in scratch.index; the tolerance_left__ of the others is renewed. */
-static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__checked *q) {
-    dem__bodies *bodies = &w->engine->bodies;
-    const dem__list_frame frame = dem__frame_at(w, w->step);
-    const double t = dem__since_listed(w, w->step);
-    q->reset = q->hurried = q->flown = 0;
-    q->news = dem__no_outcome(w);
-    for (ptrdiff_t k = first + dem__prefetch_from(end - first, DEM__AHEAD); k < end; k++) {
-        if (k + DEM__AHEAD < end) dem__prefetch_check(w, bodies->to_check[k + DEM__AHEAD]);
-        if (k < first) continue;
-        const int32_t i = bodies->to_check[k];
-        if (w->alive[i] && !w->engine->run.needs_lists) {
-            const dem_particle *p = &w->particle[i];
-            const dem_vec stray = dem__deviation(w, i, t);
-            if (w->touching[i] == 0)
-                dem__free_acceleration(w, i); /* no contact is left, whatever the law of an ended one returned */
-            if (w->touching[i] == 0 || !dem__within_bound(w, i, stray)) {
-                const double shifted = bodies->shifted[i];
-                dem__set_bound(w, i, w->step, p->x, p->v);
-                w->engine->scratch.index[first + q->reset++] = i;
-                if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->news))
-                    bodies->to_check[first + q->hurried++] = i;
-            } else dem__set_tolerance_left(w, i, dem__length(stray));
-        }
-        bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
-        bodies->activity[i] = w->alive[i] && (w->touching[i] > 0 || (bodies->loads_on && dem__is_loaded(w, i)));
-        q->flown |= !bodies->activity[i];
-    }
-}
-
-static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *checked) {
-    dem__check_bounds_part(w, first, end, (dem__checked *)checked + part);
-}
-
-/* Checks the bounds of particles marked for it, and sets new bounds and timers. Moves particles that begin a flight out
-   of the active list. */
-static inline void dem__check_bounds(dem_world *w) {
-    dem__bodies *bodies = &w->engine->bodies;
-    const ptrdiff_t n = bodies->to_check_count, active = bodies->active_count;
-    const int parts = dem__parts(w, 4 * n);
-    dem__checked watched[DEM__PARTS_MAX];
-    ptrdiff_t reset = 0, kept = 0;
-    int flown = 0;
-    dem__in_parts(w, parts, n, dem__check_bounds_range, watched);
-    for (int q = 0; q < parts; q++) {
-        const ptrdiff_t first = dem__part(n, q, parts);
-        for (ptrdiff_t k = 0; k < watched[q].hurried; k++)
-            dem__advance_wall_timers(w, bodies->to_check[first + k], w->step);
-        for (ptrdiff_t k = 0; k < watched[q].reset; k++)
-            w->engine->scratch.index[reset++] = w->engine->scratch.index[first + k];
-        dem__apply_outcome(w, &watched[q].news);
-        flown |= watched[q].flown;
-    }
-    dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
-    bodies->to_check_count = 0;
-    if (!flown) return;
-    for (ptrdiff_t k = 0; k < active; k++) {
-        const int32_t i = bodies->active[k];
-        bodies->active[kept] = i;
-        kept += bodies->activity[i] != 0;
-    }
-    bodies->active_count = kept;
-    if (2 * kept > w->count && w->step % 16 == 0) dem__list_active(w);
-}
-
-/* --------------------------------------------------------------------------------------------------- >>gas/field.h */
-/* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads
-   bodies, the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end,
-   computed at its origin and the same whatever is skipped. */
-
-/* Tasks of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none
-   of it. */
-enum {
-    DEM__FIND_FLIGHTS,    /* of particles: begins flights now */
-    DEM__RENEW_FLIGHTS,   /* of particles: keeps the flights that the law still gives, begins the others anew */
-    DEM__END_FLIGHTS,     /* of particles: ends flights now; from here on they take steps */
-    DEM__ADD_FIELD_FORCE, /* on particles: at the end of the present step, of length h */
-    DEM__PREPARE_FIELD,   /* before a run: dem__prepare_flights */
-    DEM__FIELD_CONTACTS,  /* n contacts have begun: dem__end_flights */
-    DEM__FIELD_FORCES,    /* on all particles that take steps: dem__add_field_forces */
-    DEM__FIELD_FLIGHTS,   /* after a step: dem__begin_flights */
-    DEM__FIELD_BOOKS,     /* the ledger begins: dem__begin_books */
-    DEM__RUN_IN_FIELD     /* n steps */
-};
-typedef struct dem__field_task {
-    int task;
-    const int32_t *particle;
-    ptrdiff_t n;
-    double h;                 /* [s] */
-    const dem_kernel *kernel; /* of contacts */
-} dem__field_task;
-
-/* Runs one of the tasks that need only a number. Returns 0 after a failure. */
-static inline int dem__ask_field(dem_world *w, int task, ptrdiff_t n) {
-    dem__field_task q;
-    memset(&q, 0, sizeof q);
-    q.task = task, q.n = n;
-    return w->engine->field.def.kernel(w, &q);
-}
-static inline int dem__ask_field_to_run(dem_world *w, ptrdiff_t steps, const dem_kernel *kernel) {
-    dem__field_task q;
-    memset(&q, 0, sizeof q);
-    q.task = DEM__RUN_IN_FIELD, q.n = steps, q.kernel = kernel;
-    return w->engine->field.def.kernel(w, &q);
-}
-
-DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
-    return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
-}
-
-/* A rigid body feels the field at its centre and flies as its first particle: only that one has a flight. Returns
-   whether i is a sphere or such a particle. */
-DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return !r || r->first == i;
-}
-
-/* Returns the radius of particle i, or of the sphere with its body's volume [m]. */
-DEM_INLINE double dem__size_in_field(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? 0.5 * dem__equal_diameter(w, r) : w->particle[i].radius;
-}
-
-/* Gives particle i, or its body, a new parabola from here on. */
-static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem_vec a) {
-    dem__rigid *r = dem__rigid_of(w, i);
-    dem_particle *p = &w->particle[i];
-    if (r) {
-        w->engine->bodies.calls->set_origin(w, r);
-        r->x = x, r->v = v, r->a = a;
-        w->engine->bodies.calls->place(w, r);
-        return;
-    }
-    p->spin = dem__spin_at(w, i, dem__now(w, i));
-    p->x = x, p->v = v, p->a = a;
-    p->origin = w->step;
-}
-
-/* Returns the acceleration of particle i at x with v by the law [m/s2]. */
-DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
-                                   dem_vec (*law)(const dem_force_point *)) {
-    dem_force_point at;
-    at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
-    at.velocity = v;
-    at.radius = dem__size_in_field(w, i), at.mass = w->particle[i].mass;
-    at.time = time;
-    at.gravity = dem__free_fall(w);
-    at.user = w->engine->field.def.user;
-    return dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
-}
-
-DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
-/* Returns whether particle i, or its body, has the acceleration of free fall only. */
-DEM_INLINE int dem__falls_freely(const dem_world *w, ptrdiff_t i) {
-    return dem__is_zero(dem__sub(dem__centre_pull(w, i), dem__free_fall(w)));
-}
-
-/* Result of one step of a flight. */
-typedef struct dem__flown {
-    dem_vec way;  /* mean gain of velocity: the displacement beyond that at the first velocity, over the time [m/s] */
-    dem_vec gain; /* of velocity, at the end [m/s] */
-    double work;  /* of the field [J] */
-    double error; /* of position [m] */
-    int zero;     /* whether the law gave 0 at every stage */
-} dem__flown;
-
-/* Integrates one step of h from x with v at a time: of fifth order, with the error of fourth order (Cash & Karp 1990).
- */
-DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double h,
-                               dem_vec (*law)(const dem_force_point *)) {
-    enum { STAGES = 6 };
-    static const double at[STAGES] = {0.0, 0.2, 0.3, 0.6, 1.0, 0.875};
-    static const double by[STAGES][STAGES - 1] = {
-        {0.0, 0.0, 0.0, 0.0, 0.0},
-        {0.2, 0.0, 0.0, 0.0, 0.0},
-        {3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0},
-        {0.3, -0.9, 1.2, 0.0, 0.0},
-        {-11.0 / 54.0, 2.5, -70.0 / 27.0, 35.0 / 27.0, 0.0},
-        {1631.0 / 55296.0, 175.0 / 512.0, 575.0 / 13824.0, 44275.0 / 110592.0, 253.0 / 4096.0}};
-    static const double fifth[STAGES] = {37.0 / 378.0, 0.0, 250.0 / 621.0, 125.0 / 594.0, 0.0, 512.0 / 1771.0};
-    static const double fourth[STAGES] = {2825.0 / 27648.0, 0.0, 18575.0 / 48384.0, 13525.0 / 55296.0,
-                                          277.0 / 14336.0,  0.25};
-    const dem_vec g = dem__free_fall(w), none = dem_vec3(0.0, 0.0, 0.0);
-    dem_vec gain[STAGES], pull[STAGES], off = none, stray = none;
-    dem__flown q;
-    q.way = q.gain = none, q.work = 0.0, q.zero = 1;
-    for (int s = 0; s < STAGES; s++) {
-        dem_vec way = none;
-        gain[s] = none;
-        for (int r = 0; r < s; r++) {
-            gain[s] = dem__plus(gain[s], h * by[s][r], dem__add(g, pull[r]));
-            way = dem__plus(way, h * by[s][r], gain[r]);
-        }
-        const dem_vec now = dem__add(v, gain[s]);
-        pull[s] = dem__field_pull(w, i, dem__add(dem__plus(x, at[s] * h, v), way), now, time + at[s] * h, law);
-        q.zero &= dem__is_zero(pull[s]);
-        q.way = dem__plus(q.way, fifth[s], gain[s]);
-        q.gain = dem__plus(q.gain, h * fifth[s], dem__add(g, pull[s]));
-        q.work += h * fifth[s] * w->particle[i].mass * dem__dot(pull[s], now);
-        off = dem__plus(off, h * (fifth[s] - fourth[s]), gain[s]);
-        stray = dem__plus(stray, h * h * (fifth[s] - fourth[s]), pull[s]);
-    }
-    q.error = dem__length(off) + dem__length(stray);
-    return q;
-}
-
-/* Returns the number of steps of the world in a time [s], at least one, at most as many as a list can last. */
-DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
-    const double n = time * w->engine->pairs.steps_per_second;
-    return n >= (double)(DEM__STEPS_MAX - 2) ? DEM__STEPS_MAX - 2 : n > 1.0 ? (int)n : 1; /* NaN: one */
-}
-
-/* Chooses the number of steps of a flight from x with v by its error, and computes the flight. A parabola that is right
-   at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first one, times
-   the time squared. */
-DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem__flown *q,
-                                  dem_vec (*law)(const dem_force_point *)) {
-    const dem_force_field *def = &w->engine->field.def;
-    const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i),
-                 probe = 16.0 * dt;
-    const dem_vec first = dem__field_pull(w, i, x, v, time, law), a = dem__add(dem__free_fall(w), first);
-    const dem_vec there = dem__plus(x, probe, dem__plus(v, 0.5 * probe, a));
-    const dem_vec soon = dem__field_pull(w, i, there, dem__plus(v, probe, a), time + probe, law);
-    const double jerk = dem__length(dem__sub(soon, first)) / probe;
-    const double far = dem__time_to_cover(def->length, dem__length(v), dem__length(a));
-    double longest = far < def->interval ? far : def->interval;
-    if (jerk > 0.0) {
-        const double guess = riddle_cbrt(13.5 * 3.0 * limit / jerk);
-        longest = guess < longest ? guess : longest;
-    }
-    int n = dem__steps_within(w, longest);
-    for (;;) {
-        const double h = (double)n * dt;
-        *q = dem__fly(w, i, x, v, time, h, law);
-        const double bent = dem__length(dem__sub(dem__scale(2.0 / h, q->way), a)) * h * h / 13.5;
-        const double error = bent > 100.0 * q->error ? bent : 100.0 * q->error; /* errors of the ends add up */
-        if (n == 1 || error <= limit) return n;
-        const double part = 0.9 * riddle_cbrt(limit / error);
-        const int fewer = (int)((part > 0.1 ? part : 0.1) * (double)n); /* NaN: a tenth */
-        n = fewer > 1 ? fewer : 1;
-    }
-}
-
-/* Begins a flight now. Where the law gives 0 and gave 0 before, the present parabola stays. */
-DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
-    dem__field *field = &w->engine->field;
-    const double tau = dem__now(w, i), dt = w->engine->run.dt;
-    const dem_vec x = dem__centre_at(w, i, tau),
-                  v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
-    const dem_vec g = dem__free_fall(w);
-    dem__flown q;
-    const int n = dem__choose_flight(w, i, x, v, &q, law);
-    const double h = (double)n * dt;
-    field->until[i] = w->step + n;
-    field->work[i] = q.work, field->booked[i] = 0.0;
-    if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
-    if (!(q.zero && dem__falls_freely(w, i))) {
-        dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
-    }
-    field->end_velocity[i] =
-        q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
-}
-
-/* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0
-   to the end. Then computes the velocity at its end and the work. */
-DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
-    dem__field *field = &w->engine->field;
-    const int64_t end = field->until[i], last = w->step + DEM__STEPS_MAX, origin = w->particle[i].origin;
-    const dem_vec pull = dem__centre_pull(w, i);
-    const double dt = w->engine->run.dt, tau = dem__now(w, i);
-    if (!(end > w->step && end < last && origin <= w->step && end - origin < 2 * (int64_t)last)) return 0;
-    const int zero = dem__falls_freely(w, i);
-    const double h = (double)(end - (zero ? w->step : origin)) * dt, from = zero ? tau : 0.0;
-    const dem_vec v = dem__drift_at(w, i, from);
-    const dem__flown q =
-        dem__fly(w, i, dem__centre_at(w, i, from), v, zero ? w->time : dem__time_of(w, origin), h, law);
-    const dem_vec a = dem__scale(2.0 / h, q.way);
-    if (zero != q.zero || (zero && h * dem__length(v) > 2.0 * field->def.length)) return 0;
-    if (!zero && !(a.x == pull.x && a.y == pull.y && a.z == pull.z)) return 0;
-    field->end_velocity[i] = zero ? dem__drift_at(w, i, (double)(end - origin) * dt) : dem__add(v, q.gain);
-    field->work[i] = q.work;
-    return 1;
-}
-
-/* Ends the flight of particle i now. Its position is that on the parabola; its velocity is computed anew. */
-DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
-    dem__field *field = &w->engine->field;
-    dem__rigid *r = dem__rigid_of(w, i);
-    const dem_vec a = dem__centre_pull(w, i);
-    const double tau = dem__now(w, i);
-    const dem_vec x = dem__centre_at(w, i, tau);
-    dem_vec v = dem__drift_at(w, i, tau);
-    const int falls = dem__falls_freely(w, i);
-    field->work[i] = 0.0;
-    if (tau > 0.0 && !falls) {
-        const dem_vec begun = dem__drift_at(w, i, 0.0);
-        const dem__flown q =
-            dem__fly(w, i, dem__centre_at(w, i, 0.0), begun, dem__time_of(w, w->particle[i].origin), tau, law);
-        v = dem__add(begun, q.gain);
-        field->work[i] = q.work;
-    }
-    const dem_vec pull = dem__field_pull(w, i, x, v, w->time, law);
-    field->force[i] = dem__scale(w->particle[i].mass, pull);
-    field->until[i] = DEM__NO_FLIGHT;
-    if (falls && dem__is_zero(pull)) return; /* the same bits as without a field */
-    dem__begin_parabola(w, i, x, v, a);
-    dem__free_acceleration(w, i);
-    if (!r) w->particle[i].a = dem__add(w->particle[i].a, pull);
-}
-
-/* Adds the law's force on particle i, which takes steps, at its position after a step of h and at the velocity
-   predicted for it. That on a body is added where its forces are summed up. */
-DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *)) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    const dem_particle *p = &w->particle[i];
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), v = r ? r->v : p->v;
-    if (!dem__leads(w, i)) {
-        w->engine->field.force[i] = none;
-        return;
-    }
-    const dem_vec pull = dem__field_pull(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
-                                         dem__time_of(w, w->step + (h > 0.0)), law);
-    const dem_vec force = dem__scale(p->mass, pull);
-    double *load = w->engine->bodies.sum[i].load;
-    if (!r) load[0] += force.x, load[1] += force.y, load[2] += force.z;
-    w->engine->field.force[i] = force;
-}
-
-DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_vec (*law)(const dem_force_point *)) {
-    for (ptrdiff_t k = 0; k < q->n; k++) {
-        const ptrdiff_t i = q->particle[k];
-        if (q->task == DEM__ADD_FIELD_FORCE) dem__add_field_force(w, i, q->h, law);
-        else if (q->task == DEM__END_FLIGHTS) dem__end_flight(w, i, law);
-        else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law);
-    }
-}
-
-/* ------------------------------------------------------------------------------------------------- >>gas/flights.h */
-/* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. */
-
-/* Runs a task of the kernel for a part of a list of particles. */
-static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    dem__field_task q = *(const dem__field_task *)context;
-    (void)part;
-    q.n = end - first;
-    if (q.n > 0) q.particle += first;
-    w->engine->field.def.kernel(w, &q);
-}
-/* Runs a task of the kernel for a list of particles, on one thread or several. */
-static inline void dem__run_field(dem_world *w, const int32_t *particle, ptrdiff_t n, int task, double h) {
-    dem__field_task q;
-    memset(&q, 0, sizeof q);
-    q.particle = particle, q.n = n, q.task = task, q.h = h;
-    dem__in_parts(w, dem__parts(w, 4 * n), n, dem__run_field_range, &q);
-}
-
-/* Returns the work of the field along a flight until now [J]: the energy that the particle has gained since its origin.
- */
-static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
-    const double tau = dem__now(w, i);
-    const dem_vec u = dem__drift_at(w, i, 0.0), v = dem__drift_at(w, i, tau), g = dem__free_fall(w);
-    const dem_vec way = dem__sub(dem__centre_at(w, i, tau), dem__centre_at(w, i, 0.0));
-    const double gain = 0.5 * (dem__dot(v, v) - dem__dot(u, u)) - dem__dot(g, way);
-    return dem__falls_freely(w, i) ? 0.0 : w->particle[i].mass * gain;
-}
-
-/* Returns whether particle i, or the body that it leads, is in flight. */
-DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) {
-    return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING && dem__leads(w, i);
-}
-
-/* Takes the work of the field on all flights until now as booked: the ledger begins, or flights are known anew. */
-static inline void dem__begin_books(dem_world *w) {
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__is_flying(w, i)) w->engine->field.booked[i] = dem__flight_gain(w, i);
-    }
-}
-
-/* Books the work of the field on all flights until now, or only on those of particles that leave. */
-static inline void dem__book_flights(dem_world *w, int leaving) {
-    dem__field *field = &w->engine->field;
-    for (ptrdiff_t i = 0; i < w->count && w->engine->ledger.on; i++) {
-        if ((leaving ? w->alive[i] != DEM_LEAVING : w->alive[i] <= 0) || field->until[i] == DEM__NO_FLIGHT) continue;
-        const double gain = dem__flight_gain(w, i);
-        dem__book_field_work(w, gain - field->booked[i]);
-        field->booked[i] = gain;
-    }
-}
-
-/* Returns how far the velocity of particle k, which flies with i, can be from that of its bound until the end of the
-   flight [m/s]. */
-DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff_t k) {
-    const dem__field *field = &w->engine->field;
-    const dem__bound *c = &w->engine->bodies.bound[k];
-    const dem__rigid *r = dem__rigid_of(w, i);
-    const double t = dem__since_listed(w, w->step), left = (double)(field->until[i] - w->step) * w->engine->run.dt;
-    const dem_vec g = dem__free_fall(w), u = dem_vec3(c->ux, c->uy, c->uz);
-    const dem_vec now = dem__sub(dem__plus(dem__drift_at(w, i, dem__now(w, i)), -t, g), u);
-    const double here = dem__length(now),
-                 there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
-                 end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
-    const double most = here > there ? here : there;
-    const double swing = r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
-    return (most > end ? most : end) + swing;
-}
-
-/* Sets a bound for particle k, which flies with i, that holds for about DEM__FLIGHTS flights like this one. */
-static inline void dem__bound_flight(dem_world *w, ptrdiff_t i, ptrdiff_t k) {
-    const dem__field *field = &w->engine->field;
-    const dem__pairs *pairs = &w->engine->pairs;
-    const double t = dem__since_listed(w, w->step), tau = dem__now(w, i), dt = w->engine->run.dt;
-    const double left = (double)(field->until[i] - w->step) * dt;
-    const dem_vec g = dem__free_fall(w), x = dem__at(w, k, tau), v = dem__drift_at(w, i, tau);
-    const dem_vec turn = dem__scale(0.5 * DEM__FLIGHTS * left, dem__sub(dem__centre_pull(w, i), g)),
-                  u = dem__add(v, turn);
-    dem__bound *c = &w->engine->bodies.bound[k];
-    c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
-    c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y),
-    c->z = x.z - t * (u.z - 0.5 * t * g.z);
-    const double turned = 1.1 * dem__length(turn), most = 1.1 * dem__flight_deviation(w, i, k);
-    c->tolerance = 0.001 * pairs->least_tolerance + (turned > most ? turned : most);
-    c->reach = w->particle[k].radius + pairs->position_tolerance - t * c->tolerance;
-    w->engine->bodies.shifted[k] = 0.0;
-}
-
-/* Sets the timers of n flights that have just been computed, and new bounds for particles that leave theirs. Returns 0
-   if one is too fast. */
-static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff_t n) {
-    dem__field *field = &w->engine->field;
-    dem__bodies *bodies = &w->engine->bodies;
-    const dem__list_frame frame = dem__frame_at(w, w->step);
-    dem__outcome news = dem__no_outcome(w);
-    ptrdiff_t reset = 0;
-    for (ptrdiff_t q = 0; q < n; q++) {
-        const int32_t i = list[q];
-        dem__rigid *r = dem__rigid_of(w, i);
-        const double tau = dem__now(w, i);
-        if (w->engine->run.has_periodic && w->particle[i].origin == w->step) {
-            if (r) bodies->calls->wrap(w, r);
-            else dem__wrap(w, i);
-        }
-        dem__set_timer(&field->timers, i, field->until[i]);
-        for (int32_t k = i; k < i + (r ? r->pieces : 1); k++) {
-            if (dem__flight_deviation(w, i, k) < bodies->bound[k].tolerance) continue; /* false for NaN */
-            const double shifted = bodies->shifted[k];
-            dem__bound_flight(w, i, k);
-            w->engine->scratch.index[reset++] = k;
-            if (dem__apply_bound(w, k, w->step, &frame, dem__at(w, k, tau), dem__velocity_at(w, k, tau), shifted,
-                                 &news))
-                dem__advance_wall_timers(w, k, w->step);
-        }
-    }
-    dem__apply_outcome(w, &news);
-    dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
-    return w->status == DEM_OK;
-}
-
-/* Returns whether particle i, which takes steps, has the acceleration without contacts and without the field. A body
-   never has. */
-static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
-    if (dem__rigid_of(w, i)) return 0;
-    const dem_vec a =
-        dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
-    return dem__is_zero(dem__sub(w->particle[i].a, a));
-}
-
-/* Sets timers and bounds of all flights for a new list of near pairs. Returns 0 after a failure. */
-static inline int dem__list_flights(dem_world *w) {
-    dem__field *field = &w->engine->field;
-    ptrdiff_t n = 0;
-    if (!dem__grow_timers(w, &field->timers, w->count, &field->stepping, sizeof *field->stepping)) {
-        w->status = DEM_OUT_OF_MEMORY;
-        return 0;
-    }
-    dem__stop_timers(&field->timers, 0, w->count);
-    field->timers.from = w->step;
-    field->rebuilds = w->rebuilds;
-    for (int32_t i = 0; i < (int32_t)w->count; i++) {
-        field->timers.list[n] = i;
-        n += dem__is_flying(w, i);
-    }
-    return dem__follow_flights(w, field->timers.list, n);
-}
-
-/* Prepares a run: begins anew the flights that the caller has changed, and those of new particles. Returns 0 after a
-   failure. */
-static inline int dem__prepare_flights(dem_world *w) {
-    dem__field *field = &w->engine->field;
-    ptrdiff_t n = 0, ended = 0;
-    if (!dem__grow_timers(w, &field->timers, w->count, &field->stepping, sizeof *field->stepping)) {
-        w->status = DEM_OUT_OF_MEMORY;
-        return 0;
-    }
-    for (int32_t i = 0; i < (int32_t)w->count; i++) {
-        field->timers.list[n] = field->stepping[ended] = i;
-        n += dem__is_flying(w, i);
-        ended += w->alive[i] > 0 && dem__leads(w, i) && !dem__is_flying(w, i) &&
-                 (field->until[i] != DEM__NO_FLIGHT || dem__feels_no_field(w, i));
-        if (w->alive[i] <= 0 || field->until[i] <= w->step) field->until[i] = DEM__NO_FLIGHT;
-    }
-    dem__run_field(w, field->stepping, ended, DEM__END_FLIGHTS, 0.0);
-    dem__run_field(w, field->timers.list, n, DEM__RENEW_FLIGHTS, 0.0);
-    dem__begin_books(w);
-    field->steppers = 0;
-    return dem__list_flights(w);
-}
-
-/* Continues flights that are over by new ones, before a step. Returns 0 after a failure. */
-static inline int dem__continue_flights(dem_world *w) {
-    dem__field *field = &w->engine->field;
-    ptrdiff_t n, flying = 0;
-    int32_t *list = field->timers.list;
-    if (field->rebuilds != w->rebuilds && !dem__list_flights(w)) return 0;
-    dem__list_due(&field->timers, 0, field->timers.pages, w->step, DEM__STOPPED, &n);
-    for (ptrdiff_t k = 0; k < n; k++) {
-        const int32_t i = list[k];
-        if (!dem__is_flying(w, i)) continue;
-        dem__book_field_work(w, field->work[i] - field->booked[i]);
-        list[flying++] = i;
-    }
-    if (flying == 0) return 1;
-    dem__run_field(w, list, flying, DEM__FIND_FLIGHTS, 0.0);
-    return dem__follow_flights(w, list, flying);
-}
-
-/* Ends the flights of particles whose contacts begin, in the slots that contacts.slots lists. */
-static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
-    dem__field *field = &w->engine->field;
-    const dem__contacts *contacts = &w->engine->contacts;
-    const double t = dem__since_listed(w, w->step);
-    for (ptrdiff_t k = 0; k < 2 * begun; k++) {
-        const int32_t c = contacts->slots[k / 2], touched = k % 2 ? contacts->j[c] : contacts->i[c];
-        const dem__rigid *r = touched < 0 ? NULL : dem__rigid_of(w, touched);
-        const int32_t i = r ? r->first : touched;
-        if (i < 0 || field->until[i] == DEM__NO_FLIGHT) continue;
-        const double booked = field->booked[i];
-        dem__run_field(w, &i, 1, DEM__END_FLIGHTS, 0.0);
-        dem__book_field_work(w, field->work[i] - booked);
-        for (int32_t q = i; q < i + (r ? r->pieces : 1); q++)
-            dem__set_tolerance_left(w, q, dem__length(dem__deviation(w, q, t)));
-        dem__stop_timer(&field->timers, i);
-    }
-}
-
-/* Books half of the work of the present forces on the particles that take steps. */
-static inline void dem__book_stepping(dem_world *w, double h) {
-    for (ptrdiff_t k = 0; k < w->engine->bodies.active_count && w->engine->ledger.on && h > 0.0; k++) {
-        const ptrdiff_t i = w->engine->bodies.active[k];
-        const dem__rigid *r = dem__rigid_of(w, i);
-        dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.force[i], r ? r->v : w->particle[i].v));
-    }
-}
-
-/* Adds the field's forces on the particles that take steps, at the end of a step, and lists these particles. Books the
-   work by the mean of the forces at both ends. */
-static inline void dem__add_field_forces(dem_world *w, double h) {
-    dem__field *field = &w->engine->field;
-    const dem__bodies *bodies = &w->engine->bodies;
-    const ptrdiff_t n = bodies->active_count;
-    if (n > 0) memcpy(field->stepping, bodies->active, (size_t)n * sizeof *bodies->active);
-    field->steppers = n;
-    dem__book_stepping(w, h);
-    dem__run_field(w, bodies->active, n, DEM__ADD_FIELD_FORCE, h);
-    dem__book_stepping(w, h);
-}
-
-/* Begins flights of particles whose last contact is over, after a step. Returns 0 after a failure. */
-static inline int dem__begin_flights(dem_world *w) {
-    dem__field *field = &w->engine->field;
-    int32_t *list = field->stepping;
-    ptrdiff_t n = 0;
-    for (ptrdiff_t k = 0; k < field->steppers; k++) {
-        const int32_t i = list[k];
-        if (dem__is_flying(w, i)) list[n++] = i;
-        else if (w->alive[i] > 0 && w->touching[i] == 0 && !dem__rigid_of(w, i) &&
-                 !dem__is_fixed(w, i)) {  /* it has a load */
-            dem__free_acceleration(w, i); /* rounded as after a check of its bound */
-            w->particle[i].a = dem__plus(w->particle[i].a, w->engine->bodies.sum[i].per_mass, field->force[i]);
-        }
-    }
-    field->steppers = 0;
-    if (n == 0) return 1;
-    dem__run_field(w, list, n, DEM__FIND_FLIGHTS, 0.0);
-    return dem__follow_flights(w, list, n);
-}
-
-DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user) {
-    dem_force_field field;
-    field.kernel = kernel;
-    field.user = user;
-    field.length = field.interval = HUGE_VAL;
-    field.accuracy = 1e-6;
-    return field;
-}
-
-/* Removes the field: particles in flight fall freely from now on. */
-static inline void dem__drop_field(dem_world *w) {
-    dem__field *field = &w->engine->field;
-    for (ptrdiff_t i = 0; i < w->count && field->on; i++) {
-        if (!dem__is_flying(w, i)) continue;
-        dem__restart(w, i);
-        dem__free_acceleration(w, i);
-    }
-    dem__release(&w->def.allocator, field->timers.block, field->timers.bytes);
-    memset(field, 0, sizeof *field);
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-}
-
-DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field) {
-    dem_world *w = world;
-    dem__array list[DEM__ARRAYS_MAX];
-    if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn) return DEM_BAD_ARGUMENT;
-    if (!field) {
-        dem__drop_field(w);
-        return DEM_OK;
-    }
-    const int was_loaded = w->engine->field.on && !w->engine->field.def.kernel;
-    if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) ||
-        !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) || w->engine->links.on)
-        return DEM_BAD_ARGUMENT;
-    if (!w->engine->field.on) {
-        w->engine->field.on = 1;
-        if (w->engine->bodies.capacity > 0 &&
-            !dem__grow_group(w, list, dem__particle_arrays(w, list), &w->engine->bodies.block, &w->engine->bodies.bytes,
-                             &w->engine->bodies.capacity, w->engine->bodies.capacity)) {
-            w->engine->field.on = 0;
-            return DEM_OUT_OF_MEMORY;
-        }
-    }
-    if (!was_loaded) w->engine->run.needs_forces = 1; /* otherwise the accelerations are those of the field already */
-    w->engine->field.def = *field;
-    w->engine->run.needs_lists = 1;
-    return DEM_OK;
-}
-
-/* --------------------------------------------------------------------------------------------------- >>step/step.h */
-/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world
-   can be read, saved and freed. */
-
-/* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip,
-   and set none if it is 0. */
-static inline void dem__test_everything(dem_world *w) {
-    int skip = w->def.skip;
-    w->def.skip = 0;
-    dem__test_all_pairs(w, w->step);
-    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, w->step);
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        for (int k = 0; k < w->walls; k++) {
-            if (dem__has_surface(&w->wall[k]) && dem__needs_test(w, i, k))
-                dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
-        }
-    }
-    w->def.skip = skip;
-}
-
-/* Ends the contacts that the caller's changes have ended, and rebuilds the list of near pairs. Returns 0 after a
-   failure. */
-static inline int dem__prepare_lists(dem_world *w) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    if (!w->engine->run.needs_lists) return 1;
-    DEM__EACH_CONTACT(w, c) {
-        if (dem__is_taken_away(w, contacts->i[c], contacts->j[c])) contacts->ended[c] = 1;
-    }
-    dem__remove_ended(w, w->step, 1);
-    if (!dem__rebuild(w)) return 0;
-    if (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0)) return 1;
-    return dem__fail_to_list(w, w->status);
-}
-
-/* Computes the damping ratios of all pairs of materials, and whether all were set. */
-static inline void dem__prepare_pairs(dem_world *w) {
-    w->engine->run.has_unset_pairs = 0;
-    for (int a = 0; a < w->def.materials; a++) {
-        for (int b = a; b < w->def.materials; b++) {
-            const dem_pair_def *pair = &w->def.pair[a][b];
-            double(*ratio)[DEM_MATERIALS_MAX] = w->engine->run.damping_ratio;
-            w->engine->run.has_unset_pairs |= a != b && !pair->given;
-            ratio[a][b] = ratio[b][a] = dem_damping_ratio(pair->restitution, pair->mode);
-        }
-    }
-}
-
-/* Tests everything and begins the contacts that are found; their slots are listed then. Returns their number, or -1
-   after a failure. */
-static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    dem__test_everything(w);
-    if (w->engine->run.has_unset_pairs && w->status == DEM_OK) dem__check_pairs_set(w);
-    if (w->status != DEM_OK) {
-        dem__undo_detection(w);
-        return -1;
-    }
-    const ptrdiff_t begun = contacts->begun;
-    dem__commit_begun(w, 0.0);
-    if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_CONTACTS, begun);
-    dem__list_active(w);
-    for (ptrdiff_t k = 0; k < begun; k++) {
-        const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
-        if (j < 0 && !dem__has_elements(&w->wall[-1 - j]))
-            dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
-    }
-    return begun;
-}
-
-/* Sets law and features of the run, and computes the constants of contacts anew if these have changed. */
-static inline void dem__set_law(dem_world *w, const dem_law *law, int features) {
-    dem__run *run = &w->engine->run;
-    if (run->needs_forces || run->features != features || run->law != law) {
-        w->engine->contacts.type_count = 0;
-        run->stiffest = 0.0;
-        DEM__EACH_CONTACT(w, c) { dem__set_constants(w, c, law, features); }
-    }
-    run->features = features;
-    run->law = law;
-}
-
-/* Computes the forces on everything while no time passes, and so the accelerations. Returns 0 after a failure. */
-static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdiff_t begun) {
-    dem__report_begun(w, kernel->law, begun);
-    dem__advance(w, 0.0); /* before anything that may run out of memory: a world that fails there can be saved */
-    if (!dem__reorder_contacts(w)) return 0;
-    const double stored = dem__stored_energy(w);
-    dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
-    dem__book_callers_contacts(w, stored);
-    if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_FORCES, 0);
-    if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
-    dem__kick_walls(w, 0.0);
-    dem__remove_ended(w, w->step, 0);
-    dem__check_bounds(w);
-    return w->status == DEM_OK && (!w->engine->field.on || dem__ask_field(w, DEM__FIELD_FLIGHTS, 0));
-}
-
-/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error
-   either. */
-static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
-    dem__ledger *ledger = &w->engine->ledger;
-    const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
-    if (ledger->counts == counts) return;
-    if (!counts) ledger->paused_error = dem_energy(w).error;
-    else dem__find_stored(w, loop);
-    ledger->counts = counts;
-    if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
-}
-
-/* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a
-   failure. */
-static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
-    dem__run *run = &w->engine->run;
-    dem__ledger *ledger = &w->engine->ledger;
-    if (!dem__prepare_lists(w)) return 0;
-    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
-    dem__prepare_pairs(w);
-    const ptrdiff_t begun = run->needs_forces ? dem__begin_contacts_present(w) : 0;
-    if (begun < 0) return 0;
-    dem__set_law(w, kernel->law, features);
-    dem__switch_ledger(w, kernel->loop);
-    if (run->needs_forces && !dem__find_forces(w, kernel, begun)) return 0;
-    run->needs_forces = 0;
-    if ((features & DEM_ENERGY) && !ledger->started) {
-        ledger->started = 1;
-        memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked */
-        dem__resume_link_work(w, dem__all_particles(w));
-        if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_BOOKS, 0);
-        dem_energy_ledger now = dem_energy(w);
-        ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
-        ledger->sums.start_potential = now.potential;
-    }
-    return 1;
-}
-
-/* Finds the contacts that begin in a step, with the walls at its end. Returns 0 after a failure. */
-static inline int dem__find_contacts_that_begin(dem_world *w) {
-    if (!dem__move_walls(w, w->step + 1)) w->status = DEM_NOT_FINITE;
-    else dem__detect(w, w->step + 1);
-    if (w->engine->run.has_unset_pairs && w->status == DEM_OK) dem__check_pairs_set(w);
-    return w->status == DEM_OK;
-}
-
-/* Computes the constants of the contacts that begin, and calls the law's hook. */
-static inline void dem__prepare_begun(dem_world *w, const dem_law *law, ptrdiff_t begun, int features) {
-    for (ptrdiff_t k = 0; k < begun; k++) dem__set_constants(w, w->engine->contacts.slots[k], law, features);
-    dem__report_begun(w, law, begun);
-}
-
-static inline void dem__count_step(dem_world *w) {
-    const dem__run *run = &w->engine->run;
-    w->particle_steps += w->count - w->engine->bodies.dropped;
-    w->contact_steps += w->engine->contacts.count;
-    w->step++;
-    w->time = run->start_time + (double)(w->step - run->start_step) * run->dt;
-}
-
-/* Returns whether the energies of the particles that leave in this step are numbers: their velocities are not checked
-   later. */
-static DEM__NOINLINE int dem__leave_with_numbers(dem_world *w) {
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i] != DEM_LEAVING) continue;
-        if (dem__finite(dem__motion_energy(w, i) + dem__potential(w, i))) continue;
-        w->failed_id = w->id[i];
-        return 0;
-    }
-    return 1;
-}
-
-/* Removes particles that passed an exit from the lists, and marks their contacts as ended. Returns whether there are
-   any. */
-static inline int dem__remove_leaving(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    if (!w->engine->run.leaving) return 0;
-    DEM__EACH_CONTACT(w, c) {
-        const ptrdiff_t j = contacts->j[c];
-        if (w->alive[contacts->i[c]] == DEM_LEAVING || (j >= 0 && w->alive[j] == DEM_LEAVING)) contacts->ended[c] = 1;
-    }
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i] == DEM_LEAVING) dem__detach_one(w, i); /* those of a rigid body are all marked */
-    }
-    dem__number_present(w);
-    w->engine->run.leaving = 0;
-    return 1;
-}
-
-/* Advances the world by one step. keep: keeps the forces of contacts for readers; in_field: a constant at compile time.
-   Returns 0 after a failure. */
-DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, int in_field) {
-    const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
-    const double h = w->engine->run.dt;
-    if (w->step % DEM__REORDER_STEPS == 0 && !dem__reorder_contacts(w)) return 0;
-    if (w->step >= w->engine->pairs.next_check && !dem__check_list(w)) return 0;
-    if (in_field && !dem__continue_flights(w)) return 0;
-    if (!dem__find_contacts_that_begin(w)) return dem__undo_detection(w);
-    const ptrdiff_t begun = w->engine->contacts.begun;
-    dem__commit_begun(w, 1.0);
-    if (begun > 0 && w->engine->ledger.on)
-        dem__list_active(w); /* books are sums in the order of memory, whenever lists were built */
-    if (in_field) dem__end_flights(w, begun);
-    dem__advance(w, h);
-    dem__prepare_begun(w, kernel->law, begun, features);
-    dem__evaluate(w, kernel->loop, h, has_friction, keep);
-    if (in_field) dem__add_field_forces(w, h);
-    if (features & DEM_ENERGY) dem__book_losses(w);
-    const int finite = dem__kick(w, h);
-    dem__kick_walls(w, h);
-    dem__apply_corrections(w, has_friction);
-    dem__count_step(w);
-    if (!finite || (w->engine->run.leaving && !dem__leave_with_numbers(w))) return dem__fail(w, DEM_NOT_FINITE);
-    if (in_field && w->engine->run.leaving) dem__book_flights(w, 1);
-    const int leaving = dem__remove_leaving(w);
-    dem__remove_ended(w, w->step, leaving);
-    if (leaving) dem__free_untouched(w);
-    dem__check_bounds(w);
-    if (in_field && w->status == DEM_OK && !dem__begin_flights(w)) return 0;
-    if (w->engine->links.every > 0 && w->step % w->engine->links.every == 0) w->engine->links.step(w);
-    return w->status == DEM_OK;
-}
-
-static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
-    return dem__step_of(w, kernel, keep, 0);
-}
-
-/* Runs the steps of a task in a force field. At the end it continues flights that are over, so that a caller who
-   changes particles finds none. */
-static inline int dem__run_in_field(dem_world *w, const dem__field_task *q) {
-    int going = 1;
-    for (ptrdiff_t n = q->n; n > 0 && going; n--) going = dem__step_of(w, q->kernel, n == 1, 1);
-    if (going) going = dem__continue_flights(w);
-    dem__book_flights(w, 0);
-    return going;
-}
-static inline int dem__field_hook(dem_world *w, const dem__field_task *q) {
-    switch (q->task) {
-    case DEM__PREPARE_FIELD: return dem__prepare_flights(w);
-    case DEM__FIELD_CONTACTS: dem__end_flights(w, q->n); return 1;
-    case DEM__FIELD_FORCES: dem__add_field_forces(w, 0.0); return 1;
-    case DEM__FIELD_FLIGHTS: return dem__begin_flights(w);
-    case DEM__FIELD_BOOKS: dem__begin_books(w); return 1;
-    default: return dem__run_in_field(w, q);
-    }
-}
-
-#define DEM_FORCE_FIELD(name, law)                                                                                     \
-    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                    \
-        if (task->task > DEM__ADD_FIELD_FORCE) return dem__field_hook(world, task);                                    \
-        dem__field_kernel(world, task, law);                                                                           \
-        return 1;                                                                                                      \
-    }
-
-/* Returns whether a kernel computes friction that the run leaves out. Then its history stays zero. */
-static inline int dem__has_void_history(const dem_kernel *kernel, int features) {
-    return (kernel->features & ~features & DEM_FRICTION) != 0;
-}
-
-/* Returns whether a law can take over the contacts present. They continue under a law whose states are as many and mean
-   the same; a history that is zero means nothing, and can be dropped or begun. */
-static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    if (contacts->count == 0) return 1;
-    if (kernel->law->states == contacts->states)
-        return !contacts->has_history || dem__is_of_law(contacts->law, kernel->law);
-    return !contacts->has_history && (kernel->law->states == 0 || dem__has_void_history(kernel, features));
-}
-
-/* Returns what prevents a run, or DEM_OK. */
-static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *kernel, int features) {
-    if (!dem__is_thread_count(w->def.threads)) return DEM_BAD_DEFINITION;
-    if (w->status == DEM_NOT_FINITE || w->status == DEM_TOO_FAST) return w->status;
-    for (int k = 0; k < w->walls; k++) {
-        if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
-    }
-    if (w->engine->field.on && !w->engine->field.def.kernel) return DEM_NO_FIELD;
-    const double narrowest = dem__narrowest(w);
-    for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
-        if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
-    }
-    if (w->engine->convex.shapes > 0 && !(kernel->features & DEM_FRICTION))
-        return DEM_POLYHEDRON; /* others compute no torques */
-    if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
-    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH
-                                                               : DEM_OK; /* after loading dem_set_links comes first */
-}
-
-/* Makes the arrays of contacts fit law, ledger and threads. Returns 0 when out of memory; nothing has changed then. */
-static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int ledger) {
-    dem__contacts *contacts = &w->engine->contacts;
-    const int states = contacts->states, constants = contacts->constants, had_ledger = w->engine->ledger.on;
-    const int postpones = dem__may_postpone(w) && !contacts->postponed;
-    dem__array list[DEM__ARRAYS_MAX];
-    if (law->states == states && law->constants <= constants && ledger == had_ledger && !postpones) return 1;
-    contacts->states = law->states, w->engine->ledger.on = ledger;
-    contacts->constants = law->constants > constants ? law->constants : constants;
-    if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
-                         dem__next_slot(w) + 1)) {
-        contacts->states = states, contacts->constants = constants, w->engine->ledger.on = had_ledger;
-        return 0;
-    }
-    for (int a = contacts->states; a < DEM_STATE_MAX; a++) contacts->state[a] = NULL; /* not in the block */
-    return 1;
-}
-
-/* Returns the time step over the largest that is stable: of a spring 2 sqrt(m/k), whose contact lasts pi sqrt(m/k); of
-   a dashpot 2 m/gamma. */
-static inline double dem__step_ratio(const dem_world *w, int features) {
-    const dem_advice a = dem_advise(w, features, 1.0);
-    const double spring = features & DEM_HERTZ ? a.rayleigh : a.contact * (2.0 / RIDDLE_PI);
-    const double dashpot = features & DEM_HERTZ ? HUGE_VAL : 2.0 * a.dashpot,
-                 least = spring < dashpot ? spring : dashpot;
-    return least < HUGE_VAL ? w->engine->run.dt / least : 0.0;
-}
-
-/* Runs a kernel with some of its features: the law's prepare function leaves out friction and rolling that are not
-   among them. */
-static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
-    dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare ||
-        !dem__not_negative(duration))
-        return DEM_BAD_ARGUMENT;
-    if (dem__is_running(w)) return DEM_BUSY;
-    const double dt = w->engine->run.dt, owed = w->owed + duration, remaining = owed / dt;
-    if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
-    const dem_status status = dem__check_run(w, kernel, features);
-    if (status != DEM_OK) return status;
-    w->status = DEM_OK; /* the caller may have mended any other failure */
-    if (!dem__make_work(w, w->def.threads) ||
-        !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
-        return DEM_OUT_OF_MEMORY;
-    w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
-    w->engine->contacts.law = dem__law_mark(kernel->law);
-    const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
-    w->owed = 0.0; /* if the run fails */
-    if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);
-    w->engine->run.running = 1;
-    int going = dem__prepare_run(w, kernel, features);
-    if (going && w->engine->field.on) going = dem__ask_field_to_run(w, (ptrdiff_t)steps, kernel);
-    else
-        for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
-    w->engine->run.running = 0;
-    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* of the contacts that have begun */
-    if (met > w->step_ratio) w->step_ratio = met;
-    if (!going) return w->status;
-    w->owed = owed - (double)steps * dt;
-    return DEM_OK;
-}
-
-DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kernel *kernel) {
-    return dem__run_kernel(world, duration, kernel, kernel ? kernel->features : 0);
-}
-
-/* name, version, states, history, vectors, constants, prepare, force, born, ended */
-static const dem_law dem_law_linear = {"linear",         1,    0,   0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
-                                       dem_force_linear, NULL, NULL};
-static const dem_law dem_law_linear_friction = {
-    "linear, friction", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear_friction, NULL, NULL};
-static const dem_law dem_law_linear_rolling = {
-    "linear, friction, rolling", 1,    3,   3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
-    dem_force_linear_rolling,    NULL, NULL};
-static const dem_law dem_law_hertz = {"Hertz",         1,    0,   0, 0, DEM_HERTZ_CONSTANTS, dem_prepare_hertz,
-                                      dem_force_hertz, NULL, NULL};
-static const dem_law dem_law_hertz_friction = {
-    "Hertz-Mindlin", 1, 4, 4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz_friction, NULL, NULL};
-static const dem_law dem_law_hertz_rolling = {
-    "Hertz-Mindlin, rolling", 1, 4, 4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz_rolling, NULL, NULL};
-
-DEM__KERNEL_OF(dem__kernel_linear, dem_law_linear, DEM_LINEAR)
-DEM__KERNEL_OF(dem__kernel_linear_friction, dem_law_linear_friction, DEM_LINEAR | DEM_FRICTION)
-DEM__KERNEL_OF(dem__kernel_linear_rolling, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
-DEM__KERNEL_OF(dem__kernel_linear_energy, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
-DEM__KERNEL_OF(dem__kernel_hertz, dem_law_hertz, DEM_HERTZ)
-DEM__KERNEL_OF(dem__kernel_hertz_friction, dem_law_hertz_friction, DEM_HERTZ | DEM_FRICTION)
-DEM__KERNEL_OF(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING)
-DEM__KERNEL_OF(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
-
-DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
-    /* kernels with a ledger always compute friction and rolling; constants of zero take out what the caller did not
-       name */
-    switch (features) {
-    case DEM_LINEAR: return dem__run_kernel(world, duration, dem__kernel_linear(), features);
-    case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, dem__kernel_linear_friction(), features);
-    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING:
-        return dem__run_kernel(world, duration, dem__kernel_linear_rolling(), features);
-    case DEM_HERTZ: return dem__run_kernel(world, duration, dem__kernel_hertz(), features);
-    case DEM_HERTZ | DEM_FRICTION: return dem__run_kernel(world, duration, dem__kernel_hertz_friction(), features);
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING:
-        return dem__run_kernel(world, duration, dem__kernel_hertz_rolling(), features);
-    case DEM_LINEAR | DEM_ENERGY:
-    case DEM_LINEAR | DEM_FRICTION | DEM_ENERGY:
-    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
-        return dem__run_kernel(world, duration, dem__kernel_linear_energy(), features);
-    case DEM_HERTZ | DEM_ENERGY:
-    case DEM_HERTZ | DEM_FRICTION | DEM_ENERGY:
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
-        return dem__run_kernel(world, duration, dem__kernel_hertz_energy(), features);
-    default: return DEM_BAD_ARGUMENT;
-    }
-}
-
-/* ------------------------------------------------------------------------------------------------- >>links/links.h */
-/* Links, which have a step of their own: setting them and adding one, and their step. Reads bodies and the law of
-   links; writes links, the loads and velocities of bodies. The engine calls links.step, which dem_set_links sets: a
-   program without links compiles none of it. */
-
-/* Runs the links' loop on blocks first .. end - 1. */
-static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const dem__links *links = &w->engine->links;
-    (void)context;
-    links->loop(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count, part);
-}
-static inline void dem__evaluate_links(dem_world *w) {
-    const ptrdiff_t n = w->engine->links.count;
-    dem__in_parts(w, dem__link_parts(w), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
-}
-
-/* Returns whether particle i has links, or its load contains forces of links. */
-DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
-    return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
-}
-
-/* Returns the kinetic energy of a sphere whose origin is the present step [J]. */
-DEM_INLINE double dem__energy_at_origin(const dem_world *w, ptrdiff_t i) {
-    const dem_particle *p = &w->particle[i];
-    return 0.5 * p->mass * dem__dot(p->v, p->v) + 0.5 * dem__inertia(w, i) * dem__dot(p->spin, p->spin);
-}
-
-/* Makes the present step the origin of a linked particle, books the work of its links until now, and moves its load to
-   the sums. */
-static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__rigid *r = dem__rigid_of(w, i);
-    const dem_particle *p = &w->particle[i];
-    dem__set_origin(w, i);
-    if (r) bodies->calls->wrap(w, r), bodies->calls->place(w, r);
-    else dem__wrap(w, i);
-    if (w->engine->ledger.on && r) dem__book_link_work(w, dem__link_work(w, i));
-    else if (w->engine->ledger.on && !dem__is_fixed(w, i)) {
-        const double work = w->engine->links.is_loaded[i] ? dem__link_work_until(w, i, p->x, p->spin) : 0.0;
-        dem__book_link_work(w, work - dem__energy_at_origin(w, i));
-    }
-    memcpy(bodies->sum[i].load, bodies->load[i], sizeof bodies->load[i]);
-    memcpy(bodies->load[i], bodies->external[i], sizeof bodies->load[i]);
-}
-
-/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at
-   its first linked particle. */
-static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
-    const dem__sum *sum = &w->engine->bodies.sum[i];
-    const double *load = w->engine->bodies.load[i];
-    dem__rigid *r = dem__rigid_of(w, i);
-    dem_particle *p = &w->particle[i];
-    if (dem__is_fixed(w, i)) return;
-    if (r) {
-        for (ptrdiff_t k = r->first; k < i; k++) {
-            if (dem__is_linked(w, k)) return;
-        }
-        dem__book_link_work(w, -dem__motion_energy(w, r->first));
-        w->engine->bodies.calls->kick_links(w, r, half);
-        dem__book_link_work(w, dem__motion_energy(w, r->first));
-        return;
-    }
-    const dem_vec a = dem__scale(sum->per_mass, dem__sub(dem__first(load), dem__first(sum->load)));
-    const dem_vec b = dem__scale(sum->per_inertia, dem__sub(dem__second(load), dem__second(sum->load)));
-    p->v = dem__flushed_vec(dem__plus(p->v, half, a)), p->a = dem__add(p->a, a);
-    p->spin = dem__flushed_vec(dem__plus(p->spin, half, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
-    if (w->engine->ledger.on) dem__book_link_work(w, dem__energy_at_origin(w, i));
-}
-
-/* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a
-   new one. */
-static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
-    const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
-    if (strayed < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
-    else {
-        const int32_t one = (int32_t)i;
-        dem__renew_bound(w, i, w->step);
-        dem__reset_pair_timers(w, &one, 1, w->step);
-    }
-}
-
-/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations; each
-   evaluation corrects the velocities to the mean of the old force and the new one. */
-static inline void dem__step_links(dem_world *w) {
-    dem__run *run = &w->engine->run;
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__links *links = &w->engine->links;
-    int32_t *linked = w->engine->scratch.index;
-    ptrdiff_t n = 0;
-    const double h = (double)links->every * run->dt;
-    for (int32_t i = 0; i < (int32_t)w->count; i++) {
-        linked[n] = i;
-        n += dem__is_linked(w, i);
-    }
-    for (ptrdiff_t q = 0; q < n; q++) dem__stop_linked(w, linked[q]);
-    run->kernel_dt = h;
-    links->evaluated_step = w->step;
-    dem__evaluate_links(w);
-    if (dem__link_parts(w) > 1) dem__add_links(w, 0, links->count);
-    for (ptrdiff_t q = 0; q < n; q++) dem__kick_linked(w, linked[q], 0.5 * h);
-    for (ptrdiff_t q = 0; q < n; q++) { /* after all particles of a body have changed */
-        const int32_t i = linked[q];
-        const dem__pieces own = dem__pieces_of(w, i);
-        const dem_particle *p = &w->particle[i];
-        for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = 0.0;
-        links->is_loaded[i] = links->first_link[i] >= 0;
-        if (w->engine->ledger.on)
-            memcpy(links->evaluated_at[i], &p->x, sizeof p->x),
-                memcpy(links->evaluated_at[i] + 3, &p->spin, sizeof p->spin);
-        if (run->needs_lists) continue;
-        for (ptrdiff_t k = own.first; k < own.end; k++) dem__check_linked(w, k);
-    }
-    for (int32_t k = 0; k < (int32_t)links->count;) {
-        if (links->ended[k]) dem__cut_link(w, k);
-        else k++;
-    }
-}
-
-DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) ||
-        !dem__positive(interval) || !dem__not_negative(near) || w->engine->field.on)
-        return DEM_BAD_ARGUMENT;
-    dem__links *links = &w->engine->links;
-    const dem_law *law = kernel->law;
-    if (links->count > 0 && (law->states != links->states || !dem__is_of_law(links->mark, law)))
-        return DEM_LAW_MISMATCH;
-    dem__pieces others = dem__all_particles(w); /* whose work is counted with another interval from now on */
-    if (links->on && links->interval == interval) others.end = others.first; /* a loaded world whose law is set again */
-    links->on = 1;
-    links->law = law, links->mark = dem__law_mark(law);
-    links->loop = kernel->loop, links->step = dem__step_links;
-    links->interval = interval;
-    if (links->near != near) w->engine->run.needs_lists = 1;
-    links->near = near;
-    if (law->states != links->states) { /* other arrays: dem_add_link allocates them */
-        dem__release(&w->def.allocator, links->block, links->bytes);
-        links->block = NULL;
-        links->capacity = 0;
-        links->states = law->states;
-    }
-    dem__stop_link_work(w, others);
-    dem__set_link_steps(w);
-    dem__resume_link_work(w, others);
-    return DEM_OK;
-}
-
-DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state) {
-    dem_world *w = world;
-    if (w && w->engine && w->engine->run.ending) return DEM_BUSY;
-    if (!dem__is_present(w, i) || !w->engine->links.law || (!state && w->engine->links.states > 0) || i == j)
-        return DEM_BAD_ARGUMENT;
-    if (dem__shape_of(w, i) || (j >= 0 && j < w->count && dem__shape_of(w, j))) return DEM_POLYHEDRON;
-    if (j >= 0 && j < w->count && dem__rigid_of(w, i) && dem__rigid_of(w, i) == dem__rigid_of(w, j))
-        return DEM_BAD_ARGUMENT;
-    if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls) return DEM_BAD_ARGUMENT;
-    if (w->engine->links.count + 1 > w->engine->links.capacity) {
-        dem__array list[DEM__ARRAYS_MAX];
-        if (w->engine->links.count > INT32_MAX / 2 ||
-            !dem__grow_group(w, list, dem__link_arrays(w, list), &w->engine->links.block, &w->engine->links.bytes,
-                             &w->engine->links.capacity, w->engine->links.count + 1))
-            return DEM_OUT_OF_MEMORY;
-    }
-    const int32_t k = (int32_t)w->engine->links.count++;
-    w->engine->links.i[k] = (int32_t)i, w->engine->links.j[k] = (int32_t)j, w->engine->links.element[k] = element;
-    for (int a = 0; a < w->engine->links.states; a++) w->engine->links.state[a][k] = state[a];
-    for (int a = 0; a < 9; a++) w->engine->links.wrench[a][k] = 0.0;
-    w->engine->links.gap[k] = 0.0;
-    w->engine->links.ended[k] = 0;
-    dem__list_link(w, k);
-    return DEM_OK;
-}
-
-/* ------------------------------------------------------------------------------------------------ >>bodies/rigid.h */
-/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in
-   base/engine.h). Reads the sums of forces on their particles; writes bodies and their particles. Promises: a sphere's
-   motion is untouched; each body is moved by one thread, so that bits do not depend on threads.
-
-   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle
-   of a body that has one lies at its centre of mass; its radius is that of the sphere that the search for contacts
-   uses. The forces on a body are those added to the sums of its particles, bodies.sum[i].load: force, and torque about
-   the particle's centre. dem__rigid_of(w, i) returns the body of particle i. Its orientation at the end of the present
-   step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
-
-/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter
-   radian at most. */
-DEM_INLINE int dem__strides(const dem__rigid *r) {
-    return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
-}
-
-#define DEM__STRIDES_MAX 1e7 /* of a flight between two lists */
-/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides
-   that are known. */
-static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
-    const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
-    dem_quaternion q = r->turn;
-    double n = 0.0;
-    if (!(stride < HUGE_VAL)) return q;
-    if (r->strides > 0.0 && r->strides <= whole) n = r->strides, q = r->ahead;
-    if (!(whole - n < DEM__STRIDES_MAX)) return q; /* only in a world that no run has accepted */
-    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, stride);
-    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
-}
-
-/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins.
-   DEM_TOO_FAST: a body turns by a hundred radians in a step. */
-static inline void dem__note_strides(dem_world *w) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
-        dem__rigid *r = &bodies->rigid[k];
-        if (!w->alive[r->first] || bodies->activity[r->first]) continue;
-        const double stride = dem__turn_stride(r->momentum, r->moments);
-        const double whole = dem__strides(r) ? floor(dem__now(w, r->first) / stride) : 0.0;
-        if (!(400.0 * stride > w->engine->run.dt) || !(whole - r->strides < DEM__STRIDES_MAX)) {
-            w->status = DEM_TOO_FAST;
-            w->failed_id = w->id[r->first];
-            return;
-        }
-        if (!(whole > r->strides)) continue;
-        if (r->strides == 0.0) r->ahead = r->turn;
-        for (; r->strides < whole; r->strides += 1.0)
-            r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
-    }
-}
-
-/* Returns the orientation of a rigid body at tau after its origin step [s]. */
-DEM_INLINE dem_quaternion dem__turn_at(const dem_world *w, const dem__rigid *r, double tau) {
-    const int single = tau <= 1.5 * w->engine->run.dt;
-    if (tau == 0.0) return r->turn;
-    if (!single && dem__strides(r)) return dem__turn_of_flight(r, tau);
-    return dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, single);
-}
-
-/* Returns the state of a rigid body at tau after its origin step [s]. */
-static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigid *r, double tau) {
-    dem__posture p;
-    p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
-    p.momentum = dem__plus(r->momentum, tau, r->torque);
-    p.turn = dem__turn_at(w, r, tau);
-    p.spin = dem__spin_of(p.turn, r->moments, p.momentum);
-    return p;
-}
-
-/* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it.
- */
-static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
-    dem__bodies *bodies = &w->engine->bodies;
-    const dem__axes axes = dem__axes_of(r->turn);
-    r->strides = 0.0;
-    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-        const dem_vec arm = dem__out_of(&axes, bodies->offset[i]), round = dem__cross(spin, arm);
-        dem_particle *p = &w->particle[i];
-        bodies->arm[i] = arm;
-        p->x = dem__in_box(w, dem__add(r->x, arm)), p->v = dem__add(r->v, round), p->spin = spin;
-        p->a = dem__add(r->a, dem__add(dem__cross(rate, arm), dem__cross(spin, round)));
-        w->spin_rate[i] = rate;
-    }
-}
-
-/* Makes the present step the origin of a body. */
-static inline void dem__set_body_origin(dem_world *w, dem__rigid *r) {
-    const dem__posture p = dem__find_posture(w, r, dem__now(w, r->first));
-    r->x = p.x, r->v = p.v, r->momentum = p.momentum, r->turn = p.turn;
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) w->particle[i].origin = w->step;
-    dem__place_pieces(w, r);
-}
-
-/* Sets the velocity and the spin of a body at its origin. */
-static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec velocity, dem_vec spin) {
-    r->v = velocity, r->momentum = dem__momentum_of(r->turn, r->moments, spin);
-    dem__place_pieces(w, r);
-}
-
-/* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which
-   is booked. */
-DEM_INLINE void dem__wrap_body(dem_world *w, dem__rigid *r) {
-    const dem_vec x = dem__in_box(w, r->x);
-    if (w->engine->ledger.on && !dem__is_fixed(w, r->first))
-        dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
-    r->x = x;
-}
-
-/* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle.
-   Those of its particles, which kernels read, are computed with the mean of the arms at both ends. */
-DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
-    dem__bodies *bodies = &w->engine->bodies;
-    const double middle = tau - 0.5 * h;
-    const int steps = tau <= h; /* else its flight ends in this step */
-    const dem_quaternion end = dem__turn_at(w, r, tau);
-    const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__turn_at(w, r, tau - h);
-    const dem__axes axes = dem__axes_of(end);
-    const dem_vec momentum = dem__plus(r->momentum, middle, r->torque);
-    dem_vec spin = dem__spin_of(end, r->moments, momentum);
-    if (h > 0.0) spin = dem__scale(0.5, dem__add(spin, dem__spin_of(from, r->moments, momentum)));
-    r->x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), r->v = dem__plus(r->v, middle, r->a),
-    r->momentum = momentum;
-    r->turn = dem__kept_unit(end);
-    r->strides = 0.0;
-    if (w->engine->run.has_periodic) dem__wrap_body(w, r);
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-        const dem_vec arm = dem__out_of(&axes, bodies->offset[i]);
-        const dem_vec old = h == 0.0 ? arm : steps ? bodies->arm[i] : dem__to_lab(from, bodies->offset[i]);
-        dem_particle *p = &w->particle[i];
-        bodies->arm[i] = arm;
-        p->origin = w->step;
-        p->x = dem__in_box(w, dem__add(r->x, arm)), p->spin = spin;
-        p->v = dem__add(r->v, dem__cross(spin, dem__scale(0.5, dem__add(old, arm))));
-    }
-}
-
-/* Sums the force and the torque about its centre that act on a body's particles: by contacts, by loads, or both. */
-DEM_INLINE void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force,
-                                 dem_vec *torque) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    *force = *torque = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-        for (int k = 0; k < 2; k++) {
-            if (!(k ? loads : contacts)) continue;
-            const double *six = k ? bodies->load[i] : bodies->sum[i].load;
-            *force = dem__add(*force, dem__first(six));
-            *torque = dem__add(*torque, dem__add(dem__second(six), dem__cross(bodies->arm[i], dem__first(six))));
-        }
-    }
-}
-
-/* Sets the sums from which dem__kick_all computes the accelerations of a body's particle. load: on the particle, or
-   NULL. */
-DEM_INLINE void dem__prepare_sum(dem__sum *sum, dem_vec pull, dem_vec rate, const double *load) {
-    const double mass = 1.0 / sum->per_mass, inertia = 1.0 / sum->per_inertia;
-    const dem_vec force = dem__scale(mass, pull), torque = dem__scale(inertia, rate);
-    sum->load[0] = force.x, sum->load[1] = force.y, sum->load[2] = force.z;
-    sum->load[3] = torque.x, sum->load[4] = torque.y, sum->load[5] = torque.z;
-    for (int a = 0; load && a < 6; a++) sum->load[a] -= load[a];
-}
-
-/* Computes the acceleration of a body, and moves its velocities from the middle of a step to its end. Prepares its
-   particles for dem__kick_all: sums that give them their accelerations as parts of the body, and velocities that it
-   moves to those at the end. */
-DEM_INLINE void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
-    dem__bodies *bodies = &w->engine->bodies;
-    const int loads = bodies->loads_on || w->engine->links.on;
-    dem_vec force;
-    if (dem__is_fixed(w, r->first)) return; /* dem__kick_all records the forces on its particles */
-    r->strides = 0.0;
-    dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
-    if (w->engine->field.on) force = dem__add(force, w->engine->field.force[r->first]);
-    const dem_vec pulled = dem__scale(1.0 / r->mass, force);
-    r->a = dem__add(dem__free_fall(w), pulled);
-    r->v = dem__flushed_vec(dem__plus(r->v, half, r->a));
-    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, r->torque));
-    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-        const dem_vec arm = bodies->arm[i], round = dem__cross(spin, arm);
-        const dem_vec pull = dem__add(dem__add(dem__cross(rate, arm), dem__cross(spin, round)), pulled);
-        dem_particle *p = &w->particle[i];
-        p->v = dem__plus(dem__add(r->v, round), -half, dem__add(dem__free_fall(w), pull));
-        p->spin = dem__plus(spin, -half, rate);
-        dem__prepare_sum(&bodies->sum[i], pull, rate, loads ? bodies->load[i] : NULL);
-    }
-}
-
-/* Computes the acceleration of a body that touches nothing. */
-static inline void dem__free_body(dem_world *w, dem__rigid *r) {
-    dem_vec force;
-    dem__sum_on_body(w, r, 0, 1, &force, &r->torque);
-    if (w->engine->field.on) force = dem__add(force, w->engine->field.force[r->first]); /* 0 in flight */
-    r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
-    if (dem__is_fixed(w, r->first)) r->a = r->torque = dem_vec3(0.0, 0.0, 0.0);
-    dem__place_pieces(w, r);
-}
-
-/* Applies an impulse [N s] and an angular impulse [N m s] at particle i of a body, and a shift [kg m] along n. */
-static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift,
-                                  dem_vec n) {
-    dem__bodies *bodies = &w->engine->bodies;
-    const dem_vec arm = bodies->arm[i], moved = dem__scale(shift, n);
-    r->v = dem__plus(r->v, 1.0 / r->mass, impulse);
-    r->momentum = dem__add(r->momentum, dem__add(turn, dem__cross(arm, impulse)));
-    if (shift == 0.0) return;
-    const dem_vec angle = dem__spin_of(r->turn, r->moments, dem__cross(arm, moved));
-    r->x = dem__plus(r->x, 1.0 / r->mass, moved);
-    r->turn = dem__kept_unit(dem__turns(dem__turn_by(dem__scale(0.5, angle)), r->turn));
-    for (ptrdiff_t k = r->first; k < r->first + r->pieces; k++)
-        bodies->shifted[k] += fabs(shift) / r->mass + dem__length(angle) * dem__length(bodies->offset[k]);
-}
-
-/* Returns the greatest speed in flight of what is an arm [m] from a body's centre, relative to it [m/s]. */
-static inline double dem__swing(const dem__rigid *r, double arm) {
-    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    const double i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
-                 least = i_min < r->moments.y ? i_min : r->moments.y;
-    if (r->moments.x == r->moments.y) return (1.0 + 1e-9) * arm * dem__length(spin);
-    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the
-                                                                              axis of least inertia */
-}
-
-/* Moves the bodies whose first particles are among the active ones first .. end-1. */
-DEM_INLINE void dem__advance_some_bodies(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
-    const int64_t step = w->step + (h > 0.0);
-    for (ptrdiff_t k = first; k < end; k++) {
-        const int32_t i = w->engine->bodies.active[k];
-        dem__rigid *r = dem__rigid_of(w, i);
-        if (r && r->first == i) dem__advance_body(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt, h);
-    }
-}
-DEM__AVX2_CLONE(dem__advance_bodies, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
-                dem__advance_some_bodies(w, h, first, end))
-/* Moves their velocities to the end of the step. */
-DEM_INLINE void dem__kick_some_bodies(dem_world *w, double half, ptrdiff_t first, ptrdiff_t end) {
-    for (ptrdiff_t k = first; k < end; k++) {
-        const int32_t i = w->engine->bodies.active[k];
-        dem__rigid *r = dem__rigid_of(w, i);
-        if (r && r->first == i) dem__kick_body(w, r, half);
-    }
-}
-DEM__AVX2_CLONE(dem__kick_bodies, (dem_world * w, double half, ptrdiff_t first, ptrdiff_t end), (w, half, first, end),
-                dem__kick_some_bodies(w, half, first, end))
-static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
-    (void)part;
-    dem__kick_bodies(w, 0.5 * *(const double *)h, first, end);
-}
-
-/* Moves active particles first .. end-1 and the bodies whose first particles are among them to the end of the step. */
-static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
-    (void)part;
-    dem__advance_all(w, *(const double *)h, first, end, 1);
-    dem__advance_bodies(w, *(const double *)h, first, end);
-}
-
-/* Tests the due pairs in pages first .. end-1. */
-static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
-    dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 1);
-}
-
-/* Applies an impulse, an angular impulse and a shift along n to particle i or to its rigid body. */
-static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
-    dem__rigid *r = dem__rigid_of(w, i);
-    dem_particle *p = &w->particle[i];
-    if (dem__is_fixed(w, i)) {
-        dem__strike_fixed(w, i, impulse, turn);
-        return;
-    }
-    dem__mark_to_check(w, i);
-    if (r) {
-        dem__push_body(w, r, i, impulse, turn, shift, n);
-        dem__place_pieces(w, r);
-        return;
-    }
-    p->v = dem__plus(p->v, 1.0 / p->mass, impulse);
-    p->x = dem__plus(p->x, shift / p->mass, n);
-    w->engine->bodies.shifted[i] += fabs(shift / p->mass);
-    p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, i), turn);
-}
-DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? r->v : w->particle[i].v;
-}
-
-/* Applies the impulses of a correction where a rigid body takes part. */
-static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_friction) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const dem__correction *h = &contacts->correction[c];
-    const int32_t i = contacts->i[c], j = contacts->j[c];
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]),
-                  impulse = dem__first(h->impulse);
-    const dem_vec on_i = has_friction ? dem__second(h->impulse) : none,
-                  on_j = has_friction ? dem__first(h->impulse + 6) : none;
-    dem__push_any(w, i, impulse, on_i, 0.0, n);
-    if (j >= 0) dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
-    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
-}
-
-/* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the
-   angular momentum about the common centre, which comes from the velocities of the centres of mass; two opposite
-   impulses at the particles restore it. */
-static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const dem__correction *h = &contacts->correction[c];
-    const int32_t i = contacts->i[c], j = contacts->j[c];
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]);
-    if (j < 0) {
-        dem__push_any(w, i, none, none, h->shift, n);
-        const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], w->particle[i].x, n));
-        dem__expect_impact(w, i, j, n, -dem__dot(v, n));
-        return;
-    }
-    const dem_vec d = dem__nearest_image(w, dem__sub(w->particle[i].x, w->particle[j].x));
-    const dem_vec u = dem__sub(dem__centre_velocity(w, i), dem__centre_velocity(w, j));
-    const double distance = dem__length(d) + h->shift * (dem__per_mass(w, i) + dem__per_mass(w, j));
-    const dem_vec slower = dem__scale(-h->shift / distance, dem__sub(u, dem__scale(dem__dot(u, n), n)));
-    dem__push_any(w, i, slower, none, 0.0, n), dem__push_any(w, j, dem__scale(-1.0, slower), none, 0.0, n);
-    dem__push_any(w, i, none, none, h->shift, n), dem__push_any(w, j, none, none, -h->shift, n);
-    dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
-}
-
-/* Applies half of the change of its links' forces to a body; the old forces are in the sums. In flight, the old torque
-   is that of the place where it was computed; for a body that takes steps, both are taken at the present place. */
-static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
-    dem__sum_on_body(w, r, 0, 1, &force, &torque);
-    if (w->touching[r->first] == 0) {
-        more = dem__sub(dem__plus(dem__free_fall(w), 1.0 / r->mass, force), r->a),
-        turning = dem__sub(torque, r->torque);
-    } else {
-        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-            if (!dem__is_linked(w, i)) continue;
-            const dem_vec change = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->sum[i].load));
-            more = dem__plus(more, 1.0 / r->mass, change);
-            turning =
-                dem__add(turning, dem__add(dem__sub(dem__second(bodies->load[i]), dem__second(bodies->sum[i].load)),
-                                           dem__cross(bodies->arm[i], change)));
-        }
-    }
-    r->v = dem__flushed_vec(dem__plus(r->v, half, more)), r->a = dem__add(r->a, more);
-    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, turning)), r->torque = dem__add(r->torque, turning);
-    dem__place_pieces(w, r);
-}
-
-/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from
-   their present forces. */
-static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
-    const dem_vec m = r->moments;
-    const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
-    dem_vec force, torque;
-    dem__sum_on_body(w, r, 0, 1, &force, &torque);
-    return (double)w->engine->links.every * w->engine->run.dt *
-           (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
-}
-
-static inline const dem__body_calls *dem__rigid_bodies(void) {
-    static const dem__body_calls row = {dem__find_posture,
-                                                      dem__set_body_origin,
-                                                      dem__set_body_motion,
-                                                      dem__wrap_body,
-                                                      dem__place_pieces,
-                                                      dem__free_body,
-                                                      dem__test_due_with_bodies,
-                                                      dem__advance_with_bodies,
-                                                      dem__kick_bodies_range,
-                                                      dem__push_bodies,
-                                                      dem__shift_bodies,
-                                                      dem__kick_linked_body,
-                                                      dem__swing,
-                                                      dem__body_link_drift,
-                                                      dem__note_strides};
-    return &row;
-}
-
-/* Definition of a rigid body: see bodies/rigid.h. */
-typedef struct dem__body_def {
-    dem_vec x;             /* centre of mass [m] */
-    double mass;           /* [kg] */
-    dem_vec moments;       /* about the principal axes [kg m2] */
-    dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
-    dem_quaternion turn;   /* from that frame to the lab's axes */
-    ptrdiff_t pieces;      /* number of its particles */
-    const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
-    const double *radius;  /* [m] */
-    int material, group;
-} dem__body_def;
-
-/* Makes room for n more bodies with `pieces` particles in all; for the first body, also the arrays that particles of
-   bodies need. Returns 0 when out of memory. */
-static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__array list[DEM__ARRAYS_MAX];
-    const dem_allocator *a = &w->def.allocator;
-    const ptrdiff_t old = bodies->rigid_capacity, wanted = bodies->rigid_count + n;
-    if (wanted <= old) return dem__reserve_particles(w, pieces);
-    const ptrdiff_t larger = wanted + wanted / 2 + 16;
-    dem__rigid *fresh =
-        (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
-    if (!fresh) return 0;
-    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = dem__rigid_bodies();
-    if (old > 0) return dem__reserve_particles(w, pieces);
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
-                        w->count + pieces + 1))
-        return 1;
-    a->fn(a->user, fresh, (size_t)larger * sizeof *fresh, 0);
-    bodies->rigid = NULL, bodies->rigid_capacity = 0;
-    bodies->rigid_of = NULL, bodies->offset = bodies->arm = NULL;
-    return 0;
-}
-
-/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by
-   rounding. Turns the frame accordingly; order: the old axis of each new one. */
-static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
-    const double m[3] = {moments->x, moments->y, moments->z};
-    int third = 2;
-    for (int k = 0; k < 2; k++) { /* the axis whose two others differ least */
-        if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
-    }
-    for (int k = 0; k < 3; k++)
-        order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
-    const double turns = (double)((third + 1) % 3);
-    if (turns > 0.0) {
-        const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);
-        *frame = dem__turns(*frame, dem__quaternion(c, dem_vec3(s, s, s)));
-    }
-    moments->x = m[order[0]], moments->y = m[order[1]], moments->z = m[order[2]];
-    if (fabs(moments->x - moments->y) <= 1e-12 * moments->x) moments->y = moments->x;
-    if (fabs(moments->x - moments->z) <= 1e-12 * moments->x && moments->x == moments->y) moments->z = moments->x;
-}
-
-/* Adds a body at rest, for which dem__reserve_bodies has made room. Returns the number of its first particle. */
-static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
-    int order[3];
-    memset(r, 0, sizeof *r);
-    r->first = (int32_t)w->count, r->pieces = (int32_t)def->pieces;
-    r->x = dem__in_box(w, def->x), r->mass = def->mass, r->moments = def->moments, r->frame = def->frame;
-    dem__order_moments(&r->moments, &r->frame, order);
-    r->turn = dem__kept_unit(dem__turns(def->turn, r->frame));
-    for (ptrdiff_t k = 0; k < def->pieces; k++) {
-        const ptrdiff_t i = dem__put_particle(w, r->x, def->radius[k], def->mass, def->material, def->group);
-        const dem_vec from = def->offset[k];
-        bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
-        bodies->offset[i] = dem_vec3(dem_axis(from, order[0]), dem_axis(from, order[1]), dem_axis(from, order[2]));
-    }
-    dem__free_body(w, r);
-    dem__book_added(w, dem__potential(w, r->first));
-    w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
-    return r->first;
-}
-
-/* ------------------------------------------------------------------------------------------------ >>bodies/union.h */
-/* Volume and moments of a union of balls, from its surface (Gauss's theorem): pure functions. Each ball's surface is cut
-   along latitudes about z. On a latitude other balls cover arcs; between them the integrals of products of the normal's
-   components are closed forms. Between the latitudes at which an arc begins or ends they are smooth but for square roots
-   at both ends, which a substitution takes away, so that Gauss's rule with 16 points finds them to rounding. */
-
-/* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
-typedef struct dem__content {
-    double volume;
-    dem_vec first;
-    double second[6];
-} dem__content;
-
-/* Integrals over the exposed directions n of a ball: of 1, n, n n, n n n. */
-typedef struct dem__exposed {
-    double zero, one[3], two[3][3], three[3][3][3];
-} dem__exposed;
-
-/* What another ball covers of a ball's surface: directions n with n d > h. */
-typedef struct dem__cover {
-    dem_vec d;
-    double h, across, angle; /* across, angle: length and angle of d about z */
-} dem__cover;
-
-enum { DEM__CAPS = DEM_CLUMP_MAX, DEM__LATITUDES = 2 + 2 * DEM__CAPS + DEM__CAPS * DEM__CAPS };
-
-/* Lists what others cover of ball i. Returns their number. */
-static inline int dem__find_caps(int n, const dem_vec *centre, const double *radius, int i, dem__cover *cap) {
-    int m = 0;
-    for (int j = 0; j < n; j++) {
-        const dem_vec d = dem__sub(centre[j], centre[i]);
-        const double square = dem__dot(d, d), sum = radius[i] + radius[j], r = radius[i];
-        if (j == i || !(square < sum * sum) || sqrt(square) + radius[j] <= r) continue;
-        cap[m].d = d, cap[m].h = 0.5 * (square + (r - radius[j]) * (r + radius[j])) / r;
-        cap[m].across = sqrt(d.x * d.x + d.y * d.y), cap[m].angle = riddle_atan2(d.y, d.x);
-        m++;
-    }
-    return m;
-}
-
-/* Returns whether a direction is covered by another cap than a and b, by more than rounding. */
-static inline int dem__is_covered(int m, const dem__cover *cap, dem_vec n, int a, int b) {
-    for (int k = 0; k < m; k++) {
-        if (k != a && k != b && dem__dot(n, cap[k].d) > cap[k].h + 1e-11 * dem__length(cap[k].d)) return 1;
-    }
-    return 0;
-}
-
-/* Lists the latitudes, from -1 to 1, at which the exposed part changes its kind: where the rim of a cap is highest and
-   lowest, and where two rims meet. */
-static inline int dem__find_latitudes(int m, const dem__cover *cap, double *t) {
-    int count = 2;
-    t[0] = -1.0, t[1] = 1.0;
-    for (int a = 0; a < m; a++) {
-        const dem_vec d = cap[a].d;
-        const double square = dem__dot(d, d), left = square - cap[a].h * cap[a].h;
-        for (double side = -1.0; side < 2.0 && left > 0.0; side += 2.0) {
-            const double z = (cap[a].h * d.z + side * cap[a].across * sqrt(left)) / square;
-            dem_vec n = dem__scale(cap[a].h / square, d);
-            if (cap[a].across > 0.0) { /* up or down along the rim's plane */
-                const double up = side * sqrt(left) / (square * cap[a].across);
-                n = dem__plus(n, up, dem_vec3(-d.z * d.x, -d.z * d.y, cap[a].across * cap[a].across));
-            }
-            if (z > -1.0 && z < 1.0 && !(cap[a].across > 0.0 && dem__is_covered(m, cap, n, a, a))) t[count++] = z;
-        }
-        for (int b = 0; b < a; b++) {
-            const dem_vec axis = dem__cross(d, cap[b].d);
-            const double bb = dem__dot(cap[b].d, cap[b].d), ab = dem__dot(d, cap[b].d), det = dem__dot(axis, axis);
-            if (!(det > 1e-24 * square * bb)) continue;
-            const dem_vec foot = dem__plus(dem__scale((cap[a].h * bb - cap[b].h * ab) / det, d),
-                                           (cap[b].h * square - cap[a].h * ab) / det, cap[b].d);
-            const double rest = 1.0 - dem__dot(foot, foot);
-            for (double side = -1.0; side < 2.0 && rest > 0.0; side += 2.0) {
-                const dem_vec n = dem__plus(foot, side * sqrt(rest / det), axis);
-                if (n.z > -1.0 && n.z < 1.0 && !dem__is_covered(m, cap, n, a, b)) t[count++] = n.z;
-            }
-        }
-    }
-    return count;
-}
-
-/* Adds the arc of a latitude t between two angles. */
-static inline void dem__add_arc(dem__exposed *e, double weight, double t, double from, double to) {
-    const double across = sqrt((1.0 - t) * (1.0 + t));
-    double in[4][4], side = -1.0; /* of cos^a sin^b */
-    memset(in, 0, sizeof in);
-    for (int k = 0; k < 2; k++, side = 1.0) {
-        const double angle = k ? to : from, c = riddle_cos(angle), s = riddle_sin(angle);
-        in[0][0] += side * angle, in[1][0] += side * s, in[0][1] -= side * c;
-        in[2][0] += side * 0.5 * (angle + s * c), in[0][2] += side * 0.5 * (angle - s * c);
-        in[1][1] += side * 0.5 * s * s, in[3][0] += side * (s - s * s * s / 3.0);
-        in[2][1] -= side * c * c * c / 3.0, in[1][2] += side * s * s * s / 3.0;
-        in[0][3] += side * (c * c * c / 3.0 - c);
-    }
-    for (int a = 0; a < 4; a++) {
-        for (int b = 0; a + b < 4; b++) {
-            in[a][b] *= weight;
-            for (int k = 0; k < a + b; k++) in[a][b] *= across;
-        }
-    }
-    e->zero += in[0][0];
-    for (int p = 0; p < 3; p++) {
-        e->one[p] += in[p == 0][p == 1] * (p == 2 ? t : 1.0);
-        for (int q = 0; q < 3; q++) {
-            const double z = (p == 2 ? t : 1.0) * (q == 2 ? t : 1.0);
-            e->two[p][q] += in[(p == 0) + (q == 0)][(p == 1) + (q == 1)] * z;
-            for (int s = 0; s < 3; s++)
-                e->three[p][q][s] +=
-                    in[(p == 0) + (q == 0) + (s == 0)][(p == 1) + (q == 1) + (s == 1)] * z * (s == 2 ? t : 1.0);
-        }
-    }
-}
-
-/* Adds the exposed arcs of a latitude. */
-static inline void dem__add_latitude(dem__exposed *e, double weight, double t, int m, const dem__cover *cap) {
-    double begin[2 * DEM__CAPS], end[2 * DEM__CAPS], from = -RIDDLE_PI;
-    const double across = sqrt((1.0 - t) * (1.0 + t));
-    int arcs = 0;
-    for (int k = 0; k < m; k++) {
-        const double most = across * cap[k].across, least = cap[k].h - t * cap[k].d.z;
-        if (least >= most) continue;
-        if (least <= -most) return; /* all is covered */
-        const double half = riddle_acos(least / most);
-        double a = cap[k].angle - half, b = cap[k].angle + half;
-        if (a < -RIDDLE_PI) begin[arcs] = a + 2.0 * RIDDLE_PI, end[arcs++] = RIDDLE_PI, a = -RIDDLE_PI;
-        if (b > RIDDLE_PI) begin[arcs] = -RIDDLE_PI, end[arcs++] = b - 2.0 * RIDDLE_PI, b = RIDDLE_PI;
-        begin[arcs] = a, end[arcs++] = b;
-    }
-    for (int k = 1; k < arcs; k++) {
-        const double a = begin[k], b = end[k];
-        int q = k;
-        for (; q > 0 && begin[q - 1] > a; q--) begin[q] = begin[q - 1], end[q] = end[q - 1];
-        begin[q] = a, end[q] = b;
-    }
-    for (int k = 0; k <= arcs; k++) {
-        const double to = k < arcs ? begin[k] : RIDDLE_PI;
-        if (to > from) dem__add_arc(e, weight, t, from, to);
-        if (k < arcs && end[k] > from) from = end[k];
-    }
-}
-
-/* A part of the latitudes t = middle + half sin(pi/2 s) between two of them, from one s to another. */
-typedef struct dem__zone {
-    double middle, half, from, to;
-} dem__zone;
-
-/* Integrates over a zone by Gauss's rule with 16 points. */
-static inline void dem__add_zone(dem__exposed *e, const dem__zone *z, int m, const dem__cover *cap) {
-    static const double node[8] = {0.095012509837637441, 0.28160355077925892, 0.45801677765722737, 0.61787624440264377,
-                                   0.755404408355003,    0.86563120238783176, 0.9445750230732326,  0.98940093499164994};
-    static const double part[8] = {0.18945061045506847, 0.18260341504492361,  0.16915651939500256,  0.14959598881657682,
-                                   0.12462897125553395, 0.095158511682492897, 0.062253523938647776, 0.027152459411754058};
-    const double half = 0.25 * RIDDLE_PI * (z->to - z->from), middle = 0.25 * RIDDLE_PI * (z->to + z->from);
-    for (int g = 0; g < 16; g++) {
-        const double s = middle + half * (g < 8 ? -node[7 - g] : node[g - 8]);
-        const double weight = half * z->half * riddle_cos(s) * part[g < 8 ? 7 - g : g - 8];
-        dem__add_latitude(e, weight, z->middle + z->half * riddle_sin(s), m, cap);
-    }
-}
-
-static inline void dem__add_exposed(dem__exposed *e, const dem__exposed *of) {
-    e->zero += of->zero;
-    for (int p = 0; p < 3; p++) {
-        e->one[p] += of->one[p];
-        for (int q = 0; q < 3; q++) {
-            e->two[p][q] += of->two[p][q];
-            for (int s = 0; s < 3; s++) e->three[p][q][s] += of->three[p][q][s];
-        }
-    }
-}
-
-/* Integrates over a zone; halves it where its integrals change by that: a rim ends close beyond it. */
-enum { DEM__HALVINGS = 12 };
-static inline void dem__expose_zone(dem__exposed *e, dem__zone z, int m, const dem__cover *cap) {
-    dem__zone left[DEM__HALVINGS + 1]; /* to be done, each half as wide as the one before */
-    int todo = 0;
-    left[todo++] = z;
-    while (todo > 0) {
-        dem__exposed whole, halves;
-        dem__zone low = left[--todo], high = low;
-        memset(&whole, 0, sizeof whole), memset(&halves, 0, sizeof halves);
-        low.to = high.from = 0.5 * (high.from + high.to);
-        dem__add_zone(&whole, &left[todo], m, cap);
-        dem__add_zone(&halves, &low, m, cap), dem__add_zone(&halves, &high, m, cap);
-        const double change = fabs(halves.zero - whole.zero) + fabs(halves.one[0] - whole.one[0]) +
-                              fabs(halves.one[1] - whole.one[1]) + fabs(halves.two[2][2] - whole.two[2][2]);
-        if (change > 1e-13 && todo + 2 <= DEM__HALVINGS) left[todo++] = high, left[todo++] = low;
-        else dem__add_exposed(e, &halves);
-    }
-}
-
-/* Integrates over what is exposed of a ball. */
-static inline void dem__expose(int m, const dem__cover *cap, dem__exposed *e) {
-    double t[DEM__LATITUDES];
-    const int count = dem__find_latitudes(m, cap, t);
-    memset(e, 0, sizeof *e);
-    for (int k = 1; k < count; k++) {
-        const double x = t[k];
-        int q = k;
-        for (; q > 0 && t[q - 1] > x; q--) t[q] = t[q - 1];
-        t[q] = x;
-    }
-    for (int k = 1; k < count; k++) {
-        const dem__zone z = {0.5 * (t[k] + t[k - 1]), 0.5 * (t[k] - t[k - 1]), -1.0, 1.0};
-        if (z.half > 1e-16) dem__expose_zone(e, z, m, cap);
-    }
-}
-
-/* Adds what the exposed surface of a ball at c encloses with the origin. */
-static inline void dem__add_enclosed(dem__content *to, const dem__exposed *e, dem_vec c, double r) {
-    const double centre[3] = {c.x, c.y, c.z};
-    double zero = r * e->zero, one[3], first[3], second[3][3]; /* of (x n) times 1, n, n n; then of x, x x */
-    for (int p = 0; p < 3; p++) zero += centre[p] * e->one[p];
-    for (int p = 0; p < 3; p++) {
-        one[p] = r * e->one[p];
-        for (int s = 0; s < 3; s++) one[p] += centre[s] * e->two[p][s];
-        first[p] = centre[p] * zero + r * one[p];
-    }
-    for (int p = 0; p < 3; p++) {
-        for (int q = 0; q < 3; q++) {
-            double two = r * e->two[p][q];
-            for (int s = 0; s < 3; s++) two += centre[s] * e->three[p][q][s];
-            second[p][q] = centre[p] * centre[q] * zero + r * (centre[p] * one[q] + centre[q] * one[p] + r * two);
-        }
-    }
-    const double area = r * r;
-    to->volume += area / 3.0 * zero;
-    to->first = dem__plus(to->first, 0.25 * area, dem_vec3(first[0], first[1], first[2]));
-    for (int p = 0; p < 3; p++)
-        to->second[p] += 0.2 * area * second[p][p], to->second[3 + p] += 0.2 * area * second[p][(p + 1) % 3];
-}
-
-/* Adds a content that was found about another origin. */
-static inline void dem__add_shifted(dem__content *to, const dem__content *of, dem_vec origin) {
-    const double o[3] = {origin.x, origin.y, origin.z}, f[3] = {of->first.x, of->first.y, of->first.z};
-    to->volume += of->volume;
-    to->first = dem__add(to->first, dem__plus(of->first, of->volume, origin));
-    for (int p = 0; p < 3; p++) {
-        const int q = (p + 1) % 3;
-        to->second[p] += of->second[p] + 2.0 * o[p] * f[p] + of->volume * o[p] * o[p];
-        to->second[3 + p] += of->second[3 + p] + o[p] * f[q] + o[q] * f[p] + of->volume * o[p] * o[q];
-    }
-}
-
-/* Adds the union of balls. Those that hang together are integrated about one of them, so that nothing is lost however
-   far apart others are. */
-static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
-    int of[DEM_CLUMP_MAX]; /* the first ball of those that hang together */
-    dem__cover cap[DEM__CAPS];
-    dem__exposed e;
-    dem__content own;
-    for (int k = 0; k < n; k++) of[k] = k;
-    for (int a = 0; a < n; a++) {
-        for (int b = 0; b < a; b++) {
-            const dem_vec d = dem__sub(centre[a], centre[b]);
-            const double sum = radius[a] + radius[b];
-            const int low = of[a] < of[b] ? of[a] : of[b], high = of[a] < of[b] ? of[b] : of[a];
-            if (!(dem__dot(d, d) < sum * sum)) continue;
-            for (int k = 0; k < n; k++) of[k] = of[k] == high ? low : of[k];
-        }
-    }
-    for (int first = 0; first < n; first++) {
-        memset(&own, 0, sizeof own);
-        for (int k = first; k < n; k++) {
-            if (of[k] != first) continue;
-            dem__expose(dem__find_caps(n, centre, radius, k, cap), cap, &e);
-            dem__add_enclosed(&own, &e, dem__sub(centre[k], centre[first]), radius[k]);
-        }
-        dem__add_shifted(c, &own, centre[first]);
-    }
-}
-
-/* ------------------------------------------------------------------------------------------ >>bodies/clump_shape.h */
-/* Mass properties of bodies made of spheres. Promises: what dem_make_clump says. */
-
-static inline void dem__add_content(dem__content *c, double weight, double volume, dem_vec at, dem_vec spread) {
-    const double v = weight * volume;
-    c->volume += v;
-    c->first = dem__plus(c->first, v, at);
-    c->second[0] += v * (at.x * at.x + spread.x), c->second[1] += v * (at.y * at.y + spread.y),
-        c->second[2] += v * (at.z * at.z + spread.z);
-    c->second[3] += v * at.x * at.y, c->second[4] += v * at.y * at.z, c->second[5] += v * at.z * at.x;
-}
-
-/* Adds a sphere, exactly: r^2/5 is its mean square along an axis. */
-static inline void dem__add_ball(dem__content *c, double weight, dem_vec at, double r) {
-    const double spread = 0.2 * r * r;
-    dem__add_content(c, weight, 4.0 / 3.0 * RIDDLE_PI * r * r * r, at, dem_vec3(spread, spread, spread));
-}
-
-/* Returns the first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL if
-   there is none. */
-static inline double dem__next_end(int n, const double *at, const double *radius, double x) {
-    double next = HUGE_VAL;
-    for (int i = 0; i < n; i++) {
-        const double begin = at[i] - radius[i], end = at[i] + radius[i];
-        next = begin > x && begin < next ? begin : next;
-        next = end > x && end < next ? end : next;
-        for (int j = 0; j < i; j++) {
-            const double meet =
-                0.5 * (at[i] + at[j] + (radius[j] * radius[j] - radius[i] * radius[i]) / (at[i] - at[j]));
-            if (at[i] != at[j] && meet > x && meet < next) next = meet;
-        }
-    }
-    return next;
-}
-
-/* Adds spheres whose centres lie on a line from `from` along the unit vector u: a body of revolution. Its squared
-   radius is the greatest of parabolas in x. Between the places where another one becomes the greatest, the integrands
-   are polynomials, which Gauss's rule with five points integrates exactly. */
-static inline void dem__add_revolution(dem__content *c, int n, const double *at, const double *radius, dem_vec from,
-                                       dem_vec u) {
-    static const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309,
-                                   0.90617984593866399};
-    static const double weight[5] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889, 0.47862867049936647,
-                                     0.23692688505618909};
-    double begin = dem__next_end(n, at, radius, -HUGE_VAL);
-    for (double end; (end = dem__next_end(n, at, radius, begin)) < HUGE_VAL; begin = end) {
-        const double half = 0.5 * (end - begin), middle = 0.5 * (end + begin);
-        for (int g = 0; g < 5; g++) {
-            const double x = middle + half * node[g];
-            double square = 0.0;
-            for (int i = 0; i < n; i++) {
-                const double s = radius[i] * radius[i] - (x - at[i]) * (x - at[i]);
-                square = s > square ? s : square;
-            }
-            const double q = 0.25 * square; /* mean square of a disc along its diameter */
-            dem__add_content(c, half * weight[g], RIDDLE_PI * square, dem__plus(from, x, u),
-                             dem_vec3(q * (1.0 - u.x * u.x), q * (1.0 - u.y * u.y), q * (1.0 - u.z * u.z)));
-            c->second[3] -= half * weight[g] * RIDDLE_PI * square * q * u.x * u.y;
-            c->second[4] -= half * weight[g] * RIDDLE_PI * square * q * u.y * u.z;
-            c->second[5] -= half * weight[g] * RIDDLE_PI * square * q * u.z * u.x;
-        }
-    }
-}
-
-/* Returns the principal moments of a symmetric tensor t = xx, yy, zz, xy, yz, zx, by Jacobi's rotations; axes: the
-   principal axes. A diagonal tensor is left as it is. */
-static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
-    double a[3][3] = {{t[0], t[3], t[5]}, {t[3], t[1], t[4]}, {t[5], t[4], t[2]}};
-    dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    for (int sweep = 0; sweep < 60; sweep++) {
-        const int p = sweep % 3, r = (p + 1) % 3, o = (p + 2) % 3;
-        const double least = 1e-15 * (fabs(a[0][0]) + fabs(a[1][1]) + fabs(a[2][2]));
-        if (!(fabs(a[p][r]) > least)) continue;
-        const double theta = 0.5 * (a[r][r] - a[p][p]) / a[p][r];
-        const double tangent = (theta >= 0.0 ? 1.0 : -1.0) / (fabs(theta) + sqrt(theta * theta + 1.0));
-        const double c = 1.0 / sqrt(tangent * tangent + 1.0), s = tangent * c, app = a[p][p], arr = a[r][r],
-                     apo = a[p][o], aro = a[r][o];
-        a[p][p] = app - tangent * a[p][r], a[r][r] = arr + tangent * a[p][r], a[p][r] = a[r][p] = 0.0;
-        a[p][o] = a[o][p] = c * apo - s * aro, a[r][o] = a[o][r] = s * apo + c * aro;
-        /* new axes: e_p' = c e_p - s e_r, e_r' = s e_p + c e_r: a turn about e_o by -angle */
-        const double half_c = sqrt(0.5 * (1.0 + c)), half_s = -0.5 * s / half_c;
-        q = dem__turns(
-            q, dem__quaternion(half_c, dem_vec3(o == 0 ? half_s : 0.0, o == 1 ? half_s : 0.0, o == 2 ? half_s : 0.0)));
-    }
-    *axes = dem__kept_unit(q);
-    return dem_vec3(a[0][0], a[1][1], a[2][2]);
-}
-
-/* Makes moments equal that differ by less than their accuracy: then free rotation is exact. */
-static inline void dem__merge_moments(dem_vec *moments, double known) {
-    double *m[3] = {&moments->x, &moments->y, &moments->z};
-    for (int k = 0; k < 3; k++) {
-        double *a = m[k], *b = m[(k + 1) % 3];
-        if (fabs(*a - *b) <= known * *a) *a = *b = 0.5 * (*a + *b);
-    }
-    if (fabs(moments->x - moments->y) <= known * moments->x && fabs(moments->y - moments->z) <= known * moments->x)
-        moments->x = moments->y = moments->z = (moments->x + moments->y + moments->z) / 3.0;
-}
-
-/* Returns whether all centres lie on a line; u: its direction; at: where they are on it, from the first centre. */
-static inline int dem__are_on_a_line(int n, const dem_vec *centre, double size, dem_vec *u, double *at) {
-    double most = 0.0;
-    *u = dem_vec3(1.0, 0.0, 0.0);
-    for (int k = 1; k < n; k++) {
-        const dem_vec d = dem__sub(centre[k], centre[0]);
-        const double length = dem__length(d);
-        if (length > most) most = length, *u = dem__scale(1.0 / length, d);
-    }
-    for (int k = 0; k < n; k++) {
-        const dem_vec d = dem__sub(centre[k], centre[0]);
-        at[k] = dem__dot(d, *u);
-        if (!(dem__length(dem__plus(d, -at[k], *u)) <= 1e-12 * size)) return 0;
-    }
-    return 1;
-}
-
-/* Removes spheres that lie within another, which touch nothing. Returns the number of the rest, in their order. */
-static inline int dem__drop_inner(int n, dem_vec *centre, double *radius) {
-    int kept = 0;
-    for (int k = 0; k < n; k++) {
-        int inner = 0;
-        for (int o = 0; o < n && !inner; o++) {
-            const int twin = radius[o] == radius[k] && o > k; /* of equal spheres the first stays */
-            inner =
-                o != k && !twin && dem__length(dem__sub(centre[o], centre[k])) + radius[k] <= (1.0 + 1e-12) * radius[o];
-        }
-        if (!inner) centre[kept] = centre[k], radius[kept++] = radius[k];
-    }
-    return kept;
-}
-
-DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump) {
-    dem_clump c;
-    dem__content content;
-    double size = 0.0, at[DEM_CLUMP_MAX];
-    int order[3];
-    dem_vec u;
-    if (!centres || !diameters || !clump || n < 1) return DEM_BAD_ARGUMENT;
-    if (n > DEM_CLUMP_MAX) return DEM_TOO_MANY;
-    memset(&c, 0, sizeof c), memset(&content, 0, sizeof content);
-    for (int k = 0; k < n; k++) {
-        const dem_vec x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
-        if (!(diameters[k] >= 1e-30 && diameters[k] <= 1e30) || !(dem__length(x) <= 1e30)) return DEM_BAD_ARGUMENT;
-        c.radius[k] = 0.5 * diameters[k], c.centre[k] = x;
-        const double extent = dem__length(dem__sub(x, c.centre[0])) + c.radius[k];
-        size = extent > size ? extent : size;
-    }
-    const dem_vec from =
-        c.centre[0]; /* moments about a point inside, with lengths over the size: no number is too large */
-    for (int k = 0; k < n; k++) c.centre[k] = dem__scale(1.0 / size, dem__sub(c.centre[k], from)), c.radius[k] /= size;
-    c.spheres = dem__drop_inner(n, c.centre, c.radius);
-    const int line = dem__are_on_a_line(c.spheres, c.centre, 1.0, &u, at);
-    if (c.spheres == 1) dem__add_ball(&content, 1.0, c.centre[0], c.radius[0]);
-    else if (line) dem__add_revolution(&content, c.spheres, at, c.radius, c.centre[0], u);
-    else dem__add_union(&content, c.spheres, c.centre, c.radius);
-    const double v = content.volume, *s = content.second;
-    const dem_vec m = dem__scale(1.0 / v, content.first);
-    const double xx = s[0] - v * m.x * m.x, yy = s[1] - v * m.y * m.y, zz = s[2] - v * m.z * m.z;
-    const double tensor[6] = {
-        yy + zz, zz + xx, xx + yy, v * m.x * m.y - s[3], v * m.y * m.z - s[4], v * m.z * m.x - s[5]};
-    c.moments = dem__clump_axes(tensor, &c.axes);
-    dem__merge_moments(&c.moments, c.spheres == 1 || line ? 1e-12 : 1e-9);
-    dem__order_moments(&c.moments, &c.axes, order);
-    for (int k = 0; k < c.spheres; k++) c.centre[k] = dem__scale(size, dem__sub(c.centre[k], m)), c.radius[k] *= size;
-    c.origin = dem__plus(from, size, m);
-    c.volume = v * size * size * size;
-    c.moments = dem__scale(size * size * size * size * size, c.moments);
-    if (!dem__positive(c.volume) || !dem__positive(c.moments.x) || !dem__positive(c.moments.y) ||
-        !dem__positive(c.moments.z))
-        return DEM_BAD_ARGUMENT;
-    c.add__ = dem_add_clumps;
-    *clump = c;
-    return DEM_OK;
-}
-
-/* ----------------------------------------------------------------------------------------------------- >>gas/gas.h */
-/* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures. */
-
-DEM_API dem_gas dem_default_gas(void) {
-    dem_gas gas;
-    memset(&gas, 0, sizeof gas);
-    gas.density = 1.2;
-    gas.viscosity = 1.81e-5;
-    gas.shape[0] = 24.0, gas.shape[1] = 3.0, gas.shape[2] = 0.42;
-    gas.low = dem_vec3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL);
-    gas.high = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
-    gas.axis = dem_vec3(0.0, 0.0, 1.0);
-    return gas;
-}
-
-static inline int dem__is_grid(const dem_gas *gas) {
-    double number = 1.0;
-    for (int a = 0; a < 3; a++) {
-        if (gas->n[a] < 2 || !dem__positive(dem_axis(gas->high, a) - dem_axis(gas->low, a))) return 0;
-        number *= gas->n[a];
-    }
-    return number < 1073741824.0;
-}
-
-/* Returns the name of the first bad field, or NULL. */
-DEM__STATIC const char *dem__bad_gas(const dem_gas *gas) {
-    if (!gas) return "gas";
-    if (!dem__positive(gas->density)) return "density";
-    if (!dem__positive(gas->viscosity)) return "viscosity";
-    for (int k = 0; k < 3; k++) {
-        if (!dem__not_negative(gas->shape[k])) return "shape";
-        if (!(dem_axis(gas->high, k) > dem_axis(gas->low, k))) return "high";
-    }
-    if ((gas->velocity || gas->pressure_gradient || gas->porosity) && !dem__is_grid(gas)) return "n";
-    if (!dem__finite_vec(gas->centre)) return "centre";
-    if (!dem__finite_vec(gas->axis) || !(fabs(dem__length(gas->axis) - 1.0) < 1e-9)) return "axis";
-    if (!dem__moderate_vec(gas->drift)) return "drift";
-    if (!dem__moderate(gas->spin)) return "spin";
-    return dem__finite(gas->start) ? NULL : "start";
-}
-
-DEM_API dem_status dem_check_gas(const dem_gas *gas, const char **field) {
-    const char *bad = dem__bad_gas(gas);
-    if (field) *field = bad;
-    return bad ? DEM_BAD_DEFINITION : DEM_OK;
-}
-
-DEM_API dem_force_field dem_gas_field(dem_field_fn kernel, const dem_gas *gas) {
-    dem_force_field field = dem_default_force_field(kernel, gas);
-    for (int a = 0; gas && a < 3; a++) {
-        const double half =
-            0.5 * (dem_axis(gas->high, a) - dem_axis(gas->low, a)) / (gas->n[a] > 1 ? gas->n[a] - 1 : 1);
-        field.length = half < field.length ? half : field.length;
-    }
-    return field;
-}
-
-DEM_API dem_status dem_attach_gas(dem_gas *gas, const dem_world *world, int wall) {
-    if (!gas || !world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
-    const dem_wall *w = &world->wall[wall];
-    if (w->asked.drive != DEM_KINEMATIC || w->asked.frequency != 0.0) return DEM_BAD_ARGUMENT;
-    gas->start = world->time;
-    gas->drift = w->asked.drift;
-    gas->spin = w->spin;
-    if (w->spin == 0.0) return DEM_OK;
-    gas->axis = w->spin_axis;
-    gas->centre = dem__plus(w->asked.spin_centre, world->time - w->asked.motion_start, w->asked.drift);
-    return DEM_OK;
-}
-
-DEM_API dem_vec dem_gas_velocity(const dem_gas *gas, dem_vec position, double time) {
-    const dem_vec none = dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    dem__gas_cell cell;
-    if (dem__bad_gas(gas)) return none;
-    const dem__gas_frame f = dem__gas_frame_at(gas, time);
-    const dem_vec place = dem__turned(gas, &f, dem__sub(position, f.centre), -1.0);
-    return dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell) ? dem__gas_speed(gas, &f, &cell, position) : none;
-}
-
-DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, double *porosity) {
-    const dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !porosity || dem__bad_gas(gas) || !dem__is_grid(gas)) return DEM_BAD_ARGUMENT;
-    const ptrdiff_t row = gas->n[0], layer = row * gas->n[1], all = layer * gas->n[2];
-    const dem__gas_frame f = dem__gas_frame_at(gas, w->time);
-    double size = 1.0;
-    for (int a = 0; a < 3; a++) size *= (dem_axis(gas->high, a) - dem_axis(gas->low, a)) / (gas->n[a] - 1);
-    for (ptrdiff_t k = 0; k < all; k++) porosity[k] = 0.0;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        dem__gas_cell cell;
-        const double d = 2.0 * dem__size_in_field(w, i);
-        const dem_vec place = dem__turned(gas, &f, dem__sub(dem_get_body(w, i).position, f.centre), -1.0);
-        if (w->alive[i] <= 0 || !dem__leads(w, i) || !dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell))
-            continue;
-        for (int corner = 0; corner < 8; corner++) {
-            ptrdiff_t node = cell.first;
-            double share = RIDDLE_PI / 6.0 * d * d * d;
-            for (int a = 0; a < 3; a++) {
-                node += corner >> a & 1 ? cell.next[a] : 0;
-                share *= corner >> a & 1 ? cell.part[a] : 1.0 - cell.part[a];
-            }
-            porosity[node] += share;
-        }
-    }
-    for (ptrdiff_t k = 0; k < all; k++) {
-        const ptrdiff_t at[3] = {k % row, k / row % gas->n[1], k / layer};
-        double room = size; /* volume of the node: half a cell less at a face of the grid */
-        for (int a = 0; a < 3; a++) room *= at[a] == 0 || at[a] == gas->n[a] - 1 ? 0.5 : 1.0;
-        const double left = 1.0 - porosity[k] / room;
-        porosity[k] = left > 0.2 ? left : 0.2;
-    }
-    return DEM_OK;
-}
-
-DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengthwise, double shape[3]) {
-    const double psi[3] = {sphericity, crosswise, lengthwise};
-    if (!shape) return;
-    for (int k = 0; k < 3; k++) shape[k] = (double)NAN;
-    for (int k = 0; k < 3; k++) {
-        if (!(psi[k] > 0.0 && psi[k] <= (k == 0 ? 1.0 : 100.0))) return;
-    }
-    const double flat = -riddle_log(sphericity) / 2.302585092994045684; /* -log10 */
-    shape[0] = 8.0 / sqrt(lengthwise) + 16.0 / sqrt(sphericity);
-    shape[1] = 3.0 / sqrt(sphericity * sqrt(sphericity));
-    shape[2] = 0.42 / crosswise;
-    if (flat > 0.0) shape[2] *= riddle_exp(2.302585092994045684 * 0.4 * riddle_exp(0.2 * riddle_log(flat)));
-}
-
-/* --------------------------------------------------------------------------------------------- >>measure/getters.h */
-/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. */
-
-DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    return dem__in_box(world, dem__at(world, i, dem__now(world, i)));
-}
-
-DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    return dem__true_velocity_at(world, i, dem__now(world, i));
-}
-
-DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    return dem__spin_at(world, i, dem__now(world, i));
-}
-
-DEM_API double dem_radius(const dem_world *world, ptrdiff_t i) {
-    return world && i >= 0 && i < world->count ? world->particle[i].radius : (double)NAN;
-}
-DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
-    return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
-}
-
-/* Returns the rotation from the principal axes of the body of particle i to the frame in which its shape was given. */
-static inline dem_quaternion dem__given_frame(const dem_world *w, ptrdiff_t i, const dem__rigid *r) {
-    const dem_convex *s = dem__shape_of(w, i);
-    if (!s) return r->frame;
-    const dem_quaternion own = dem__turn_of_shape(s);
-    return own.w != 1.0 ? dem__turns(own, r->frame) : r->frame;
-}
-
-DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count)
-        return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
-    const dem__rigid *r = dem__rigid_of(world, i);
-    if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn,
-                      dem__opposite_turn(dem__given_frame(world, i, r)));
-}
-
-/* Returns the position of a rigid body now, within the periodic box. */
-static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
-    const double tau = dem__now(w, r->first);
-    return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
-}
-
-DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
-    dem_body body;
-    memset(&body, 0, sizeof body);
-    body.first = -1;
-    if (!world || i < 0 || i >= world->count) return body;
-    const dem__rigid *r = dem__rigid_of(world, i);
-    const dem__pieces own = dem__pieces_of(world, i);
-    const double tau = dem__now(world, i);
-    body.first = own.first, body.pieces = own.end - own.first;
-    body.mass = world->particle[i].mass;
-    body.diameter = r ? dem__equal_diameter(world, r) : 2.0 * world->particle[i].radius;
-    body.position = r ? dem__body_position(world, r) : dem_position(world, i);
-    body.velocity = dem__drift_at(world, i, tau);
-    body.velocity = dem__add(body.velocity, dem__velocity_error(world, i, tau));
-    body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
-    const double inertia = dem__inertia(world, i);
-    body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
-    body.axes = r ? dem__posture_at(world, r, tau).turn : body.orientation;
-    return body;
-}
-
-DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    dem_quaternion q;
-    if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
-    dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) return DEM_BAD_ARGUMENT;
-    dem__stop_link_work(w, dem__pieces_of(w, i));
-    dem__restart(w, i);
-    dem__book_motion(w, -dem__rotational(w, r->first));
-    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    r->turn = dem__turns(q, dem__given_frame(w, i, r));
-    w->engine->bodies.calls->set_motion(w, r, r->v, spin);
-    dem__book_motion(w, dem__rotational(w, r->first));
-    if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
-    dem__resume_link_work(w, dem__pieces_of(w, i));
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return DEM_OK;
-}
-
-DEM_API dem_vec dem_momentum(const dem_world *world) {
-    dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t i = 0; world && i < world->count; i++) {
-        const dem__rigid *r = dem__rigid_of(world, i);
-        if (!world->alive[i] || (r && r->first != i)) continue;
-        sum = dem__add(
-            sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
-    }
-    return sum;
-}
-
-/* Returns the remainder of the energy balance [J]. */
-static inline double dem__ledger_error(const dem_energy_ledger *l) {
-    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss +
-           l->removed - l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
-}
-
-DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
-    dem_energy_ledger l;
-    memset(&l, 0, sizeof l);
-    if (!world || !world->engine) return l;
-    const dem__ledger *ledger = &world->engine->ledger;
-    l = ledger->sums;
-    l.kinetic = l.rotational = l.potential = 0.0;
-    for (ptrdiff_t i = 0; i < world->count; i++) {
-        if (!world->alive[i]) continue;
-        l.kinetic += dem__kinetic(world, i);
-        l.rotational += dem__rotational(world, i);
-        l.potential += dem__potential(world, i);
-        if (ledger->on) l.link_work += dem__link_work(world, i);
-    }
-    l.elastic = dem__stored_energy(world);
-    if (!ledger->started) return l;
-    l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
-    l.released = l.released > 0.0 ? l.released : 0.0;
-    l.error = ledger->counts ? dem__ledger_error(&l) : ledger->paused_error;
-    return l;
-}
-
-DEM_API ptrdiff_t dem_contact_count(const dem_world *world) {
-    return world && world->engine ? world->engine->contacts.count : 0;
-}
-
-/* Computes normal and point of the contact in a slot, or of a link (slot -1), from the present positions. */
-static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
-    const dem_vec x = dem_position(w, info->i);
-    const double radius = w->particle[info->i].radius;
-    if (info->j < 0) {
-        dem__touch touch;
-        dem__touch_place(w, slot, &w->wall[-1 - info->j], x, radius, info->element, &touch);
-        info->normal = touch.normal;
-        info->point = dem__plus(x, -(radius + touch.gap), touch.normal);
-        return;
-    }
-    const dem_vec d = dem__nearest_image(w, dem__sub(x, dem_position(w, info->j)));
-    info->point = dem__plus(x, -radius / (radius + w->particle[info->j].radius), d);
-    dem__unit(d, &info->normal);
-}
-
-DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
-    dem_contact_info info;
-    memset(&info, 0, sizeof info);
-    info.gap = (double)NAN;
-    if (!world || !world->engine || k < 0 || k >= world->engine->contacts.count) return info;
-    k = dem__slot_of(world, k);
-    info.i = world->engine->contacts.i[k];
-    info.j = world->engine->contacts.j[k];
-    info.gap = world->engine->contacts.gap[k];
-    info.force = dem_vec3(world->engine->contacts.wrench[0][k], world->engine->contacts.wrench[1][k],
-                          world->engine->contacts.wrench[2][k]);
-    info.element = world->engine->contacts.element[k];
-    for (int a = 0; a < world->engine->contacts.states; a++) info.state[a] = world->engine->contacts.state[a][k];
-    dem__find_point(world, k, &info);
-    return info;
-}
-
-DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state) {
-    if (!world || !world->engine || !state || k < 0 || k >= world->engine->contacts.count) return;
-    for (int a = 0; a < world->engine->contacts.states; a++)
-        world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
-    if (!dem__is_running(world))
-        world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
-}
-
-DEM_API ptrdiff_t dem_link_count(const dem_world *world) {
-    return world && world->engine ? world->engine->links.count : 0;
-}
-
-DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
-    dem_contact_info info;
-    memset(&info, 0, sizeof info);
-    info.gap = (double)NAN;
-    if (!world || !world->engine || k < 0 || k >= world->engine->links.count) return info;
-    info.i = world->engine->links.i[k];
-    info.j = world->engine->links.j[k];
-    info.element = world->engine->links.element[k];
-    info.gap = world->engine->links.gap[k];
-    info.force = dem_vec3(world->engine->links.wrench[0][k], world->engine->links.wrench[1][k],
-                          world->engine->links.wrench[2][k]);
-    for (int a = 0; a < world->engine->links.states; a++) info.state[a] = world->engine->links.state[a][k];
-    dem__find_point(world, -1, &info);
-    return info;
-}
-
-DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element) {
-    return world && i >= 0 && i < world->count ? dem__link_of(world, i, j, element) : -1;
-}
-
-DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
-    dem_apertures count = {0, 0, 0};
-    if (!world || wall < 0 || wall >= world->walls || world->wall[wall].kind != DEM_SCREEN) return count;
-    const dem_wall *s = &world->wall[wall];
-    const double pitch = s->aperture + s->wire, half = 0.5 * pitch;
-    const int nx = (int)(s->half_x / pitch) + 1, ny = (int)(s->half_y / pitch) + 1;
-    for (int a = -nx; a <= nx; a++) {
-        for (int b = -ny; b <= ny; b++) {
-            double x = fabs(a * pitch) + half, y = fabs(b * pitch) + half;
-            count.total += s->circular ? x * x + y * y <= s->half_x * s->half_x : x <= s->half_x && y <= s->half_y;
-        }
-    }
-    count.free = count.total;
-    for (ptrdiff_t i = 0; i < world->count; i++) {
-        if (!world->alive[i] || world->touching[i] < 2 || dem__shape_of(world, i)) continue;
-        const dem_vec d = dem__sub(dem__at(world, i, dem__now(world, i)), s->position);
-        if (!(fabs(dem__dot(d, s->axis[2])) < world->particle[i].radius)) continue;
-        dem_vec normal[DEM__TOUCHES];
-        int n = 0, holding = 0;
-        for (int32_t c = world->engine->walls.first_contact[i]; c >= 0 && n < DEM__TOUCHES;
-             c = world->engine->contacts.wall_next[c]) {
-            dem__touch touch;
-            if (world->engine->contacts.j[c] != -1 - wall || !(world->engine->contacts.gap[c] < 0.0)) continue;
-            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius,
-                               world->engine->contacts.element[c], &touch);
-            normal[n++] = touch.normal;
-        }
-        if (n < 2) continue;
-        const int m = s->material < world->material[i] ? s->material : world->material[i];
-        const double mu = world->def.pair[m][s->material + world->material[i] - m].friction;
-        const dem_vec up = s->axis[2];
-        for (int a = 0; a < n;
-             a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
-            for (int b = a + 1; b < n; b++) {
-                const double za = dem__dot(normal[a], up), zb = dem__dot(normal[b], up);
-                const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)),
-                              flat_b = dem__sub(normal[b], dem__scale(zb, up));
-                if (dem__dot(flat_a, flat_b) < -0.5 && fabs(za) <= mu * dem__length(flat_a) &&
-                    fabs(zb) <= mu * dem__length(flat_b))
-                    holding = 1;
-            }
-        }
-        count.occupied++;
-        count.free -= holding;
-    }
-    return count;
-}
-
-/* -------------------------------------------------------------------------------------------- >>walls/mesh_touch.h */
-/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by
-   a search. */
-
-/* The face on which a contact with a mesh rests. It is the only place touched as long as the centre is within `slack`
-   of `at`, and a contact opens by less than that in a step. */
-typedef struct dem__footing {
-    dem_vec at;   /* in the wall's own frame */
-    double slack; /* [m]; 0: search */
-    int32_t face;
-} dem__footing;
-#define DEM__SMOOTH 0.9 /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides is round */
-
-/* Returns the vector from the plane of a triangle to p; distance: its length. All triangles of one plane give the same
-   vector. */
-DEM_INLINE dem_vec dem__above_face(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
-    const double up = dem__dot(dem__sub(p, t->vertex[t->corner[3 * k]]), t->normal[k]);
-    *distance = fabs(up);
-    return dem__scale(up, t->normal[k]);
-}
-
-/* Returns the vector from the nearest point of a triangle to p (Ericson 2005, Real-Time Collision Detection, 5.1.5).
-   distance: its length; inside: whether the point is not on an edge or a corner. */
-static inline dem_vec dem__from_triangle(const dem__tree *t, int32_t k, dem_vec p, double *distance, int *inside) {
-    const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]],
-                  c = t->vertex[t->corner[3 * k + 2]];
-    const dem_vec ab = dem__sub(b, a), ac = dem__sub(c, a), ap = dem__sub(p, a), bp = dem__sub(p, b),
-                  cp = dem__sub(p, c);
-    const double a1 = dem__dot(ab, ap), a2 = dem__dot(ac, ap), b1 = dem__dot(ab, bp), b2 = dem__dot(ac, bp),
-                 c1 = dem__dot(ab, cp), c2 = dem__dot(ac, cp);
-    const double to_ab = a1 * b2 - b1 * a2, to_ac = c1 * a2 - a1 * c2, to_bc = b1 * c2 - c1 * b2;
-    dem_vec v;
-    *inside = 0;
-    if (a1 <= 0.0 && a2 <= 0.0) v = ap;
-    else if (b1 >= 0.0 && b2 <= b1) v = bp;
-    else if (c2 >= 0.0 && c1 <= c2) v = cp;
-    else if (to_ab <= 0.0 && a1 >= 0.0 && b1 <= 0.0) v = dem__sub(ap, dem__scale(a1 / (a1 - b1), ab));
-    else if (to_ac <= 0.0 && a2 >= 0.0 && c2 <= 0.0) v = dem__sub(ap, dem__scale(a2 / (a2 - c2), ac));
-    else if (to_bc <= 0.0 && b2 >= b1 && c1 >= c2)
-        v = dem__sub(bp, dem__scale((b2 - b1) / ((b2 - b1) + (c1 - c2)), dem__sub(c, b)));
-    else {
-        *inside = 1;
-        return dem__above_face(t, k, p, distance);
-    }
-    *distance = dem__length(v);
-    return v;
-}
-
-/* Returns whether p is `reach` or more away from a node's box. */
-DEM_INLINE int dem__is_far(const dem__node *b, dem_vec p, double reach) {
-    const double x = p.x - dem__clamp(p.x, b->low[0], b->high[0]), y = p.y - dem__clamp(p.y, b->low[1], b->high[1]),
-                 z = p.z - dem__clamp(p.z, b->low[2], b->high[2]);
-    return !(x * x + y * y + z * z < reach * reach);
-}
-
-/* Returns whether a place is in the shadow of a nearer one, because a surface is touched only once: their normals agree
-   to 26 degrees, or the place does not rise over the nearer one's tangent plane, as edges and corners of a touched face
-   do not. */
-DEM_INLINE int dem__is_shadowed(const dem__touch *far_one, const dem__touch *near_one, double radius) {
-    const double flat = (1.0 - 1e-9) * (radius + near_one->gap) / (radius + far_one->gap);
-    return dem__dot(far_one->normal, near_one->normal) > (flat < DEM__SMOOTH ? flat : DEM__SMOOTH);
-}
-
-/* Returns whether p is certainly `far_off` or more away from the plane of a triangle. */
-DEM_INLINE int dem__is_off_plane(const dem__tree *t, int32_t k, dem_vec p, double far_off) {
-    const dem_vec d = dem__sub(p, t->vertex[t->corner[3 * k]]);
-    return fabs(dem__dot(d, t->normal[k])) - 1e-12 * (fabs(d.x) + fabs(d.y) + fabs(d.z)) > far_off;
-}
-
-static inline void dem__meet_triangle(const dem__tree *t, int32_t k, dem_vec p, double radius, dem__touch *touch) {
-    double distance;
-    int inside;
-    const dem_vec v = dem__from_triangle(t, k, p, &distance, &inside);
-    touch->gap = distance - radius;
-    touch->normal = distance > 0.0 ? dem__scale(1.0 / distance, v) : t->normal[k];
-    touch->curvature = 0.0;
-    touch->face = inside ? k : -1;
-}
-
-/* Finds the nearest place of a mesh, if its gap is below `limit`, and those with a gap below `deep` that no nearer one
-   shadows: at most DEM__TOUCHES, nearest first. Returns how many; least: the smallest gap, or limit. */
-static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, double deep, double limit,
-                                  dem__touch *out, double *least) {
-    const dem__tree *t = w->tree;
-    const dem_vec p = dem__to_frame(w, d);
-    dem__touch here;
-    int n = 0;
-    *least = limit;
-    for (int32_t b = 0; b < t->nodes;) {
-        const dem__node *node = &t->node[b];
-        if (dem__is_far(node, p, radius + *least)) {
-            b = node->skip;
-            continue;
-        }
-        b++;
-        for (int32_t k = node->first; k < node->first + node->count; k++) {
-            if (dem__is_off_plane(t, k, p, radius + *least)) continue;
-            dem__meet_triangle(t, k, p, radius, &here);
-            if (here.gap < *least) *least = here.gap, out[0] = here, n = 1;
-        }
-    }
-    for (int32_t b = *least < deep ? 0 : t->nodes; b < t->nodes;) {
-        const dem__node *node = &t->node[b];
-        if (dem__is_far(node, p, radius + deep)) {
-            b = node->skip;
-            continue;
-        }
-        b++;
-        for (int32_t k = node->first; k < node->first + node->count; k++) {
-            int at = 0, kept;
-            if (dem__is_off_plane(t, k, p, radius + deep)) continue;
-            dem__meet_triangle(t, k, p, radius, &here);
-            if (!(here.gap < deep)) continue;
-            while (at < n && out[at].gap <= here.gap && !dem__is_shadowed(&here, &out[at], radius)) at++;
-            if (at == DEM__TOUCHES || (at < n && out[at].gap <= here.gap)) continue;
-            kept = at;
-            for (int q = at; q < n; q++) { /* remove those in its shadow */
-                if (!dem__is_shadowed(&out[q], &here, radius)) out[kept++] = out[q];
-            }
-            n = kept < DEM__TOUCHES ? kept + 1 : DEM__TOUCHES;
-            for (int q = n - 1; q > at; q--) out[q] = out[q - 1];
-            out[at] = here;
-        }
-    }
-    for (int q = 0; q < n; q++) {
-        out[q].normal = dem__from_frame(w, out[q].normal);
-        out[q].element = q;
-    }
-    return n;
-}
-
-/* Returns how far q, a point of the plane of triangle k, is inside its edges [m]; < 0 outside. */
-static inline double dem__inside_edges(const dem__tree *t, int32_t k, dem_vec q) {
-    double least = HUGE_VAL;
-    for (int e = 0; e < 3; e++) {
-        const dem_vec u = t->vertex[t->corner[3 * k + e]], v = t->vertex[t->corner[3 * k + (e + 1) % 3]],
-                      along = dem__sub(v, u);
-        const double in = dem__dot(dem__sub(q, u), dem__cross(t->normal[k], along)) / dem__length(along);
-        least = in < least ? in : least;
-    }
-    return least;
-}
-
-/* Computes the footing of a sphere whose only touch is on a face. A triangle that rises above the plane of the face can
-   be touched, or become the nearest, after half its gap. One that does not rise is in the face's shadow; it becomes the
-   nearest only where the centre leaves the face for it. */
-static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, double radius, const dem__touch *touch) {
-    const dem__tree *t = w->tree;
-    const int32_t face = touch->face;
-    dem__footing f;
-    double height;
-    f.at = dem__to_frame(w, d), f.slack = 0.0, f.face = face;
-    if (face < 0 || !(touch->gap <= 0.0)) return f;
-    const dem_vec up = dem__above_face(t, face, f.at, &height), a = t->vertex[t->corner[3 * face]];
-    const double inside = dem__inside_edges(t, face, dem__sub(f.at, up));
-    const double above = height - 0.1 * radius; /* near the plane of the face, others are no longer in its shadow */
-    double slack = 0.25 * radius < inside ? 0.25 * radius : inside;
-    slack = above < slack ? above : slack;
-    if (!(slack > 0.0)) return f;
-    const dem_vec out = dem__scale(1.0 / height, up);
-    for (int32_t b = 0; b < t->nodes;) {
-        const dem__node *node = &t->node[b];
-        if (dem__is_far(node, f.at, radius + 2.0 * slack)) {
-            b = node->skip;
-            continue;
-        }
-        b++;
-        for (int32_t k = node->first; k < node->first + node->count; k++) {
-            double distance, rise = 0.0;
-            int inner;
-            if (k == face) continue;
-            dem__from_triangle(t, k, f.at, &distance, &inner);
-            for (int c = 0; c < 3; c++) {
-                const double corner = dem__dot(dem__sub(t->vertex[t->corner[3 * k + c]], a), out);
-                rise = corner > rise ? corner : rise;
-            }
-            const double aside = distance * distance - height * height, /* the shadow's tolerance is 1e-9 */
-                reach = rise > 5e-10 * height ? 0.5 * (distance - radius) : sqrt(aside > 0.0 ? aside : 0.0);
-            slack = reach < slack ? reach : slack;
-        }
-    }
-    f.slack = slack > 0.0 ? 0.999 * slack : 0.0;
-    return f;
-}
-
-/* Computes the touch of a sphere that has not left its footing. Returns 0 if a search is needed. opens: the most that a
-   contact opens in a step [m]. */
-DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_vec d, double radius, double opens,
-                                  dem__touch *out) {
-    const dem_vec p = dem__to_frame(w, d), moved = dem__sub(p, f->at);
-    double distance;
-    if (!(f->slack > opens && dem__dot(moved, moved) < f->slack * f->slack)) return 0;
-    const dem_vec v = dem__above_face(w->tree, f->face, p, &distance);
-    out->gap = distance - radius;
-    out->normal = dem__from_frame(w, dem__scale(1.0 / distance, v));
-    return 1;
-}
-
-/* --------------------------------------------------------------------------------------------- >>walls/mesh_tree.h */
-/* The tree of a mesh's triangles. */
-
-/* Spreads 21 bits to every third bit of a Morton code. */
-static inline uint64_t dem__interleave(uint64_t v) {
-    v = (v | v << 32) & 0x1f00000000ffffu;
-    v = (v | v << 16) & 0x1f0000ff0000ffu;
-    v = (v | v << 8) & 0x100f00f00f00f00fu;
-    v = (v | v << 4) & 0x10c30c30c30c30c3u;
-    return (v | v << 2) & 0x1249249249249249u;
-}
-
-typedef struct dem__keyed {
-    uint64_t key;
-    int32_t index;
-} dem__keyed;
-/* Sorts by key, then index. temporary: room for n items. */
-static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptrdiff_t n) {
-    for (ptrdiff_t width = 1; width < n; width *= 2) {
-        for (ptrdiff_t low = 0; low < n; low += 2 * width) {
-            const ptrdiff_t mid = low + width < n ? low + width : n, high = mid + width < n ? mid + width : n;
-            for (ptrdiff_t a = low, b = mid, to = low; to < high; to++) {
-                const int left = a < mid && (b >= high || items[a].key < items[b].key ||
-                                             (items[a].key == items[b].key && items[a].index < items[b].index));
-                temporary[to] = left ? items[a++] : items[b++];
-            }
-        }
-        memcpy(items, temporary, (size_t)n * sizeof *items);
-    }
-}
-
-/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those
-   of each half. */
-static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
-    const int32_t at = t->nodes++;
-    dem__node *node = &t->node[at];
-    node->first = first;
-    node->count = end - first <= DEM__LEAF ? end - first : 0;
-    for (int a = 0; a < 3; a++) node->low[a] = HUGE_VAL, node->high[a] = -HUGE_VAL;
-    for (int32_t k = 3 * first; k < 3 * (first + node->count); k++) {
-        for (int a = 0; a < 3; a++) {
-            const double v = dem_axis(t->vertex[t->corner[k]], a);
-            node->low[a] = v < node->low[a] ? v : node->low[a];
-            node->high[a] = v > node->high[a] ? v : node->high[a];
-        }
-    }
-    if (node->count == 0) {
-        const int32_t middle = first + (end - first) / 2;
-        for (int side = 0; side < 2; side++) {
-            const int32_t child = t->nodes;
-            dem__grow_node(t, side ? middle : first, side ? end : middle);
-            for (int a = 0; a < 3; a++) {
-                const double low = t->node[child].low[a], high = t->node[child].high[a];
-                node->low[a] = low < node->low[a] ? low : node->low[a];
-                node->high[a] = high > node->high[a] ? high : node->high[a];
-            }
-        }
-    }
-    node->skip = t->nodes;
-}
-
-/* Returns an empty tree with room for the mesh; NULL when out of memory. */
-static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
-    const size_t v = (size_t)vertices, k = (size_t)triangles;
-    const size_t bytes =
-        sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
-    dem__tree *t = (dem__tree *)a->fn(a->user, NULL, 0, bytes);
-    if (!t) return NULL;
-    memset(t, 0, bytes);
-    t->bytes = bytes;
-    t->vertices = (int32_t)vertices;
-    t->vertex = (dem_vec *)(void *)(t + 1);
-    t->normal = t->vertex + v;
-    t->node = (dem__node *)(void *)(t->normal + k);
-    t->corner = (int32_t *)(void *)(t->node + k);
-    return t;
-}
-
-/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for
-   slivers. */
-static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
-    const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
-    const double x = dem__dot(ab, ab), y = dem__dot(bc, bc), z = dem__dot(ca, ca);
-    if (x >= y && x >= z) return dem__cross(bc, ca);
-    return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
-}
-
-/* Returns whether a triangle has an area that is not round-off of its corners; unit: its normal. */
-static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
-    const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
-    double longest = dem__dot(ab, ab);
-    longest = dem__dot(ac, ac) > longest ? dem__dot(ac, ac) : longest;
-    longest = dem__dot(bc, bc) > longest ? dem__dot(bc, bc) : longest;
-    return dem__length(n) > 1e-9 * longest && dem__unit(n, unit);
-}
-
-/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT
-   if there is none. */
-static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex,
-                                        ptrdiff_t triangles, const int32_t *corner, dem_status *status) {
-    const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
-    dem_vec low = vertex[0], high = vertex[0], normal;
-    ptrdiff_t n = 0;
-    for (ptrdiff_t v = 0; v < vertices; v++) {
-        for (int c = 0; c < 3; c++) {
-            double *l = dem_axis_of(&low, c), *h = dem_axis_of(&high, c), x = dem_axis(vertex[v], c);
-            *l = x < *l ? x : *l;
-            *h = x > *h ? x : *h;
-        }
-    }
-    *status = DEM_OUT_OF_MEMORY;
-    dem__keyed *items = (dem__keyed *)a->fn(a->user, NULL, 0, scratch);
-    if (!items) return NULL;
-    for (int32_t k = 0; k < (int32_t)triangles; k++) {
-        const dem_vec p[3] = {vertex[corner[3 * k]], vertex[corner[3 * k + 1]], vertex[corner[3 * k + 2]]};
-        if (!dem__has_area(p[0], p[1], p[2], &normal)) continue;
-        items[n].index = k;
-        items[n].key = 0;
-        for (int c = 0; c < 3; c++) {
-            const double from = dem_axis(low, c), span = dem_axis(high, c) - from;
-            const double x = (dem_axis(p[0], c) + dem_axis(p[1], c) + dem_axis(p[2], c)) / 3.0 - from;
-            items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0)
-                            << c;
-        }
-        n++;
-    }
-    dem__tree *t = n > 0 ? dem__plant(a, vertices, n) : NULL;
-    if (n == 0) *status = DEM_BAD_ARGUMENT;
-    if (t) {
-        dem__sort_keyed(items, items + n, n);
-        memcpy(t->vertex, vertex, (size_t)vertices * sizeof *vertex);
-        for (ptrdiff_t k = 0; k < n; k++) {
-            const int32_t *from = &corner[3 * items[k].index];
-            memcpy(&t->corner[3 * k], from, 3 * sizeof *from);
-            dem__has_area(vertex[from[0]], vertex[from[1]], vertex[from[2]], &t->normal[k]);
-        }
-        t->triangles = (int32_t)n;
-        dem__grow_node(t, 0, (int32_t)n);
-        *status = DEM_OK;
-    }
-    a->fn(a->user, items, scratch, 0);
-    return t;
-}
-
-/* Returns whether a mesh's numbers are valid; low, high: its bounding box. */
-static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
-    if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
-        m->triangles > INT32_MAX / 4)
-        return 0;
-    *low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), *high = dem__scale(-1.0, *low);
-    for (ptrdiff_t k = 0; k < 3 * m->triangles; k++) {
-        if (m->triangle[k] < 0 || m->triangle[k] >= m->vertices) return 0;
-    }
-    for (ptrdiff_t k = 0; k < 3 * m->vertices; k++) {
-        double *l = dem_axis_of(low, (int)(k % 3)), *h = dem_axis_of(high, (int)(k % 3)), x = m->vertex[k];
-        if (!(fabs(x) < 1e50)) return 0; /* so that squares of areas are finite */
-        *l = x < *l ? x : *l;
-        *h = x > *h ? x : *h;
-    }
-    return 1;
-}
-
-/* -------------------------------------------------------------------------------------------------- >>walls/mesh.h */
-/* Meshes of triangles: thin sheets, or closed bodies. Spheres touch them at several places, which their contacts follow
-   (meshes/follow.h); polyhedra touch their sharp edges and corners. */
-
-static inline int dem__touch_triangles(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
-                                       double *least) {
-    return dem__touch_mesh(w, d, radius, limit < 0.0 ? limit : 0.0, limit, out, least);
-}
-
-/* Keys of an edge and its corner. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the order of
-   the tree. */
-enum { DEM__SHARP_KEYS = 1 + DEM__EDGE_KEYS, DEM__SHARP_EDGES_MAX = (1 << 30) / DEM__SHARP_KEYS };
-DEM_INLINE int32_t dem__sharp_key(int32_t at) {
-    return DEM_CORNERS_MAX * DEM__PLACE_DIRECTIONS + (int32_t)((int64_t)(at % DEM__SHARP_EDGES_MAX) * DEM__SHARP_KEYS);
-}
-
-/* Shows the sharp edges and corners of a triangle. */
-static inline void dem__show_triangle(const dem_wall *w, int32_t k, dem_vec d, dem__edge_visitor *v) {
-    const dem__tree *t = w->tree;
-    for (int32_t at = 3 * k; at < 3 * k + 3; at++) {
-        const int kind = t->edges->kind[at];
-        dem__wall_edge e;
-        if (!(kind & (DEM__EDGE | DEM__CORNER))) continue;
-        memset(&e, 0, sizeof e);
-        e.key = dem__sharp_key(at);
-        e.from = dem__sub(dem__from_frame(w, t->vertex[t->corner[at]]), d);
-        if (kind & DEM__CORNER) v->corner(v, e.from, 0.0, dem__from_frame(w, t->edges->tip[at]), e.key);
-        if (!(kind & DEM__EDGE)) continue;
-        e.to = dem__sub(dem__from_frame(w, t->vertex[t->corner[at % 3 < 2 ? at + 1 : at - 2]]), d);
-        e.ends = (kind & DEM__FROM_END ? 1 : 0) | (kind & DEM__TO_END ? 2 : 0);
-        e.is_sided = !(kind & DEM__RIM), e.outward = dem__from_frame(w, t->edges->outward[at]);
-        e.key++;
-        v->edge(v, &e);
-    }
-}
-static inline void dem__mesh_edges_near(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
-    const dem__tree *t = w->tree;
-    const dem_vec d = dem__sub(centre, w->position), p = dem__to_frame(w, d);
-    for (int32_t b = 0; b < (t->edges ? t->nodes : 0);) {
-        const dem__node *node = &t->node[b];
-        if (dem__is_far(node, p, reach)) {
-            b = node->skip;
-            continue;
-        }
-        b++;
-        for (int32_t k = node->first; k < node->first + node->count; k++) dem__show_triangle(w, k, d, v);
-    }
-}
-
-static inline const dem__wall_kind *dem__triangles(void) {
-    static const dem__wall_kind row = {
-        DEM_MESH,             /* kind */
-        DEM__TRIANGULATED,    /* flags */
-        NULL,                 /* is_sound: triangles are checked as they are read */
-        dem__touch_triangles, /* touch */
-        NULL,                 /* touch_element */
-        NULL,                 /* other_elements */
-        NULL,                 /* reach_round */
-        NULL,                 /* normal_rate: a contact knows its normals */
-        NULL,                 /* is_endless */
-        NULL,                 /* closing */
-        NULL,                 /* corners */
-        dem__mesh_edges_near, /* edges */
-        NULL                  /* crosses */
-};
-    return &row;
 }
 
 /* --------------------------------------------------------------------------------------------------- >>walls/stl.h */
@@ -11667,8 +9123,8 @@ static inline double dem__mesh_volume(const dem_mesh *m) {
     return fabs(sum);
 }
 
-/* -------------------------------------------------------------------------------------------------- >>feed/sizes.h */
-/* Regions and size distributions: pure functions, and the checks of a source. */
+/* --------------------------------------------------------------------------------------------- >>regions/regions.h */
+/* Regions: their volumes, and whether a point is in one. */
 
 DEM_API dem_region dem_box_region(dem_vec low, dem_vec high) {
     dem_region region;
@@ -11749,6 +9205,4511 @@ static inline void dem__tree_bounds(const dem_region *r, dem_vec *low, dem_vec *
         *dem_axis_of(high, a) = (at > end ? at : end) + out;
     }
 }
+
+/* ---------------------------------------------------------------------------------------------- >>removal/remove.h */
+/* Particles that leave: by an exit, by dem_remove, or with a region. One that is gone is in no list, and one that has no
+   contact left is in flight. */
+
+/* Removes particle i from all lists. Its entries in the arrays are removed by a later rebuild. */
+static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
+    dem__pairs *pairs = &w->engine->pairs;
+    dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
+    w->alive[i] = DEM_LEAVING; /* so that the law can tell a removal from a rupture */
+    DEM__TELL(w, remove_particle, (w, i));
+    w->alive[i] = 0;
+    w->engine->bodies.dropped++;
+    dem__mark_to_check(w, i);
+    if (w->engine->run.needs_lists) return;
+    for (int32_t a = pairs->adjacent_start[i]; a < pairs->adjacent_start[i + 1]; a++) {
+        dem__stop_timer(&pairs->timers, pairs->adjacent[2 * a]);
+    }
+    for (int k = 0; k < w->walls; k++) dem__stop_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k);
+}
+
+/* Removes particle i, or all particles of its rigid body, from all lists. */
+static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) dem__detach_one(w, k);
+}
+
+/* Removes the force of ended contacts from the acceleration of particles that touch nothing any more. */
+static inline void dem__free_untouched(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t k = 0; k < bodies->active_count; k++) {
+        if (!w->touching[bodies->active[k]]) dem__free_acceleration(w, bodies->active[k]);
+    }
+}
+
+/* Numbers the particles present, after a removal. */
+static inline void dem__number_present(dem_world *w) {
+    int32_t n = 0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        w->engine->bodies.number[i] = n;
+        n += w->alive[i] != 0;
+    }
+}
+
+/* Ends the contacts of removed particles. */
+static inline void dem__end_contacts_of_removed(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t j = contacts->j[c];
+        if (!w->alive[contacts->i[c]] || (j >= 0 && !w->alive[j])) contacts->ended[c] = 1;
+    }
+    dem__number_present(w);
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    dem__remove_ended(w, w->step, 1);
+    dem__free_untouched(w);
+}
+
+DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    if (!dem__is_present(w, i)) return DEM_BAD_ARGUMENT;
+    w->engine->run.running = 1;
+    dem__detach_particle(w, i);
+    dem__end_contacts_of_removed(w);
+    w->engine->run.running = 0;
+    return DEM_OK;
+}
+
+DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return -(ptrdiff_t)DEM_BUSY;
+    if (!w || !w->def.allocator.fn || capacity < 0) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    const ptrdiff_t n = capacity < w->passed_count ? capacity : w->passed_count, left = w->passed_count - n;
+    if (n == 0) return 0;
+    if (records) memcpy(records, w->passed, (size_t)n * sizeof *records);
+    memmove(w->passed, w->passed + n, (size_t)left * sizeof *records);
+    w->passed_count = left;
+    return n;
+}
+
+DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) {
+    if (dem__is_running(world)) return -(ptrdiff_t)DEM_BUSY;
+    dem_world *w = world;
+    ptrdiff_t removed = 0;
+    if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    w->engine->run.running = 1;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (r && r->first != i) continue;
+        if (!w->alive[i] ||
+            !dem_region_holds(region, r ? dem__body_position(w, r) : dem__in_box(w, dem__at(w, i, dem__now(w, i)))))
+            continue;
+        dem__detach_particle(w, i);
+        removed++;
+    }
+    if (removed > 0) dem__end_contacts_of_removed(w);
+    w->engine->run.running = 0;
+    return removed;
+}
+
+/* --------------------------------------------------------------------------------------------- >>contacts/forces.h */
+/* Forces of all contacts, on one thread or several. Reads contacts; writes the sums of bodies and the forces on walls.
+   Promises: every sum is added in the order of slots, whatever the number of threads. */
+
+/* An evaluation of all contacts on several threads. */
+typedef struct dem__evaluation {
+    dem_loop_fn loop;
+    int parts, has_friction;
+} dem__evaluation;
+
+/* Adds the postponed forces on particles low .. high-1 to their sums. */
+static inline void dem__add_postponed_to(dem_world *w, int32_t low, int32_t high, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
+        dem__postponed *later = contacts->postponed + in->first;
+        if (in->postponed == 0 || in->low >= high || in->high < low) continue;
+        for (ptrdiff_t k = 0; k < in->postponed; k++, later++) {
+            const int32_t from = low > in->postpone_from ? low : in->postpone_from; /* the others have been added */
+            const int to_i = later->i >= from && later->i < high, to_j = later->j >= from && later->j < high;
+            double *out[9];
+            for (int a = 0; a < 9; a++) out[a] = &later->out[a];
+            dem__add_forces(w, 0, later->i, later->j, out, 0, has_friction, to_i, to_j);
+        }
+    }
+}
+
+/* Adds the postponed forces on the particles of the share before this thread's own (the first thread: of the last
+   share): it made nearly all of them itself, so they are in its cache. */
+static inline void dem__add_postponed_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__evaluation *e = (const dem__evaluation *)context;
+    const dem__chunk *chunk = w->engine->contacts.chunk;
+    const int chunks = w->engine->contacts.chunk_count, share = (part + e->parts - 1) % e->parts;
+    first = dem__part(chunks, share, e->parts), end = dem__part(chunks, share + 1, e->parts);
+    dem__add_postponed_to(w, chunk[end - 1].first_particle, first > 0 ? chunk[first - 1].first_particle : INT32_MAX,
+                          e->has_friction);
+}
+static inline void dem__add_postponed(dem_world *w, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    dem__evaluation e;
+    ptrdiff_t n = 0;
+    for (int q = 0; q < contacts->chunk_count; q++) n += contacts->chunk[q].postponed;
+    e.parts = dem__parts_of(w, n, contacts->chunk_count), e.has_friction = has_friction;
+    if (e.parts == 1) dem__add_postponed_to(w, 0, INT32_MAX, has_friction);
+    else dem__in_parts(w, e.parts, contacts->chunk_count, dem__add_postponed_range, &e);
+}
+
+/* Evaluates the chunks of a share. Its thread may add to particles whose contacts are all in this share or in later
+   ones; the forces on others are postponed. */
+static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__evaluation *e = (const dem__evaluation *)context;
+    dem__chunk *chunk = w->engine->contacts.chunk;
+    for (ptrdiff_t q = first; q < end; q++)
+        chunk[q].postpone_from = first > 0 ? chunk[first - 1].first_particle : INT32_MAX;
+    e->loop(w, first, end, part);
+}
+
+/* Computes what the contacts present store and dissipate now, for a ledger that begins. */
+static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
+    dem__run *run = &w->engine->run;
+    run->kernel_dt = 0.0;
+    run->only_ledger = 1;
+    loop(w, 0, w->engine->contacts.chunk_count, 0);
+    run->only_ledger = 0;
+}
+
+/* Computes the forces of all contacts and their sums. keep: keeps the wrench of each for readers. */
+static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int has_friction, int keep) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__evaluation e;
+    e.loop = loop, e.has_friction = has_friction;
+    e.parts = contacts->postponed
+                  ? dem__parts_of(w, contacts->count,
+                                  contacts->chunk_count < w->engine->scratch.works ? contacts->chunk_count
+                                                                                   : w->engine->scratch.works)
+                  : 1;
+    w->engine->run.kernel_dt = h;
+    w->engine->run.keeps_wrenches = keep;
+    dem__in_parts(w, e.parts, contacts->chunk_count, dem__evaluate_range, &e);
+    if (e.parts > 1) dem__add_postponed(w, has_friction);
+    for (int k = 0; k < w->walls; k++) {
+        dem_wall *wall = &w->wall[k];
+        wall->force = wall->torque = dem_vec3(0.0, 0.0, 0.0);
+        for (int q = 0; q < contacts->chunk_count; q++) {
+            const dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
+            wall->force = dem__add(wall->force, push->force);
+            wall->torque = dem__add(wall->torque, push->torque);
+        }
+        wall->impulse = dem__plus(wall->impulse, h, wall->force);
+    }
+}
+
+/* --------------------------------------------------------------------------------------------- >>records/records.h */
+/* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows
+   bytes and memory, no physics. Relies on nothing; save/fields.h names what is saved, save/save.h and save/load.h use
+   both. */
+
+/* A field that becomes a record: its entries, of some numbers each, are `stride` bytes apart in memory. */
+enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
+typedef struct dem__saved_field {
+    char name[DEM__NAME_BYTES]; /* at most 23 characters */
+    void *data;                 /* of the first entry */
+    size_t stride;
+    int numbers, width; /* numbers of an entry; bytes of a number: 1, 4 or 8 */
+} dem__saved_field;
+#define DEM__DOUBLES(name, first, stride)                                                                              \
+    { name, &(first), stride, (int)(sizeof(first) / (sizeof(double))), sizeof(double) }
+#define DEM__INTEGER(name, first, stride)                                                                              \
+    { name, &(first), stride, 1, (int)sizeof(first) }
+
+/* Bytes that are written, only counted, or read. */
+typedef struct dem__stream {
+    unsigned char *to;         /* NULL: count only */
+    const unsigned char *from; /* NULL: write */
+    size_t at;
+} dem__stream;
+
+/* Returns the FNV-1a hash of n bytes. */
+static inline uint64_t dem__checksum(const unsigned char *bytes, size_t n) {
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (size_t k = 0; k < n; k++) hash = (hash ^ bytes[k]) * 0x100000001b3u;
+    return hash;
+}
+
+/* Writes or reads a number of 1, 4 or 8 bytes in memory. */
+static inline void dem__stream_number(dem__stream *s, void *number, int width) {
+    uint64_t bits = 0;
+    uint32_t half;
+    unsigned char byte;
+    if (s->from) {
+        for (int k = 0; k < width; k++) bits |= (uint64_t)s->from[s->at + (size_t)k] << (8 * k);
+        half = (uint32_t)bits, byte = (unsigned char)bits;
+        memcpy(number, width == 8 ? (void *)&bits : width == 4 ? (void *)&half : (void *)&byte, (size_t)width);
+    } else if (s->to) {
+        memcpy(width == 8 ? (void *)&bits : width == 4 ? (void *)&half : (void *)&byte, number, (size_t)width);
+        bits = width == 8 ? bits : width == 4 ? half : byte;
+        for (int k = 0; k < width; k++) s->to[s->at + (size_t)k] = (unsigned char)(bits >> (8 * k) & 255u);
+    }
+    s->at += (size_t)width;
+}
+static inline void dem__stream_u64(dem__stream *s, uint64_t *v) { dem__stream_number(s, v, 8); }
+
+/* Writes or reads entry k of a field. */
+static inline void dem__stream_entry(dem__stream *s, const dem__saved_field *f, ptrdiff_t k) {
+    unsigned char *number = (unsigned char *)f->data + (size_t)k * f->stride;
+    for (int q = 0; q < f->numbers; q++) dem__stream_number(s, number + q * f->width, f->width);
+}
+
+/* Begins a record of n entries. */
+static inline void dem__begin_record(dem__stream *s, const dem__saved_field *f, uint64_t n) {
+    uint64_t bytes = (uint64_t)f->numbers * (uint64_t)f->width;
+    if (s->to) memcpy(s->to + s->at, f->name, DEM__NAME_BYTES);
+    s->at += DEM__NAME_BYTES;
+    dem__stream_u64(s, &bytes), dem__stream_u64(s, &n);
+}
+
+/* A record that was found: where its entries begin, the bytes of an entry, the number of entries. */
+typedef struct dem__record {
+    size_t at;
+    uint64_t bytes, count;
+} dem__record;
+
+/* Reads the head of the record at `at` of a file whose records end at `end`. Returns 0 if the record does not fit
+   there. */
+static inline int dem__read_head(const unsigned char *file, size_t end, size_t at, dem__record *r) {
+    dem__stream s;
+    if (end - at < DEM__HEAD_BYTES) return 0;
+    s.to = NULL, s.from = file, s.at = at + DEM__NAME_BYTES;
+    dem__stream_u64(&s, &r->bytes), dem__stream_u64(&s, &r->count);
+    r->at = s.at;
+    return r->bytes > 0 && r->count <= (end - r->at) / r->bytes;
+}
+
+/* Returns whether the bytes from `at` to `end` are whole records. */
+static inline int dem__are_records(const unsigned char *file, size_t at, size_t end) {
+    dem__record r;
+    while (at < end) {
+        if (!dem__read_head(file, end, at, &r)) return 0;
+        at = r.at + (size_t)(r.bytes * r.count);
+    }
+    return at == end;
+}
+
+/* Finds the first record with a name among whole ones. Returns 0 if there is none. */
+static inline int dem__find_record(const unsigned char *file, size_t at, size_t end, const char *name, dem__record *r) {
+    memset(r, 0, sizeof *r);
+    for (; at < end; at = r->at + (size_t)(r->bytes * r->count)) {
+        dem__read_head(file, end, at, r);
+        if (memcmp(file + at, name, DEM__NAME_BYTES) == 0) return 1;
+    }
+    return 0;
+}
+
+/* ---------------------------------------------------------------------------------------------- >>records/groups.h */
+/* Groups of fields that have the same number of entries: writing and reading them, and hashes of numbers. */
+
+enum { DEM__FIELDS_MAX = 64 + DEM_STATE_MAX };
+
+/* Fields with the same number of entries. */
+typedef struct dem__group {
+    int fields, needed; /* the first `needed` of them are required */
+    dem__saved_field field[DEM__FIELDS_MAX];
+} dem__group;
+
+static inline void dem__set_fields(dem__group *g, const dem__saved_field *field, size_t bytes, int needed) {
+    memcpy(g->field, field, bytes);
+    g->fields = (int)(bytes / sizeof *field), g->needed = needed;
+}
+/* Adds fields that are not required. */
+static inline void dem__add_optional(dem__group *g, const dem__saved_field *field, size_t bytes) {
+    memcpy(&g->field[g->fields], field, bytes);
+    g->fields += (int)(bytes / sizeof *field);
+}
+
+/* Adds arrays of doubles, numbered: contact.wrench0, contact.wrench1 .. */
+static inline void dem__add_fields(dem__group *g, const char *name, double *const *array, int n) {
+    for (int k = 0; k < n; k++) {
+        dem__saved_field *f = &g->field[g->fields++];
+        const size_t length = strlen(name);
+        memset(f, 0, sizeof *f);
+        memcpy(f->name, name, length);
+        if (k > 9) f->name[length] = (char)('0' + k / 10);
+        f->name[length + (k > 9)] = (char)('0' + k % 10);
+        f->data = array[k], f->stride = sizeof(double), f->numbers = 1, f->width = sizeof(double);
+    }
+}
+
+/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among
+   those present. */
+static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at,
+                                    int is_body) {
+    if (!is_body) {
+        dem__stream_entry(s, f, at);
+        return;
+    }
+    int32_t body = *(const int32_t *)(const void *)((const unsigned char *)f->data + (size_t)at * f->stride);
+    if (body >= 0) body = w->engine->bodies.number[body];
+    dem__stream_number(s, &body, sizeof body);
+}
+
+/* Writes a group of n consecutive entries. The first `bodies` fields are indices of particles. */
+static inline void dem__write_group(dem__stream *s, const dem_world *w, const dem__group *g, ptrdiff_t n, int bodies) {
+    for (int q = 0; q < g->fields && n > 0; q++) {
+        dem__begin_record(s, &g->field[q], (uint64_t)n);
+        for (ptrdiff_t k = 0; k < n; k++) dem__write_entry(s, w, &g->field[q], k, q < bodies);
+    }
+}
+
+/* A file that is read: its bytes, and where its records begin and end. */
+typedef struct dem__file {
+    const unsigned char *bytes;
+    size_t first, end;
+} dem__file;
+
+/* Returns whether the bytes are a whole and unchanged saved world of this format. */
+static inline int dem__open_file(dem__file *file, const void *buffer, size_t size) {
+    uint64_t magic, version, check;
+    dem__stream s = {NULL, (const unsigned char *)buffer, 0};
+    if (size < 24) return 0;
+    dem__stream_u64(&s, &magic), dem__stream_u64(&s, &version);
+    file->bytes = s.from, file->first = s.at, file->end = s.at = size - 8;
+    dem__stream_u64(&s, &check);
+    return magic == DEM__MAGIC && version == DEM__FORMAT && check == dem__checksum(file->bytes, file->end) &&
+           dem__are_records(file->bytes, file->first, file->end);
+}
+
+/* Returns the number of entries of a group in a file: of its first field, which is required. */
+static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first) {
+    char name[DEM__NAME_BYTES];
+    dem__record r;
+    memset(name, 0, sizeof name);
+    memcpy(name, first, strlen(first));
+    return dem__find_record(file->bytes, file->first, file->end, name, &r) && r.count < INT32_MAX / 4
+               ? (ptrdiff_t)r.count
+               : 0;
+}
+
+/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of
+   another kind. */
+static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
+    const dem__saved_field *f = &g->field[field];
+    dem__record r;
+    if (!dem__find_record(file->bytes, file->first, file->end, f->name, &r)) return field < g->needed ? -1 : 0;
+    s->to = NULL, s->from = file->bytes, s->at = r.at;
+    return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
+}
+
+/* Reads entries first .. end-1 of a group of n into consecutive ones from `to` on. Returns 0 if the file is not valid.
+ */
+static inline int dem__read_some(const dem__file *file, const dem__group *g, ptrdiff_t n, ptrdiff_t first,
+                                 ptrdiff_t end, ptrdiff_t to) {
+    for (int q = 0; q < g->fields && n > 0; q++) {
+        const dem__saved_field *f = &g->field[q];
+        dem__stream s;
+        const int found = dem__find_field(file, g, q, n, &s);
+        if (found < 0) return 0;
+        s.at += (size_t)first * (size_t)(f->numbers * f->width);
+        for (ptrdiff_t k = first; k < end && found; k++) dem__stream_entry(&s, f, to + k - first);
+    }
+    return 1;
+}
+
+/* Reads all n entries of a group. */
+static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
+    return dem__read_some(file, g, n, 0, n, 0);
+}
+
+static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
+
+/* Returns whether i is a particle, and j another one or a wall. */
+static inline int dem__are_bodies(const dem_world *w, int32_t i, int32_t j) {
+    return i >= 0 && i < w->count && j < w->count && j >= -w->walls && i != j;
+}
+
+/* Adds a number of 8 bytes to an FNV-1a hash. */
+DEM_INLINE void dem__hash_u64(uint64_t *hash, uint64_t v) {
+    for (int k = 0; k < 8; k++) *hash = (*hash ^ (v >> (8 * k) & 255u)) * 0x100000001b3u;
+}
+static inline void dem__hash_i64(uint64_t *hash, int64_t v) { dem__hash_u64(hash, (uint64_t)v); }
+static inline void dem__hash_f64(uint64_t *hash, const double *v, int n) {
+    for (int k = 0; k < n; k++) {
+        uint64_t bits;
+        memcpy(&bits, &v[k], sizeof bits);
+        dem__hash_u64(hash, bits);
+    }
+}
+static inline void dem__hash_vec(uint64_t *hash, dem_vec v) {
+    dem__hash_f64(hash, &v.x, 1), dem__hash_f64(hash, &v.y, 1), dem__hash_f64(hash, &v.z, 1);
+}
+
+static inline void dem__hash_quaternion(uint64_t *hash, dem_quaternion q) {
+    dem__hash_f64(hash, &q.w, 1), dem__hash_f64(hash, &q.x, 1), dem__hash_f64(hash, &q.y, 1),
+        dem__hash_f64(hash, &q.z, 1);
+}
+
+/* Adds the bodies of a contact or a link, numbered among those present, and its element. */
+static inline void dem__hash_bodies(uint64_t *hash, const dem_world *w, int32_t i, int32_t j, int32_t element) {
+    const int32_t *number = w->engine->bodies.number;
+    dem__hash_i64(hash, number[i]), dem__hash_i64(hash, j >= 0 ? number[j] : j), dem__hash_i64(hash, element);
+}
+
+/* ----------------------------------------------------------------------------------------------- >>ledger/losses.h */
+/* What the ledger books of contacts: energy that they store and dissipate, work of walls, loads and fixed particles. */
+
+/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it;
+   otherwise as sliding loss, because its tangential spring is released. */
+static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
+    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    dem_energy_ledger *sums = &w->engine->ledger.sums;
+    if (!w->engine->ledger.counts) return;
+    if (w->alive[i] <= 0 || (j >= 0 && w->alive[j] <= 0) || dem__is_taken_away(w, i, j))
+        sums->removed += w->engine->contacts.elastic[c];
+    else sums->sliding_loss += w->engine->contacts.elastic[c];
+}
+
+/* Returns the energy stored in all contacts [J]; 0 while no ledger is kept. */
+static inline double dem__stored_energy(const dem_world *w) {
+    double sum = 0.0;
+    if (!w->engine->ledger.counts) return sum;
+    DEM__EACH_CONTACT(w, c) { sum += w->engine->contacts.elastic[c]; }
+    return sum;
+}
+
+/* Books the work of fixed particle i by its motion in a step, by the trapezoidal rule. */
+static inline void dem__book_fixed(dem_world *w, ptrdiff_t i) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;
+    for (int a = 0; a < 3; a++) {
+        const double of_links = bodies->load[i][a] - bodies->external[i][a],
+                     turning = bodies->load[i][3 + a] - bodies->external[i][3 + a];
+        dem__book_work_of_fixed(w, -half * (before[a] + now[a] + of_links) * dem_axis(w->particle[i].v, a));
+        dem__book_work_of_fixed(w, -half * (before[3 + a] + now[3 + a] + turning) * dem_axis(w->particle[i].spin, a));
+    }
+}
+
+/* Books what contacts dissipated in a step, and the work of walls and loads. */
+static inline void dem__book_losses(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const dem__contacts *contacts = &w->engine->contacts;
+    dem_energy_ledger *l = &w->engine->ledger.sums;
+    DEM__EACH_CONTACT(w, k) {
+        l->normal_loss += contacts->loss[0][k];
+        l->sliding_loss += contacts->loss[1][k];
+        l->rolling_loss += contacts->loss[2][k];
+        l->wall_work += contacts->loss[3][k];
+    }
+    for (ptrdiff_t k = 0; bodies->loads_on && k < bodies->active_count; k++) {
+        const ptrdiff_t i = bodies->active[k];
+        if (dem__is_fixed(w, i)) {
+            dem__book_fixed(w, i);
+            continue;
+        }
+        l->external_work += w->engine->run.dt * dem__dot(dem__first(bodies->external[i]), w->particle[i].v);
+        l->external_work += w->engine->run.dt * dem__dot(dem__second(bodies->external[i]), w->particle[i].spin);
+    }
+}
+
+/* ----------------------------------------------------------------------------------------------- >>ledger/ledger.h */
+/* The energy ledger as a feature of a world: when it begins, pauses and goes on, its balance, and what a save keeps. */
+
+/* Returns the remainder of the energy balance [J]. */
+static inline double dem__ledger_error(const dem_energy_ledger *l) {
+    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss +
+           l->removed - l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
+}
+
+DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
+    dem_energy_ledger l;
+    memset(&l, 0, sizeof l);
+    if (!world || !world->engine) return l;
+    const dem__ledger *ledger = &world->engine->ledger;
+    l = ledger->sums;
+    l.kinetic = l.rotational = l.potential = 0.0;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        if (!world->alive[i]) continue;
+        l.kinetic += dem__kinetic(world, i);
+        l.rotational += dem__rotational(world, i);
+        l.potential += dem__potential(world, i);
+        if (ledger->on) DEM__TELL(world, open_books, (world, i, &l));
+    }
+    l.elastic = dem__stored_energy(world);
+    if (!ledger->started) return l;
+    l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
+    l.released = l.released > 0.0 ? l.released : 0.0;
+    l.error = ledger->counts ? dem__ledger_error(&l) : ledger->paused_error;
+    return l;
+}
+
+/* ---- the feature ---- */
+
+static inline int dem__list_contact_arrays_of_ledger(dem_world *w, dem__array *list) {
+    dem__contacts *contacts = &w->engine->contacts;
+    int n = 0;
+    list[n].address = &contacts->elastic, list[n++].size = sizeof(double);
+    for (int k = 0; k < 3; k++, n++) list[n].address = &contacts->power[k], list[n].size = sizeof(double);
+    for (int k = 0; k < 4; k++, n++) list[n].address = &contacts->loss[k], list[n].size = sizeof(double);
+    return n;
+}
+
+/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error
+   either. */
+static inline void dem__switch_ledger(dem_world *w, const dem_kernel *kernel) {
+    dem__ledger *ledger = &w->engine->ledger;
+    const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
+    if (ledger->counts == counts) return;
+    if (!counts) ledger->paused_error = dem_energy(w).error;
+    else dem__find_stored(w, kernel->loop);
+    ledger->counts = counts;
+    if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
+}
+
+/* Opens the books at the first run with a ledger. */
+static inline void dem__open_ledger(dem_world *w) {
+    dem__ledger *ledger = &w->engine->ledger;
+    if (!ledger->counts || ledger->started) return;
+    ledger->started = 1;
+    memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked */
+    DEM__TELL(w, begin_ledger, (w));
+    const dem_energy_ledger now = dem_energy(w);
+    ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
+    ledger->sums.start_potential = now.potential;
+}
+
+/* Book the energy that contacts store by changes of the caller between runs: new contacts, changed constants. */
+static inline void dem__note_stored(dem_world *w) { w->engine->ledger.stored_before = dem__stored_energy(w); }
+static inline void dem__book_stored(dem_world *w) {
+    dem__ledger *ledger = &w->engine->ledger;
+    if (ledger->started) ledger->sums.added += dem__stored_energy(w) - ledger->stored_before;
+}
+
+/* Contacts that begin have stored nothing. Books are sums in the order of memory, whenever lists were built. */
+static inline void dem__begin_books_of_contacts(dem_world *w, ptrdiff_t begun) {
+    dem__contacts *contacts = &w->engine->contacts;
+    for (ptrdiff_t k = 0; k < begun; k++) {
+        const int32_t c = contacts->slots[k];
+        contacts->elastic[c] = 0.0;
+        for (int a = 0; a < 3; a++) contacts->power[a][c] = 0.0;
+    }
+    if (begun > 0) dem__list_active(w);
+}
+
+static inline void dem__book_step(dem_world *w, double h) {
+    if (w->engine->ledger.counts && h > 0.0) dem__book_losses(w);
+}
+
+static inline void dem__world_fields_of_ledger(dem_world *w, dem__group *g) {
+    dem__engine *e = w->engine;
+    dem_energy_ledger *l = &e->ledger.sums;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("ledger.on", e->ledger.on, 0),
+        DEM__INTEGER("ledger.started", e->ledger.started, 0),
+        DEM__INTEGER("ledger.counts", e->ledger.counts, 0),
+        DEM__DOUBLES("ledger.paused_error", e->ledger.paused_error, 0),
+        DEM__DOUBLES("ledger.normal_loss", l->normal_loss, 0),
+        DEM__DOUBLES("ledger.sliding_loss", l->sliding_loss, 0),
+        DEM__DOUBLES("ledger.rolling_loss", l->rolling_loss, 0),
+        DEM__DOUBLES("ledger.wall_work", l->wall_work, 0),
+        DEM__DOUBLES("ledger.link_work", l->link_work, 0),
+        DEM__DOUBLES("ledger.field_work", l->field_work, 0),
+        DEM__DOUBLES("ledger.external_work", l->external_work, 0),
+        DEM__DOUBLES("ledger.added", l->added, 0),
+        DEM__DOUBLES("ledger.removed", l->removed, 0),
+        DEM__DOUBLES("ledger.start", l->start, 0),
+        DEM__DOUBLES("ledger.start_pot", l->start_potential, 0),
+        DEM__DOUBLES("ledger.added_pot", l->added_potential, 0),
+        DEM__DOUBLES("ledger.removed_pot", l->removed_potential, 0),
+    };
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline void dem__contact_fields_of_ledger(dem_world *w, dem__group *g) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__add_fields(g, "contact.elastic", &contacts->elastic, 1);
+    dem__add_fields(g, "contact.power", contacts->power, 3);
+}
+
+static inline int dem__has_ledger(const dem__file *file, const dem_world *w) {
+    const dem__ledger *ledger = &w->engine->ledger;
+    (void)file;
+    if (!dem__is_flag(ledger->on) || !dem__is_flag(ledger->started) || !dem__is_flag(ledger->counts)) return -1;
+    if (!ledger->on && (ledger->started || ledger->counts)) return -1; /* without arrays nothing is counted */
+    return ledger->on;
+}
+
+static inline const dem__feature *dem__feature_ledger(void) {
+    static const dem__feature row = {
+        0,                                  /* place */
+        0,                                  /* adds_loads */
+        0,                                  /* exclusive */
+        NULL,                               /* list_arrays */
+        dem__list_contact_arrays_of_ledger, /* list_contact_arrays */
+        NULL,                               /* release */
+        NULL,                               /* add_particle */
+        NULL,                               /* begin_change */
+        NULL,                               /* end_change */
+        NULL,                               /* set_time_step */
+        NULL,                               /* remove_particle */
+        NULL,                               /* renumber */
+        NULL,                               /* check_run */
+        NULL,                               /* prepare_run */
+        dem__switch_ledger,                 /* set_law */
+        dem__note_stored,                   /* find_forces */
+        dem__book_stored,                   /* forces_found */
+        dem__open_ledger,                   /* begin_run */
+        NULL,                               /* begin_ledger */
+        NULL,                               /* end_run */
+        NULL,                               /* keep_up */
+        NULL,                               /* listed */
+        NULL,                               /* drift */
+        NULL,                               /* begins_early */
+        NULL,                               /* begin_step */
+        NULL,                               /* follow */
+        NULL,                               /* detect */
+        dem__begin_books_of_contacts,       /* contacts_begun */
+        dem__book_step,                     /* add_forces */
+        dem__book_contact_end,              /* end_contact */
+        NULL,                               /* leave */
+        NULL,                               /* begin_flights */
+        NULL,                               /* end_step */
+        NULL,                               /* forces */
+        NULL,                               /* force */
+        NULL,                               /* velocity_error */
+        NULL,                               /* correct_velocity */
+        NULL,                               /* open_books */
+        dem__world_fields_of_ledger,        /* world_fields */
+        NULL,                               /* particle_fields */
+        dem__contact_fields_of_ledger,      /* contact_fields */
+        NULL,                               /* save */
+        dem__has_ledger,                    /* is_used */
+        NULL,                               /* load_first */
+        NULL,                               /* load */
+        NULL,                               /* loaded */
+        NULL,                               /* hash_particle */
+        NULL,                               /* hash_before_contacts */
+        NULL,                               /* hash */
+    };
+    return &row;
+}
+
+/* ------------------------------------------------------------------------------------------------ >>motion/fixed.h */
+/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h;
+   every part that turns forces into motion calls dem__is_fixed(). */
+
+static inline int dem__list_arrays_of_fixed(dem_world *w, dem__array *list) {
+    list->address = &w->engine->bodies.fixed, list->size = sizeof *w->engine->bodies.fixed;
+    return 1;
+}
+
+static inline void dem__add_unfixed(dem_world *w, ptrdiff_t i) {
+    memset(&w->engine->bodies.fixed[i], 0, sizeof *w->engine->bodies.fixed);
+}
+
+static inline void dem__world_fields_of_fixed(dem_world *w, dem__group *g) {
+    const dem__saved_field fields[] = {DEM__INTEGER("has_fixed", w->engine->bodies.has_fixed, 0)};
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline void dem__particle_fields_of_fixed(dem_world *w, dem__group *g) {
+    dem__fixed *fixed = w->engine->bodies.fixed;
+    const dem__saved_field fields[] = {DEM__INTEGER("particle.fixed", fixed->on, sizeof *fixed),
+                                       DEM__DOUBLES("particle.fixed_load", fixed->load, sizeof *fixed),
+                                       DEM__DOUBLES("particle.fixed_impulse", fixed->impulse, sizeof *fixed)};
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline int dem__has_fixed(const dem__file *file, const dem_world *w) {
+    (void)file;
+    return dem__is_flag(w->engine->bodies.has_fixed) ? w->engine->bodies.has_fixed : -1;
+}
+
+static inline void dem__derive_fixed(dem_world *w) { w->engine->bodies.loads_on = 1; }
+
+static inline void dem__hash_fixed(uint64_t *hash, const dem_world *w, ptrdiff_t i) {
+    const dem__fixed *f = &w->engine->bodies.fixed[i];
+    if (f->on) dem__hash_f64(hash, f->load, 6), dem__hash_vec(hash, f->impulse);
+}
+
+static inline const dem__feature *dem__feature_fixed(void) {
+    static const dem__feature row = {
+        1,                             /* place */
+        0,                             /* adds_loads */
+        0,                             /* exclusive */
+        dem__list_arrays_of_fixed,     /* list_arrays */
+        NULL,                          /* list_contact_arrays */
+        NULL,                          /* release */
+        dem__add_unfixed,              /* add_particle */
+        NULL,                          /* begin_change */
+        NULL,                          /* end_change */
+        NULL,                          /* set_time_step */
+        NULL,                          /* remove_particle */
+        NULL,                          /* renumber */
+        NULL,                          /* check_run */
+        NULL,                          /* prepare_run */
+        NULL,                          /* set_law */
+        NULL,                          /* find_forces */
+        NULL,                          /* forces_found */
+        NULL,                          /* begin_run */
+        NULL,                          /* begin_ledger */
+        NULL,                          /* end_run */
+        NULL,                          /* keep_up */
+        NULL,                          /* listed */
+        NULL,                          /* drift */
+        NULL,                          /* begins_early */
+        NULL,                          /* begin_step */
+        NULL,                          /* follow */
+        NULL,                          /* detect */
+        NULL,                          /* contacts_begun */
+        NULL,                          /* add_forces */
+        NULL,                          /* end_contact */
+        NULL,                          /* leave */
+        NULL,                          /* begin_flights */
+        NULL,                          /* end_step */
+        NULL,                          /* forces */
+        NULL,                          /* force */
+        NULL,                          /* velocity_error */
+        NULL,                          /* correct_velocity */
+        NULL,                          /* open_books */
+        dem__world_fields_of_fixed,    /* world_fields */
+        dem__particle_fields_of_fixed, /* particle_fields */
+        NULL,                          /* contact_fields */
+        NULL,                          /* save */
+        dem__has_fixed,                /* is_used */
+        NULL,                          /* load_first */
+        NULL,                          /* load */
+        dem__derive_fixed,             /* loaded */
+        dem__hash_fixed,               /* hash_particle */
+        NULL,                          /* hash_before_contacts */
+        NULL,                          /* hash */
+    };
+    return &row;
+}
+
+DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!dem__is_present(w, i) || (fixed != 0 && fixed != 1)) return DEM_BAD_ARGUMENT;
+    dem__rigid *r = dem__rigid_of(w, i);
+    const dem__pieces own = dem__pieces_of(w, i);
+    if (dem__is_fixed(w, i) == fixed) return DEM_OK;
+    if (dem__take_feature(w, dem__feature_fixed()) != DEM_OK) return DEM_OUT_OF_MEMORY;
+    w->engine->bodies.has_fixed = 1;
+    i = own.first;
+    dem__begin_change(w, own);
+    dem__restart(w, i);
+    dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
+    if (r && fixed) r->v = r->momentum = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t k = own.first; k < own.end; k++) {
+        memset(&w->engine->bodies.fixed[k], 0, sizeof *w->engine->bodies.fixed);
+        w->engine->bodies.fixed[k].on = fixed;
+        dem__set_inverse_mass(w, k);
+        dem__set_mass_share(w, k);
+        if (fixed) w->particle[k].v = w->particle[k].spin = dem_vec3(0.0, 0.0, 0.0);
+    }
+    dem__free_acceleration(w, i);
+    dem__book_added(w, dem__potential(w, i));
+    dem__book_motion(w, dem__motion_energy(w, i));
+    dem__end_change(w, own);
+    dem__wake(w, i); /* it takes steps, as a particle with a load does */
+    w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i) {
+    return dem__is_present(world, i) && dem__is_fixed(world, i);
+}
+
+DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque,
+                                       dem_vec *impulse) {
+    const dem_world *w = world;
+    if (!force || !torque || !impulse) return DEM_BAD_ARGUMENT;
+    *force = *torque = *impulse = dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    if (!dem_is_fixed(w, i)) return DEM_BAD_ARGUMENT;
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const dem__pieces own = dem__pieces_of(w, i);
+    *force = *torque = *impulse = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t k = own.first; k < own.end; k++) {
+        const dem__fixed *f = &w->engine->bodies.fixed[k];
+        const dem_vec on = dem__first(f->load), turning = dem__second(f->load);
+        *force = dem__add(*force, on), *impulse = dem__add(*impulse, f->impulse);
+        *torque = dem__add(*torque, r ? dem__add(turning, dem__cross(w->engine->bodies.arm[k], on)) : turning);
+    }
+    return DEM_OK;
+}
+
+/* Records the force on a fixed particle at the end of a step, without the caller's loads. half: half of the step [s].
+ */
+DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, dem_vec torque, double half) {
+    dem__fixed *f = &w->engine->bodies.fixed[i];
+    const double *external = w->engine->bodies.external[i];
+    force = dem__sub(force, dem__first(external)), torque = dem__sub(torque, dem__second(external));
+    f->impulse = dem__plus(f->impulse, half, dem__add(dem__first(f->load), force));
+    for (int a = 0; a < 3; a++) f->load[a] = dem_axis(force, a), f->load[3 + a] = dem_axis(torque, a);
+}
+
+/* Records the impulse of a contact that begins or ends within a step on a fixed particle, and its work if the particle
+   moves. */
+static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
+    const dem_particle *p = &w->particle[i];
+    w->engine->bodies.fixed[i].impulse = dem__add(w->engine->bodies.fixed[i].impulse, impulse);
+    if (w->engine->run.features & DEM_ENERGY)
+        dem__book_work_of_fixed(w, -dem__dot(impulse, p->v) - dem__dot(turn, p->spin));
+}
+
+/* ---------------------------------------------------------------------------------------------- >>step/integrate.h */
+/* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies
+   and timers. Promises: a particle whose velocity left its bound has a new one before the next step. */
+
+/* Returns where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far
+   apart in memory. */
+DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
+    return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
+}
+
+/* Moves active particles first .. end-1 to the end of the step, and their velocities to its middle. rigid: leaves out
+   those of rigid bodies. */
+DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid) {
+    const int64_t step = w->step + (h > 0.0);
+    const ptrdiff_t apart = dem__prefetch_until(w, first, end);
+    const double dt = w->engine->run.dt;
+    for (ptrdiff_t k = first; k < end; k++) {
+        const ptrdiff_t i = w->engine->bodies.active[k];
+        if (k < apart) dem__prefetch_particle(w, w->engine->bodies.active[k + DEM__AHEAD]);
+        if (rigid && dem__rigid_of(w, i)) continue;
+        dem_particle *p = &w->particle[i];
+        const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
+        p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle),
+        p->spin = dem__sphere_spin_at(w, i, middle);
+        p->origin = w->step; /* for hooks, whose step is the present one */
+        if (w->engine->run.has_periodic) dem__wrap(w, i);
+    }
+}
+DEM__AVX2_CLONE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
+                dem__advance_all(w, h, first, end, 0))
+static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
+    (void)part;
+    dem__advance_part(w, *(const double *)h, first, end);
+}
+static inline void dem__advance(dem_world *w, double h) {
+    const ptrdiff_t n = w->engine->bodies.active_count;
+    const int books =
+        w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n,
+                  w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range,
+                  &h); /* n / 4: little work for each particle */
+}
+
+/* Returns the deviation of particle i [m/s], whose velocity is known at time t of the bounds [s]. */
+DEM_INLINE dem_vec dem__deviation(const dem_world *w, ptrdiff_t i, double t) {
+    const dem__bound *c = &w->engine->bodies.bound[i];
+    return dem__sub(dem__plus(w->particle[i].v, -t, dem__free_fall(w)), dem_vec3(c->ux, c->uy, c->uz));
+}
+
+/* Returns the deviation at the end of the next step. Between the two it changes linearly. */
+DEM_INLINE dem_vec dem__next_deviation(const dem_world *w, ptrdiff_t i, dem_vec d) {
+    return dem__plus(d, w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
+}
+
+/* Returns whether a particle with deviation d is within its tolerances to the end of the next step. */
+DEM_INLINE int dem__within_bound(const dem_world *w, ptrdiff_t i, dem_vec d) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const dem_vec e = dem__next_deviation(w, i, d);
+    const double tolerance = bodies->bound[i].tolerance * bodies->bound[i].tolerance;
+    return dem__dot(d, d) < tolerance && dem__dot(e, e) < tolerance &&
+           bodies->shifted[i] < w->engine->pairs.position_tolerance; /* false for NaN */
+}
+
+/* Takes the greatest change of velocity in this step from tolerance_left__. Returns whether the rest suffices for the
+   next step, too. */
+DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
+    const double way = dem__most_change(dt, pull);
+    p->tolerance_left__ -= way;
+    return p->tolerance_left__ > 0.5 * way; /* false for NaN */
+}
+
+/* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step
+   to its end. Sets the sums of forces to zero for the next step. Lists particles that may leave their tolerances in
+   scratch.index from `first` on. check: 0, or NaN if a force is not finite; strays: length of the list; loads: a
+   constant, 0 where nothing has a load. */
+DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays,
+                              int loads) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const int64_t step = w->step + (h > 0.0);
+    const double half = 0.5 * h;
+    const double dt = w->engine->run.dt;
+    const dem_vec gravity = dem__free_fall(w);
+    int32_t *doubtful = w->engine->scratch.index + first;
+    const ptrdiff_t apart = dem__prefetch_until(w, first, end);
+    double all = 0.0;
+    ptrdiff_t n = 0;
+    for (ptrdiff_t k = first; k < end; k++) {
+        const ptrdiff_t i = bodies->active[k];
+        if (k < apart) dem__prefetch_body(w->particle, bodies->sum, bodies->active[k + DEM__AHEAD]);
+        dem__sum *sum = &bodies->sum[i];
+        dem_particle *p = &w->particle[i];
+        dem_vec force = dem__first(sum->load), torque = dem__second(sum->load), pull;
+        if (loads) {
+            force = dem__add(force, dem__first(bodies->load[i]));
+            torque = dem__add(torque, dem__second(bodies->load[i]));
+        }
+        if (loads && dem__is_fixed(w, i)) {
+            dem__note_fixed_force(w, i, force, torque, half);
+            pull = dem__scale(-1.0, gravity), torque = dem_vec3(0.0, 0.0, 0.0);
+        } else pull = dem__scale(sum->per_mass, force);
+        p->a = dem__add(gravity, pull);
+        const dem_vec turn = dem__scale(sum->per_inertia, torque);
+        w->spin_rate[i] = turn;
+        p->v = dem__flushed_vec(dem__plus(p->v, half, p->a));
+        p->spin = dem__flushed_vec(dem__plus(p->spin, half, turn));
+        p->origin = step;
+        for (int a = 0; a < 6; a++) sum->load[a] = 0.0;
+        all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
+        doubtful[n] = (int32_t)i; /* without a branch, which would be mispredicted */
+        n += !dem__surely_within(p, dt, pull);
+    }
+    *check = 0.0 * all;
+    *strays = n;
+}
+/* Does so without loads where there are none: whether there are any is a constant of the loop. */
+DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
+                                        ptrdiff_t *strays) {
+    if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, strays, 1);
+    else dem__kick_all(w, h, first, end, check, strays, 0);
+}
+DEM__AVX2_CLONE(dem__kick_part,
+                (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
+                (w, h, first, end, check, strays), dem__kick_loaded_or_not(w, h, first, end, check, strays))
+
+/* Moves those of n particles that leave their tolerances to the front of the list, and returns their number. Renews
+   tolerance_left__ of the others. */
+static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
+    const double t = dem__since_listed(w, w->step + (h > 0.0));
+    ptrdiff_t strays = 0;
+    for (ptrdiff_t k = dem__prefetch_from(n, DEM__AHEAD); k < n; k++) {
+        if (k + DEM__AHEAD < n) dem__prefetch_flight(w, doubtful[k + DEM__AHEAD]);
+        if (k < 0) continue;
+        const int32_t i = doubtful[k];
+        const dem_vec stray = dem__deviation(w, i, t);
+        if (dem__within_bound(w, i, stray)) dem__set_tolerance_left(w, i, dem__length(stray));
+        else doubtful[strays++] = i;
+    }
+    return strays;
+}
+typedef struct dem__kicked {
+    double h, check[DEM__PARTS_MAX]; /* check: 0, or NaN if a force is not finite */
+    ptrdiff_t strays[DEM__PARTS_MAX];
+} dem__kicked;
+static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__kicked *kicked = (dem__kicked *)context;
+    dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
+    kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
+}
+/* Computes the accelerations of all loaded bodies without contacts as dem__check_bounds does for some of them.
+   dem__kick_all finds them from sums over particles, which round differently; which bodies are checked depends on what
+   a step skips, and results must not depend on it. */
+static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
+    for (ptrdiff_t k = 0; k < w->engine->bodies.active_count; k++) {
+        const ptrdiff_t i = w->engine->bodies.active[k];
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (!r || r->first != i || w->touching[i] > 0) continue;
+        w->engine->bodies.calls->place(w, r); /* the torque needs the arms that this sets */
+        w->engine->bodies.calls->fall(w, r);
+    }
+}
+
+/* Moves the velocities of active particles to the end of the step, and marks those that leave their bounds. Returns 0
+   if a force is not finite. */
+static inline int dem__kick(dem_world *w, double h) {
+    const ptrdiff_t n = w->engine->bodies.active_count;
+    const int parts = dem__parts(w, n / 4); /* n / 4: little work for each particle */
+    dem__kicked kicked;
+    double all = 0.0;
+    if (n == 0) return 1;
+    kicked.h = h;
+    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.calls->kick, &h);
+    dem__in_parts(w, parts, n, dem__kick_range, &kicked);
+    for (int q = 0; q < parts; q++) {
+        const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
+        for (ptrdiff_t k = 0; k < kicked.strays[q]; k++) dem__mark_to_check(w, stray[k]);
+        all += kicked.check[q];
+    }
+    if (w->engine->bodies.rigid && w->engine->bodies.loads_on) dem__place_loaded_bodies(w);
+    return all == 0.0;
+}
+
+/* Sets what an impact that has just begun changes in the velocities of i and j by its middle: there, both have the
+   normal velocity of their centre of mass. New bounds rely on it. */
+DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
+    if (!(closing > 0.0)) return; /* the contact has ended */
+    double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
+    if (w->engine->bodies.has_fixed && j >= 0) part = dem__is_fixed(w, i) ? 0.0 : dem__is_fixed(w, j) ? 1.0 : part;
+    w->engine->bodies.impact[i] = dem__scale(part * closing, n);
+    if (j >= 0) w->engine->bodies.impact[j] = dem__scale((part - 1.0) * closing, n);
+}
+
+/* Returns whether a rigid body takes part in the contact in slot c. */
+DEM_INLINE int dem__has_body(const dem_world *w, int32_t c) {
+    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    return dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j));
+}
+
+/* Applies the impulse and the shift of the contact in slot c, which began or ended within the step. */
+static inline void dem__apply_correction(dem_world *w, int32_t c, int has_friction) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const dem__correction *h = &contacts->correction[c];
+    const int32_t i = contacts->i[c], j = contacts->j[c];
+    if (dem__has_body(w, c)) {
+        w->engine->bodies.calls->push(w, c, has_friction);
+        return;
+    }
+    const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
+    for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
+        const int32_t a = side ? j : i;
+        if (dem__is_fixed(w, a)) {
+            const dem_vec turn = has_friction ? dem__first(h->impulse + (side ? 6 : 3)) : dem_vec3(0.0, 0.0, 0.0);
+            dem__strike_fixed(w, a, dem__scale(side ? -1.0 : 1.0, impulse), turn);
+            continue;
+        }
+        dem__mark_to_check(w, a);
+        dem_particle *p = &w->particle[a];
+        const double m = (side ? -1.0 : 1.0) / p->mass;
+        p->v = dem__plus(p->v, m, impulse);
+        p->x = dem__plus(p->x, m * h->shift, n);
+        w->engine->bodies.shifted[a] += fabs(m * h->shift);
+        if (!has_friction) continue;
+        const dem_vec torque = dem__first(h->impulse + (side ? 6 : 3));
+        p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, a), torque);
+    }
+    if (j < 0) {
+        const dem_vec place = w->particle[i].x, t = has_friction ? dem__second(h->impulse) : dem_vec3(0.0, 0.0, 0.0);
+        const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], place, n));
+        dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(-1.0, t));
+        dem__expect_impact(w, i, j, n, -dem__dot(v, n));
+        return;
+    }
+    /* keeps angular momentum: a pair that is moved apart turns more slowly */
+    dem_particle *a = &w->particle[i], *b = &w->particle[j];
+    const dem_vec d = dem__nearest_image(w, dem__sub(a->x, b->x)), v = dem__sub(a->v, b->v);
+    const dem_vec slower = dem__scale(-h->shift / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
+    a->v = dem__plus(a->v, dem__per_mass(w, i), slower);
+    b->v = dem__plus(b->v, -dem__per_mass(w, j), slower);
+    dem__expect_impact(w, i, j, n, -dem__dot(v, n));
+}
+/* Applies the corrections of all edge steps; the shifts of rigid bodies come last. */
+static inline void dem__apply_corrections(dem_world *w, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
+        for (ptrdiff_t k = 0; k < in->marked; k++) {
+            const int32_t c = contacts->slots[in->first + k];
+            if (contacts->edge[c]) dem__apply_correction(w, c, has_friction);
+        }
+    }
+    for (int q = 0; w->engine->bodies.rigid && q < contacts->chunk_count; q++) {
+        const dem__chunk *in = &contacts->chunk[q];
+        for (ptrdiff_t k = 0; k < in->marked; k++) {
+            const int32_t c = contacts->slots[in->first + k];
+            if (contacts->edge[c] && dem__has_body(w, c)) w->engine->bodies.calls->shift(w, c);
+        }
+    }
+}
+
+/* Result of a thread's share of to_check: how many particles have new bounds, how many of these need earlier wall
+   timers, and whether a flight begins. */
+typedef struct dem__checked {
+    ptrdiff_t reset, hurried;
+    int flown;
+    dem__outcome news;
+} dem__checked;
+
+/* Prefetches what the check of a bound reads. */
+DEM_INLINE void dem__prefetch_check(const dem_world *w, ptrdiff_t i) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    dem__prefetch_flight(w, i);
+    DEM__PREFETCH(&w->engine->pairs.listed_at[i]);
+    DEM__PREFETCH(&w->alive[i]);
+    DEM__PREFETCH(&w->touching[i]);
+    DEM__PREFETCH(&bodies->shifted[i]);
+    DEM__PREFETCH(&bodies->wall_speed[i]);
+    DEM__PREFETCH(&w->engine->walls.timers.due[i * w->walls]);
+    DEM__PREFETCH(&w->engine->walls.sure[i * w->walls]);
+}
+
+/* Checks particles first .. end-1 of to_check. A particle whose velocity left its tolerance, or whose flight begins,
+   gets a new bound and is listed in scratch.index; the tolerance_left__ of the others is renewed. */
+static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__checked *q) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__list_frame frame = dem__frame_at(w, w->step);
+    const double t = dem__since_listed(w, w->step);
+    q->reset = q->hurried = q->flown = 0;
+    q->news = dem__no_outcome(w);
+    for (ptrdiff_t k = first + dem__prefetch_from(end - first, DEM__AHEAD); k < end; k++) {
+        if (k + DEM__AHEAD < end) dem__prefetch_check(w, bodies->to_check[k + DEM__AHEAD]);
+        if (k < first) continue;
+        const int32_t i = bodies->to_check[k];
+        if (w->alive[i] && !w->engine->run.needs_lists) {
+            const dem_particle *p = &w->particle[i];
+            const dem_vec stray = dem__deviation(w, i, t);
+            if (w->touching[i] == 0)
+                dem__free_acceleration(w, i); /* no contact is left, whatever the law of an ended one returned */
+            if (w->touching[i] == 0 || !dem__within_bound(w, i, stray)) {
+                const double shifted = bodies->shifted[i];
+                dem__set_bound(w, i, w->step, p->x, p->v);
+                w->engine->scratch.index[first + q->reset++] = i;
+                if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->news))
+                    bodies->to_check[first + q->hurried++] = i;
+            } else dem__set_tolerance_left(w, i, dem__length(stray));
+        }
+        bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
+        bodies->activity[i] = w->alive[i] && (w->touching[i] > 0 || (bodies->loads_on && dem__is_loaded(w, i)));
+        q->flown |= !bodies->activity[i];
+    }
+}
+
+static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *checked) {
+    dem__check_bounds_part(w, first, end, (dem__checked *)checked + part);
+}
+
+/* Checks the bounds of particles marked for it, and sets new bounds and timers. Moves particles that begin a flight out
+   of the active list. */
+static inline void dem__check_bounds(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const ptrdiff_t n = bodies->to_check_count, active = bodies->active_count;
+    const int parts = dem__parts(w, 4 * n);
+    dem__checked watched[DEM__PARTS_MAX];
+    ptrdiff_t reset = 0, kept = 0;
+    int flown = 0;
+    dem__in_parts(w, parts, n, dem__check_bounds_range, watched);
+    for (int q = 0; q < parts; q++) {
+        const ptrdiff_t first = dem__part(n, q, parts);
+        for (ptrdiff_t k = 0; k < watched[q].hurried; k++)
+            dem__advance_wall_timers(w, bodies->to_check[first + k], w->step);
+        for (ptrdiff_t k = 0; k < watched[q].reset; k++)
+            w->engine->scratch.index[reset++] = w->engine->scratch.index[first + k];
+        dem__apply_outcome(w, &watched[q].news);
+        flown |= watched[q].flown;
+    }
+    dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
+    bodies->to_check_count = 0;
+    if (!flown) return;
+    for (ptrdiff_t k = 0; k < active; k++) {
+        const int32_t i = bodies->active[k];
+        bodies->active[kept] = i;
+        kept += bodies->activity[i] != 0;
+    }
+    bodies->active_count = kept;
+    if (2 * kept > w->count && w->step % 16 == 0) dem__list_active(w);
+}
+
+/* ------------------------------------------------------------------------------------------------- >>step/detect.h */
+/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers.
+   Promises: every contact that begins is found; a step that cannot be finished leaves no trace. */
+
+/* Sets the status, and failed_id to the first particle whose state is not finite. Returns 0. */
+static inline int dem__fail(dem_world *w, dem_status status) {
+    w->status = status;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem_particle *p = &w->particle[i];
+        const dem_vec sum = dem__add(dem__add(p->v, p->a), dem__add(p->spin, w->spin_rate[i]));
+        const double v = sum.x + sum.y + sum.z;
+        if (!(fabs(v) <= DBL_MAX)) {
+            w->failed_id = w->id[i];
+            break;
+        }
+    }
+    return 0;
+}
+
+/* Tests the due pairs in pages first .. end-1. */
+DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step,
+                                   int rigid) {
+    dem__pairs *pairs = &w->engine->pairs;
+    int32_t *due = pairs->timers.list + first * DEM__PAGE;
+    ptrdiff_t n;
+    dem__list_due(&pairs->timers, first, end, step, DEM__NEVER, &n);
+    dem__clear_batch(waits);
+    waits->found = due; /* pairs that are found overwrite pairs that have been tested */
+    for (ptrdiff_t k = dem__prefetch_from(n, 2 * DEM__AHEAD); k < n; k++) {
+        const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
+        if (pair < n) DEM__PREFETCH(&pairs->near[due[pair]]);
+        if (flight >= 0 && flight < n) {
+            dem__prefetch_flight(w, pairs->near[due[flight]].i);
+            dem__prefetch_flight(w, pairs->near[due[flight]].j);
+        }
+        if (k >= 0) dem__test_pair(w, waits, due[k], step, rigid);
+    }
+    dem__flush_batch(w, waits, step);
+}
+
+static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
+    dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 0);
+}
+
+/* Tests the due pairs. The number of threads follows from the number of due pairs in the step before. */
+static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
+    dem__pairs *pairs = &w->engine->pairs;
+    const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
+    dem__in_parts(w, parts, pairs->timers.pages,
+                  w->engine->bodies.rigid ? w->engine->bodies.calls->test_due : dem__test_due_range, &step);
+    pairs->due_count = 0;
+    for (int q = 0; q < parts; q++) {
+        dem__timer_batch *batch = &dem__work_of(w, q)->batch;
+        pairs->due_count += (ptrdiff_t)batch->looks;
+        dem__new_pair_contacts(w, batch);
+    }
+}
+
+/* Tests all pairs that do not touch. */
+static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
+    const dem__pairs *pairs = &w->engine->pairs;
+    dem__timer_batch waits;
+    dem__clear_batch(&waits);
+    waits.found = pairs->timers.list;
+    for (int32_t p = 0; p < (int32_t)pairs->count; p++) {
+        if (pairs->timers.due[p] != DEM__STOPPED) dem__test_pair(w, &waits, p, step, 1);
+    }
+    dem__new_pair_contacts(w, &waits);
+}
+
+/* Tests everything that is due at a step. */
+static inline void dem__detect(dem_world *w, int64_t step) {
+    dem__wall_state *walls = &w->engine->walls;
+    DEM__TELL(w, follow, (w, step));
+    DEM__TELL(w, detect, (w, step));
+    if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__test_all_pairs(w, step);
+    if (!(w->def.skip & DEM_SKIP_SPACE)) {
+        for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
+            if (dem__needs_test(w, e / w->walls, (int)(e % w->walls))) dem__test_wall(w, e, step);
+        }
+    }
+    dem__test_due_pairs(w, step);
+    ptrdiff_t n;
+    dem__list_due(&walls->timers, 0, walls->timers.pages, step, DEM__STOPPED, &n);
+    for (ptrdiff_t k = 0; k < n; k++) dem__test_wall(w, walls->timers.list[k], step);
+}
+
+/* Fails if a contact begins between two different materials whose pair was never set. Until it is set, later runs fail
+   at the same place. */
+static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t end = dem__next_slot(w);
+    for (ptrdiff_t c = end - contacts->begun; c < end && w->status == DEM_OK; c++) {
+        const int32_t i = contacts->i[c], j = contacts->j[c];
+        const int a = w->material[i], b = j < 0 ? w->wall[-1 - j].material : w->material[j];
+        const int low = a < b ? a : b, high = a < b ? b : a;
+        if (low == high || w->def.pair[low][high].given) continue;
+        w->status = DEM_PAIR_NOT_SET;
+        w->failed_id = w->id[i];
+        w->failed_pair[0] = low, w->failed_pair[1] = high;
+        w->engine->run.needs_lists = 1; /* what was found must be found again */
+    }
+}
+
+/* Undoes what was found in a step that cannot be finished. Returns 0. */
+static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    for (; contacts->begun > 0; contacts->begun--) {
+        const int32_t p = contacts->near[dem__next_slot(w) - 1];
+        contacts->chunk[contacts->chunk_count - 1].count--;
+        contacts->count--;
+        if (p >= 0) w->engine->pairs.timers.due[p] = DEM__NEVER;
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (w->alive[i] >= 0) continue;
+        w->alive[i] = 1;
+        if (!r || r->first == i) w->passed_count--, w->passed_total--;
+    }
+    w->engine->run.leaving = 0;
+    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    return 0;
+}
+
+/* --------------------------------------------------------------------------------------------------- >>step/step.h */
+/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world
+   can be read, saved and freed. */
+
+/* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip,
+   and set none if it is 0. */
+static inline void dem__test_everything(dem_world *w) {
+    int skip = w->def.skip;
+    w->def.skip = 0;
+    dem__test_all_pairs(w, w->step);
+    DEM__TELL(w, detect, (w, w->step));
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        for (int k = 0; k < w->walls; k++) {
+            if (dem__has_surface(&w->wall[k]) && dem__needs_test(w, i, k))
+                dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
+        }
+    }
+    w->def.skip = skip;
+}
+
+/* Ends the contacts that the caller's changes have ended, and rebuilds the list of near pairs. Returns 0 after a
+   failure. */
+static inline int dem__prepare_lists(dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    if (!w->engine->run.needs_lists) return 1;
+    DEM__EACH_CONTACT(w, c) {
+        if (dem__is_taken_away(w, contacts->i[c], contacts->j[c])) contacts->ended[c] = 1;
+    }
+    dem__remove_ended(w, w->step, 1);
+    if (!dem__rebuild(w)) return 0;
+    int going = 1;
+    DEM__ASK(w, going, prepare_run, (w));
+    return going || dem__fail_to_list(w, w->status);
+}
+
+/* Computes the damping ratios of all pairs of materials, and whether all were set. */
+static inline void dem__prepare_pairs(dem_world *w) {
+    w->engine->run.has_unset_pairs = 0;
+    for (int a = 0; a < w->def.materials; a++) {
+        for (int b = a; b < w->def.materials; b++) {
+            const dem_pair_def *pair = &w->def.pair[a][b];
+            double(*ratio)[DEM_MATERIALS_MAX] = w->engine->run.damping_ratio;
+            w->engine->run.has_unset_pairs |= a != b && !pair->given;
+            ratio[a][b] = ratio[b][a] = dem_damping_ratio(pair->restitution, pair->mode);
+        }
+    }
+}
+
+/* Tests everything and begins the contacts that are found; their slots are listed then. Returns their number, or -1
+   after a failure. */
+static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__test_everything(w);
+    if (w->engine->run.has_unset_pairs && w->status == DEM_OK) dem__check_pairs_set(w);
+    if (w->status != DEM_OK) {
+        dem__undo_detection(w);
+        return -1;
+    }
+    const ptrdiff_t begun = contacts->begun;
+    dem__commit_begun(w, 0.0);
+    DEM__TELL(w, contacts_begun, (w, begun));
+    dem__list_active(w);
+    for (ptrdiff_t k = 0; k < begun; k++) {
+        const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
+        if (j < 0 && !dem__has_elements(&w->wall[-1 - j]))
+            dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
+    }
+    return begun;
+}
+
+/* Sets law and features of the run, and computes the constants of contacts anew if these have changed. */
+static inline void dem__set_law(dem_world *w, const dem_law *law, int features) {
+    dem__run *run = &w->engine->run;
+    if (run->needs_forces || run->features != features || run->law != law) {
+        w->engine->contacts.type_count = 0;
+        run->stiffest = 0.0;
+        DEM__EACH_CONTACT(w, c) { dem__set_constants(w, c, law, features); }
+    }
+    run->features = features;
+    run->law = law;
+}
+
+/* Computes the forces on everything while no time passes, and so the accelerations. Returns 0 after a failure. */
+static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdiff_t begun) {
+    dem__report_begun(w, kernel->law, begun);
+    dem__advance(w, 0.0); /* before anything that may run out of memory: a world that fails there can be saved */
+    if (!dem__reorder_contacts(w)) return 0;
+    DEM__TELL(w, find_forces, (w));
+    dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
+    DEM__TELL(w, forces_found, (w));
+    DEM__TELL(w, add_forces, (w, 0.0));
+    if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
+    dem__kick_walls(w, 0.0);
+    dem__remove_ended(w, w->step, 0);
+    dem__check_bounds(w);
+    int going = w->status == DEM_OK;
+    DEM__ASK(w, going, begin_flights, (w));
+    return going;
+}
+
+/* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a
+   failure. */
+static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
+    dem__run *run = &w->engine->run;
+    if (!dem__prepare_lists(w)) return 0;
+    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    w->engine->bodies.adds_loads = w->engine->bodies.loads_on;
+    for (int k = 0; k < w->engine->features; k++) w->engine->bodies.adds_loads |= w->engine->feature[k]->adds_loads;
+    dem__prepare_pairs(w);
+    const ptrdiff_t begun = run->needs_forces ? dem__begin_contacts_present(w) : 0;
+    if (begun < 0) return 0;
+    dem__set_law(w, kernel->law, features);
+    DEM__TELL(w, set_law, (w, kernel));
+    if (run->needs_forces && !dem__find_forces(w, kernel, begun)) return 0;
+    run->needs_forces = 0;
+    DEM__TELL(w, begin_run, (w));
+    return 1;
+}
+
+/* Finds the contacts that begin in a step, with the walls at its end. Returns 0 after a failure. */
+static inline int dem__find_contacts_that_begin(dem_world *w) {
+    if (!dem__move_walls(w, w->step + 1)) w->status = DEM_NOT_FINITE;
+    else dem__detect(w, w->step + 1);
+    if (w->engine->run.has_unset_pairs && w->status == DEM_OK) dem__check_pairs_set(w);
+    return w->status == DEM_OK;
+}
+
+/* Computes the constants of the contacts that begin, and calls the law's hook. */
+static inline void dem__prepare_begun(dem_world *w, const dem_law *law, ptrdiff_t begun, int features) {
+    for (ptrdiff_t k = 0; k < begun; k++) dem__set_constants(w, w->engine->contacts.slots[k], law, features);
+    dem__report_begun(w, law, begun);
+}
+
+static inline void dem__count_step(dem_world *w) {
+    const dem__run *run = &w->engine->run;
+    w->particle_steps += w->count - w->engine->bodies.dropped;
+    w->contact_steps += w->engine->contacts.count;
+    w->step++;
+    w->time = run->start_time + (double)(w->step - run->start_step) * run->dt;
+}
+
+/* Returns whether the energies of the particles that leave in this step are numbers: their velocities are not checked
+   later. */
+static DEM__NOINLINE int dem__leave_with_numbers(dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i] != DEM_LEAVING) continue;
+        if (dem__finite(dem__motion_energy(w, i) + dem__potential(w, i))) continue;
+        w->failed_id = w->id[i];
+        return 0;
+    }
+    return 1;
+}
+
+/* Removes particles that passed an exit from the lists, and marks their contacts as ended. Returns whether there are
+   any. */
+static inline int dem__remove_leaving(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    if (!w->engine->run.leaving) return 0;
+    DEM__EACH_CONTACT(w, c) {
+        const ptrdiff_t j = contacts->j[c];
+        if (w->alive[contacts->i[c]] == DEM_LEAVING || (j >= 0 && w->alive[j] == DEM_LEAVING)) contacts->ended[c] = 1;
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i] == DEM_LEAVING) dem__detach_one(w, i); /* those of a rigid body are all marked */
+    }
+    dem__number_present(w);
+    w->engine->run.leaving = 0;
+    return 1;
+}
+
+/* Advances the world by one step. keep: keeps the forces of contacts for readers. Returns 0 after a failure. */
+static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
+    const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
+    const double h = w->engine->run.dt;
+    int going = 1;
+    if (w->step % DEM__REORDER_STEPS == 0 && !dem__reorder_contacts(w)) return 0;
+    if (w->step >= w->engine->pairs.next_check && !dem__check_list(w)) return 0;
+    DEM__ASK(w, going, begin_step, (w));
+    if (!going) return 0;
+    if (!dem__find_contacts_that_begin(w)) return dem__undo_detection(w);
+    const ptrdiff_t begun = w->engine->contacts.begun;
+    dem__commit_begun(w, 1.0);
+    DEM__TELL(w, contacts_begun, (w, begun));
+    dem__advance(w, h);
+    dem__prepare_begun(w, kernel->law, begun, features);
+    dem__evaluate(w, kernel->loop, h, has_friction, keep);
+    DEM__TELL(w, add_forces, (w, h));
+    const int finite = dem__kick(w, h);
+    dem__kick_walls(w, h);
+    dem__apply_corrections(w, has_friction);
+    dem__count_step(w);
+    if (!finite || (w->engine->run.leaving && !dem__leave_with_numbers(w))) return dem__fail(w, DEM_NOT_FINITE);
+    if (w->engine->run.leaving) DEM__TELL(w, leave, (w));
+    const int leaving = dem__remove_leaving(w);
+    dem__remove_ended(w, w->step, leaving);
+    if (leaving) dem__free_untouched(w);
+    dem__check_bounds(w);
+    going = w->status == DEM_OK;
+    DEM__ASK(w, going, begin_flights, (w));
+    DEM__ASK(w, going, end_step, (w));
+    return going;
+}
+
+/* Returns whether a kernel computes friction that the run leaves out. Then its history stays zero. */
+static inline int dem__has_void_history(const dem_kernel *kernel, int features) {
+    return (kernel->features & ~features & DEM_FRICTION) != 0;
+}
+
+/* Returns whether a law can take over the contacts present. They continue under a law whose states are as many and mean
+   the same; a history that is zero means nothing, and can be dropped or begun. */
+static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    if (contacts->count == 0) return 1;
+    if (kernel->law->states == contacts->states)
+        return !contacts->has_history || dem__is_of_law(contacts->law, kernel->law);
+    return !contacts->has_history && (kernel->law->states == 0 || dem__has_void_history(kernel, features));
+}
+
+/* Returns what prevents a run, or DEM_OK. */
+static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *kernel, int features) {
+    if (!dem__is_thread_count(w->def.threads)) return DEM_BAD_DEFINITION;
+    if (w->status == DEM_NOT_FINITE || w->status == DEM_TOO_FAST) return w->status;
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        const dem_status status = f->check_run ? f->check_run(w, kernel) : DEM_OK;
+        if (status != DEM_OK) return status;
+    }
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
+    }
+    const double narrowest = dem__narrowest(w);
+    for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
+        if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
+    }
+    if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
+    return DEM_OK;
+}
+
+/* Makes the arrays of contacts fit law, ledger and threads. Returns 0 when out of memory; nothing has changed then. */
+static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int features) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const int states = contacts->states, constants = contacts->constants;
+    const int postpones = dem__may_postpone(w) && !contacts->postponed;
+    const int books = (features & DEM_ENERGY) && !w->engine->ledger.on;
+    dem__array list[DEM__ARRAYS_MAX];
+    if (law->states == states && law->constants <= constants && !books && !postpones) return 1;
+    if (books) dem__add_feature(w, dem__feature_ledger());
+    contacts->states = law->states;
+    contacts->constants = law->constants > constants ? law->constants : constants;
+    if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
+                         dem__next_slot(w) + 1)) {
+        contacts->states = states, contacts->constants = constants;
+        if (books) dem__drop_feature(w, dem__feature_ledger());
+        return 0;
+    }
+    w->engine->ledger.on |= books;
+    for (int a = contacts->states; a < DEM_STATE_MAX; a++) contacts->state[a] = NULL; /* not in the block */
+    return 1;
+}
+
+/* Returns the time step over the largest that is stable: of a spring 2 sqrt(m/k), whose contact lasts pi sqrt(m/k); of
+   a dashpot 2 m/gamma. */
+static inline double dem__step_ratio(const dem_world *w, int features) {
+    const dem_advice a = dem_advise(w, features, 1.0);
+    const double spring = features & DEM_HERTZ ? a.rayleigh : a.contact * (2.0 / RIDDLE_PI);
+    const double dashpot = features & DEM_HERTZ ? HUGE_VAL : 2.0 * a.dashpot,
+                 least = spring < dashpot ? spring : dashpot;
+    return least < HUGE_VAL ? w->engine->run.dt / least : 0.0;
+}
+
+/* Runs a kernel with some of its features: the law's prepare function leaves out friction and rolling that are not
+   among them. */
+static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare ||
+        !dem__not_negative(duration))
+        return DEM_BAD_ARGUMENT;
+    if (dem__is_running(w)) return DEM_BUSY;
+    const double dt = w->engine->run.dt, owed = w->owed + duration, remaining = owed / dt;
+    if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
+    const dem_status status = dem__check_run(w, kernel, features);
+    if (status != DEM_OK) return status;
+    w->status = DEM_OK; /* the caller may have mended any other failure */
+    if (!dem__make_work(w, w->def.threads) || !dem__fit_contact_arrays(w, kernel->law, features))
+        return DEM_OUT_OF_MEMORY;
+    w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
+    w->engine->contacts.law = dem__law_mark(kernel->law);
+    const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
+    w->owed = 0.0; /* if the run fails */
+    if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);
+    w->engine->run.running = 1;
+    int going = dem__prepare_run(w, kernel, features);
+    for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
+    for (int k = 0; k < w->engine->features; k++) {
+        if (w->engine->feature[k]->end_run) going = w->engine->feature[k]->end_run(w, going);
+    }
+    w->engine->run.running = 0;
+    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* of the contacts that have begun */
+    if (met > w->step_ratio) w->step_ratio = met;
+    if (!going) return w->status;
+    w->owed = owed - (double)steps * dt;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kernel *kernel) {
+    return dem__run_kernel(world, duration, kernel, kernel ? kernel->features : 0);
+}
+
+/* name, version, states, history, vectors, constants, prepare, force, born, ended */
+static const dem_law dem_law_linear = {"linear",         1,    0,   0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+                                       dem_force_linear, NULL, NULL};
+static const dem_law dem_law_linear_friction = {
+    "linear, friction", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear_friction, NULL, NULL};
+static const dem_law dem_law_linear_rolling = {
+    "linear, friction, rolling", 1,    3,   3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+    dem_force_linear_rolling,    NULL, NULL};
+static const dem_law dem_law_hertz = {"Hertz",         1,    0,   0, 0, DEM_HERTZ_CONSTANTS, dem_prepare_hertz,
+                                      dem_force_hertz, NULL, NULL};
+static const dem_law dem_law_hertz_friction = {
+    "Hertz-Mindlin", 1, 4, 4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz_friction, NULL, NULL};
+static const dem_law dem_law_hertz_rolling = {
+    "Hertz-Mindlin, rolling", 1, 4, 4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz_rolling, NULL, NULL};
+
+DEM__KERNEL_OF(dem__kernel_linear, dem_law_linear, DEM_LINEAR)
+DEM__KERNEL_OF(dem__kernel_linear_friction, dem_law_linear_friction, DEM_LINEAR | DEM_FRICTION)
+DEM__KERNEL_OF(dem__kernel_linear_rolling, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
+DEM__KERNEL_OF(dem__kernel_linear_energy, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
+DEM__KERNEL_OF(dem__kernel_hertz, dem_law_hertz, DEM_HERTZ)
+DEM__KERNEL_OF(dem__kernel_hertz_friction, dem_law_hertz_friction, DEM_HERTZ | DEM_FRICTION)
+DEM__KERNEL_OF(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING)
+DEM__KERNEL_OF(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
+
+DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
+    /* kernels with a ledger always compute friction and rolling; constants of zero take out what the caller did not
+       name */
+    switch (features) {
+    case DEM_LINEAR: return dem__run_kernel(world, duration, dem__kernel_linear(), features);
+    case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, dem__kernel_linear_friction(), features);
+    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING:
+        return dem__run_kernel(world, duration, dem__kernel_linear_rolling(), features);
+    case DEM_HERTZ: return dem__run_kernel(world, duration, dem__kernel_hertz(), features);
+    case DEM_HERTZ | DEM_FRICTION: return dem__run_kernel(world, duration, dem__kernel_hertz_friction(), features);
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING:
+        return dem__run_kernel(world, duration, dem__kernel_hertz_rolling(), features);
+    case DEM_LINEAR | DEM_ENERGY:
+    case DEM_LINEAR | DEM_FRICTION | DEM_ENERGY:
+    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
+        return dem__run_kernel(world, duration, dem__kernel_linear_energy(), features);
+    case DEM_HERTZ | DEM_ENERGY:
+    case DEM_HERTZ | DEM_FRICTION | DEM_ENERGY:
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
+        return dem__run_kernel(world, duration, dem__kernel_hertz_energy(), features);
+    default: return DEM_BAD_ARGUMENT;
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------ >>bodies/rigid.h */
+/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in
+   base/engine.h). Reads the sums of forces on their particles; writes bodies and their particles. Promises: a sphere's
+   motion is untouched; each body is moved by one thread, so that bits do not depend on threads.
+
+   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle
+   of a body that has one lies at its centre of mass; its radius is that of the sphere that the search for contacts
+   uses. The forces on a body are those added to the sums of its particles, bodies.sum[i].load: force, and torque about
+   the particle's centre. dem__rigid_of(w, i) returns the body of particle i. Its orientation at the end of the present
+   step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
+
+/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter
+   radian at most. */
+DEM_INLINE int dem__strides(const dem__rigid *r) {
+    return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
+}
+
+#define DEM__STRIDES_MAX 1e7 /* of a flight between two lists */
+/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides
+   that are known. */
+static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
+    const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
+    dem_quaternion q = r->turn;
+    double n = 0.0;
+    if (!(stride < HUGE_VAL)) return q;
+    if (r->strides > 0.0 && r->strides <= whole) n = r->strides, q = r->ahead;
+    if (!(whole - n < DEM__STRIDES_MAX)) return q; /* only in a world that no run has accepted */
+    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, stride);
+    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
+}
+
+/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins.
+   DEM_TOO_FAST: a body turns by a hundred radians in a step. */
+static inline void dem__note_strides(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
+        dem__rigid *r = &bodies->rigid[k];
+        if (!w->alive[r->first] || bodies->activity[r->first]) continue;
+        const double stride = dem__turn_stride(r->momentum, r->moments);
+        const double whole = dem__strides(r) ? floor(dem__now(w, r->first) / stride) : 0.0;
+        if (!(400.0 * stride > w->engine->run.dt) || !(whole - r->strides < DEM__STRIDES_MAX)) {
+            w->status = DEM_TOO_FAST;
+            w->failed_id = w->id[r->first];
+            return;
+        }
+        if (!(whole > r->strides)) continue;
+        if (r->strides == 0.0) r->ahead = r->turn;
+        for (; r->strides < whole; r->strides += 1.0)
+            r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
+    }
+}
+
+/* Returns the orientation of a rigid body at tau after its origin step [s]. */
+DEM_INLINE dem_quaternion dem__turn_at(const dem_world *w, const dem__rigid *r, double tau) {
+    const int single = tau <= 1.5 * w->engine->run.dt;
+    if (tau == 0.0) return r->turn;
+    if (!single && dem__strides(r)) return dem__turn_of_flight(r, tau);
+    return dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, single);
+}
+
+/* Returns the state of a rigid body at tau after its origin step [s]. */
+static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigid *r, double tau) {
+    dem__posture p;
+    p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
+    p.momentum = dem__plus(r->momentum, tau, r->torque);
+    p.turn = dem__turn_at(w, r, tau);
+    p.spin = dem__spin_of(p.turn, r->moments, p.momentum);
+    return p;
+}
+
+/* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it.
+ */
+static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__axes axes = dem__axes_of(r->turn);
+    r->strides = 0.0;
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        const dem_vec arm = dem__out_of(&axes, bodies->offset[i]), round = dem__cross(spin, arm);
+        dem_particle *p = &w->particle[i];
+        bodies->arm[i] = arm;
+        p->x = dem__in_box(w, dem__add(r->x, arm)), p->v = dem__add(r->v, round), p->spin = spin;
+        p->a = dem__add(r->a, dem__add(dem__cross(rate, arm), dem__cross(spin, round)));
+        w->spin_rate[i] = rate;
+    }
+}
+
+/* Makes the present step the origin of a body. */
+static inline void dem__set_body_origin(dem_world *w, dem__rigid *r) {
+    const dem__posture p = dem__find_posture(w, r, dem__now(w, r->first));
+    r->x = p.x, r->v = p.v, r->momentum = p.momentum, r->turn = p.turn;
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) w->particle[i].origin = w->step;
+    dem__place_pieces(w, r);
+}
+
+/* Sets the velocity and the spin of a body at its origin. */
+static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec velocity, dem_vec spin) {
+    r->v = velocity, r->momentum = dem__momentum_of(r->turn, r->moments, spin);
+    dem__place_pieces(w, r);
+}
+
+/* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which
+   is booked. */
+DEM_INLINE void dem__wrap_body(dem_world *w, dem__rigid *r) {
+    const dem_vec x = dem__in_box(w, r->x);
+    if (w->engine->ledger.on && !dem__is_fixed(w, r->first))
+        dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
+    r->x = x;
+}
+
+/* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle.
+   Those of its particles, which kernels read, are computed with the mean of the arms at both ends. */
+DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const double middle = tau - 0.5 * h;
+    const int steps = tau <= h; /* else its flight ends in this step */
+    const dem_quaternion end = dem__turn_at(w, r, tau);
+    const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__turn_at(w, r, tau - h);
+    const dem__axes axes = dem__axes_of(end);
+    const dem_vec momentum = dem__plus(r->momentum, middle, r->torque);
+    dem_vec spin = dem__spin_of(end, r->moments, momentum);
+    if (h > 0.0) spin = dem__scale(0.5, dem__add(spin, dem__spin_of(from, r->moments, momentum)));
+    r->x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), r->v = dem__plus(r->v, middle, r->a),
+    r->momentum = momentum;
+    r->turn = dem__kept_unit(end);
+    r->strides = 0.0;
+    if (w->engine->run.has_periodic) dem__wrap_body(w, r);
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        const dem_vec arm = dem__out_of(&axes, bodies->offset[i]);
+        const dem_vec old = h == 0.0 ? arm : steps ? bodies->arm[i] : dem__to_lab(from, bodies->offset[i]);
+        dem_particle *p = &w->particle[i];
+        bodies->arm[i] = arm;
+        p->origin = w->step;
+        p->x = dem__in_box(w, dem__add(r->x, arm)), p->spin = spin;
+        p->v = dem__add(r->v, dem__cross(spin, dem__scale(0.5, dem__add(old, arm))));
+    }
+}
+
+/* Sums the force and the torque about its centre that act on a body's particles: by contacts, by loads, or both. */
+DEM_INLINE void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force,
+                                 dem_vec *torque) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    *force = *torque = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        for (int k = 0; k < 2; k++) {
+            if (!(k ? loads : contacts)) continue;
+            const double *six = k ? bodies->load[i] : bodies->sum[i].load;
+            *force = dem__add(*force, dem__first(six));
+            *torque = dem__add(*torque, dem__add(dem__second(six), dem__cross(bodies->arm[i], dem__first(six))));
+        }
+    }
+}
+
+/* Sets the sums from which dem__kick_all computes the accelerations of a body's particle. load: on the particle, or
+   NULL. */
+DEM_INLINE void dem__prepare_sum(dem__sum *sum, dem_vec pull, dem_vec rate, const double *load) {
+    const double mass = 1.0 / sum->per_mass, inertia = 1.0 / sum->per_inertia;
+    const dem_vec force = dem__scale(mass, pull), torque = dem__scale(inertia, rate);
+    sum->load[0] = force.x, sum->load[1] = force.y, sum->load[2] = force.z;
+    sum->load[3] = torque.x, sum->load[4] = torque.y, sum->load[5] = torque.z;
+    for (int a = 0; load && a < 6; a++) sum->load[a] -= load[a];
+}
+
+/* Computes the acceleration of a body, and moves its velocities from the middle of a step to its end. Prepares its
+   particles for dem__kick_all: sums that give them their accelerations as parts of the body, and velocities that it
+   moves to those at the end. */
+DEM_INLINE void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const int loads = bodies->adds_loads;
+    dem_vec force;
+    if (dem__is_fixed(w, r->first)) return; /* dem__kick_all records the forces on its particles */
+    r->strides = 0.0;
+    dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
+    if (w->engine->field.on) force = dem__add(force, w->engine->field.force[r->first]);
+    const dem_vec pulled = dem__scale(1.0 / r->mass, force);
+    r->a = dem__add(dem__free_fall(w), pulled);
+    r->v = dem__flushed_vec(dem__plus(r->v, half, r->a));
+    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, r->torque));
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        const dem_vec arm = bodies->arm[i], round = dem__cross(spin, arm);
+        const dem_vec pull = dem__add(dem__add(dem__cross(rate, arm), dem__cross(spin, round)), pulled);
+        dem_particle *p = &w->particle[i];
+        p->v = dem__plus(dem__add(r->v, round), -half, dem__add(dem__free_fall(w), pull));
+        p->spin = dem__plus(spin, -half, rate);
+        dem__prepare_sum(&bodies->sum[i], pull, rate, loads ? bodies->load[i] : NULL);
+    }
+}
+
+/* Computes the acceleration of a body that touches nothing. */
+static inline void dem__free_body(dem_world *w, dem__rigid *r) {
+    dem_vec force;
+    dem__sum_on_body(w, r, 0, 1, &force, &r->torque);
+    if (w->engine->field.on) force = dem__add(force, w->engine->field.force[r->first]); /* 0 in flight */
+    r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
+    if (dem__is_fixed(w, r->first)) r->a = r->torque = dem_vec3(0.0, 0.0, 0.0);
+    dem__place_pieces(w, r);
+}
+
+/* Applies an impulse [N s] and an angular impulse [N m s] at particle i of a body, and a shift [kg m] along n. */
+static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift,
+                                  dem_vec n) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem_vec arm = bodies->arm[i], moved = dem__scale(shift, n);
+    r->v = dem__plus(r->v, 1.0 / r->mass, impulse);
+    r->momentum = dem__add(r->momentum, dem__add(turn, dem__cross(arm, impulse)));
+    if (shift == 0.0) return;
+    const dem_vec angle = dem__spin_of(r->turn, r->moments, dem__cross(arm, moved));
+    r->x = dem__plus(r->x, 1.0 / r->mass, moved);
+    r->turn = dem__kept_unit(dem__turns(dem__turn_by(dem__scale(0.5, angle)), r->turn));
+    for (ptrdiff_t k = r->first; k < r->first + r->pieces; k++)
+        bodies->shifted[k] += fabs(shift) / r->mass + dem__length(angle) * dem__length(bodies->offset[k]);
+}
+
+/* Returns the greatest speed in flight of what is an arm [m] from a body's centre, relative to it [m/s]. */
+static inline double dem__swing(const dem__rigid *r, double arm) {
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    const double i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
+                 least = i_min < r->moments.y ? i_min : r->moments.y;
+    if (r->moments.x == r->moments.y) return (1.0 + 1e-9) * arm * dem__length(spin);
+    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the
+                                                                              axis of least inertia */
+}
+
+/* Moves the bodies whose first particles are among the active ones first .. end-1. */
+DEM_INLINE void dem__advance_some_bodies(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
+    const int64_t step = w->step + (h > 0.0);
+    for (ptrdiff_t k = first; k < end; k++) {
+        const int32_t i = w->engine->bodies.active[k];
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (r && r->first == i) dem__advance_body(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt, h);
+    }
+}
+DEM__AVX2_CLONE(dem__advance_bodies, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
+                dem__advance_some_bodies(w, h, first, end))
+/* Moves their velocities to the end of the step. */
+DEM_INLINE void dem__kick_some_bodies(dem_world *w, double half, ptrdiff_t first, ptrdiff_t end) {
+    for (ptrdiff_t k = first; k < end; k++) {
+        const int32_t i = w->engine->bodies.active[k];
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (r && r->first == i) dem__kick_body(w, r, half);
+    }
+}
+DEM__AVX2_CLONE(dem__kick_bodies, (dem_world * w, double half, ptrdiff_t first, ptrdiff_t end), (w, half, first, end),
+                dem__kick_some_bodies(w, half, first, end))
+static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
+    (void)part;
+    dem__kick_bodies(w, 0.5 * *(const double *)h, first, end);
+}
+
+/* Moves active particles first .. end-1 and the bodies whose first particles are among them to the end of the step. */
+static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
+    (void)part;
+    dem__advance_all(w, *(const double *)h, first, end, 1);
+    dem__advance_bodies(w, *(const double *)h, first, end);
+}
+
+/* Tests the due pairs in pages first .. end-1. */
+static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
+    dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 1);
+}
+
+/* Applies an impulse, an angular impulse and a shift along n to particle i or to its rigid body. */
+static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem_particle *p = &w->particle[i];
+    if (dem__is_fixed(w, i)) {
+        dem__strike_fixed(w, i, impulse, turn);
+        return;
+    }
+    dem__mark_to_check(w, i);
+    if (r) {
+        dem__push_body(w, r, i, impulse, turn, shift, n);
+        dem__place_pieces(w, r);
+        return;
+    }
+    p->v = dem__plus(p->v, 1.0 / p->mass, impulse);
+    p->x = dem__plus(p->x, shift / p->mass, n);
+    w->engine->bodies.shifted[i] += fabs(shift / p->mass);
+    p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, i), turn);
+}
+DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? r->v : w->particle[i].v;
+}
+
+/* Applies the impulses of a correction where a rigid body takes part. */
+static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__correction *h = &contacts->correction[c];
+    const int32_t i = contacts->i[c], j = contacts->j[c];
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]),
+                  impulse = dem__first(h->impulse);
+    const dem_vec on_i = has_friction ? dem__second(h->impulse) : none,
+                  on_j = has_friction ? dem__first(h->impulse + 6) : none;
+    dem__push_any(w, i, impulse, on_i, 0.0, n);
+    if (j >= 0) dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
+    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
+}
+
+/* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the
+   angular momentum about the common centre, which comes from the velocities of the centres of mass; two opposite
+   impulses at the particles restore it. */
+static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__correction *h = &contacts->correction[c];
+    const int32_t i = contacts->i[c], j = contacts->j[c];
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]);
+    if (j < 0) {
+        dem__push_any(w, i, none, none, h->shift, n);
+        const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], w->particle[i].x, n));
+        dem__expect_impact(w, i, j, n, -dem__dot(v, n));
+        return;
+    }
+    const dem_vec d = dem__nearest_image(w, dem__sub(w->particle[i].x, w->particle[j].x));
+    const dem_vec u = dem__sub(dem__centre_velocity(w, i), dem__centre_velocity(w, j));
+    const double distance = dem__length(d) + h->shift * (dem__per_mass(w, i) + dem__per_mass(w, j));
+    const dem_vec slower = dem__scale(-h->shift / distance, dem__sub(u, dem__scale(dem__dot(u, n), n)));
+    dem__push_any(w, i, slower, none, 0.0, n), dem__push_any(w, j, dem__scale(-1.0, slower), none, 0.0, n);
+    dem__push_any(w, i, none, none, h->shift, n), dem__push_any(w, j, none, none, -h->shift, n);
+    dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
+}
+
+static inline const dem__body_calls *dem__rigid_bodies(void) {
+    static const dem__body_calls row = {
+        dem__find_posture,      dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
+        dem__place_pieces,      dem__free_body,       dem__test_due_with_bodies, dem__advance_with_bodies,
+        dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__swing};
+    return &row;
+}
+
+/* Makes room for n more bodies, not for their particles. Returns 0 when out of memory. */
+static inline int dem__grow_bodies(dem_world *w, ptrdiff_t n) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem_allocator *a = &w->def.allocator;
+    const ptrdiff_t old = bodies->rigid_capacity, wanted = bodies->rigid_count + n, larger = wanted + wanted / 2 + 16;
+    if (wanted <= old) return 1;
+    dem__rigid *fresh =
+        (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
+    if (!fresh) return 0;
+    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->calls = dem__rigid_bodies();
+    return 1;
+}
+
+/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by
+   rounding. Turns the frame accordingly; order: the old axis of each new one. */
+static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
+    const double m[3] = {moments->x, moments->y, moments->z};
+    int third = 2;
+    for (int k = 0; k < 2; k++) { /* the axis whose two others differ least */
+        if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
+    }
+    for (int k = 0; k < 3; k++)
+        order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
+    const double turns = (double)((third + 1) % 3);
+    if (turns > 0.0) {
+        const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);
+        *frame = dem__turns(*frame, dem__quaternion(c, dem_vec3(s, s, s)));
+    }
+    moments->x = m[order[0]], moments->y = m[order[1]], moments->z = m[order[2]];
+    if (fabs(moments->x - moments->y) <= 1e-12 * moments->x) moments->y = moments->x;
+    if (fabs(moments->x - moments->z) <= 1e-12 * moments->x && moments->x == moments->y) moments->z = moments->x;
+}
+
+/* --------------------------------------------------------------------------------------------- >>measure/getters.h */
+/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. */
+
+DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__in_box(world, dem__at(world, i, dem__now(world, i)));
+}
+
+DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__true_velocity_at(world, i, dem__now(world, i));
+}
+
+DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__spin_at(world, i, dem__now(world, i));
+}
+
+DEM_API double dem_radius(const dem_world *world, ptrdiff_t i) {
+    return world && i >= 0 && i < world->count ? world->particle[i].radius : (double)NAN;
+}
+DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
+    return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
+}
+
+DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count)
+        return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
+    const dem__rigid *r = dem__rigid_of(world, i);
+    if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn,
+                      dem__opposite_turn(dem__given_frame(world, i, r)));
+}
+
+DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
+    dem_body body;
+    memset(&body, 0, sizeof body);
+    body.first = -1;
+    if (!world || i < 0 || i >= world->count) return body;
+    const dem__rigid *r = dem__rigid_of(world, i);
+    const dem__pieces own = dem__pieces_of(world, i);
+    const double tau = dem__now(world, i);
+    body.first = own.first, body.pieces = own.end - own.first;
+    body.mass = world->particle[i].mass;
+    body.diameter = r ? dem__equal_diameter(world, r) : 2.0 * world->particle[i].radius;
+    body.position = r ? dem__body_position(world, r) : dem_position(world, i);
+    body.velocity = dem__drift_at(world, i, tau);
+    body.velocity = dem__add(body.velocity, dem__velocity_error(world, i, tau));
+    body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
+    const double inertia = dem__inertia(world, i);
+    body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
+    body.axes = r ? dem__posture_at(world, r, tau).turn : body.orientation;
+    return body;
+}
+
+DEM_API dem_vec dem_momentum(const dem_world *world) {
+    dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t i = 0; world && i < world->count; i++) {
+        const dem__rigid *r = dem__rigid_of(world, i);
+        if (!world->alive[i] || (r && r->first != i)) continue;
+        sum = dem__add(
+            sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
+    }
+    return sum;
+}
+
+DEM_API ptrdiff_t dem_contact_count(const dem_world *world) {
+    return world && world->engine ? world->engine->contacts.count : 0;
+}
+
+/* Computes normal and point of the contact in a slot, or of a link (slot -1), from the present positions. */
+static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
+    const dem_vec x = dem_position(w, info->i);
+    const double radius = w->particle[info->i].radius;
+    if (info->j < 0) {
+        dem__touch touch;
+        dem__touch_place(w, slot, &w->wall[-1 - info->j], x, radius, info->element, &touch);
+        info->normal = touch.normal;
+        info->point = dem__plus(x, -(radius + touch.gap), touch.normal);
+        return;
+    }
+    const dem_vec d = dem__nearest_image(w, dem__sub(x, dem_position(w, info->j)));
+    info->point = dem__plus(x, -radius / (radius + w->particle[info->j].radius), d);
+    dem__unit(d, &info->normal);
+}
+
+DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
+    dem_contact_info info;
+    memset(&info, 0, sizeof info);
+    info.gap = (double)NAN;
+    if (!world || !world->engine || k < 0 || k >= world->engine->contacts.count) return info;
+    k = dem__slot_of(world, k);
+    info.i = world->engine->contacts.i[k];
+    info.j = world->engine->contacts.j[k];
+    info.gap = world->engine->contacts.gap[k];
+    info.force = dem_vec3(world->engine->contacts.wrench[0][k], world->engine->contacts.wrench[1][k],
+                          world->engine->contacts.wrench[2][k]);
+    info.element = world->engine->contacts.element[k];
+    for (int a = 0; a < world->engine->contacts.states; a++) info.state[a] = world->engine->contacts.state[a][k];
+    dem__find_point(world, k, &info);
+    return info;
+}
+
+DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state) {
+    if (!world || !world->engine || !state || k < 0 || k >= world->engine->contacts.count) return;
+    for (int a = 0; a < world->engine->contacts.states; a++)
+        world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
+    if (!dem__is_running(world))
+        world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
+}
+
+DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
+    dem_apertures count = {0, 0, 0};
+    if (!world || wall < 0 || wall >= world->walls || world->wall[wall].kind != DEM_SCREEN) return count;
+    const dem_wall *s = &world->wall[wall];
+    const double pitch = s->aperture + s->wire, half = 0.5 * pitch;
+    const int nx = (int)(s->half_x / pitch) + 1, ny = (int)(s->half_y / pitch) + 1;
+    for (int a = -nx; a <= nx; a++) {
+        for (int b = -ny; b <= ny; b++) {
+            double x = fabs(a * pitch) + half, y = fabs(b * pitch) + half;
+            count.total += s->circular ? x * x + y * y <= s->half_x * s->half_x : x <= s->half_x && y <= s->half_y;
+        }
+    }
+    count.free = count.total;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        if (!world->alive[i] || world->touching[i] < 2 || dem__shape_of(world, i)) continue;
+        const dem_vec d = dem__sub(dem__at(world, i, dem__now(world, i)), s->position);
+        if (!(fabs(dem__dot(d, s->axis[2])) < world->particle[i].radius)) continue;
+        dem_vec normal[DEM__TOUCHES];
+        int n = 0, holding = 0;
+        for (int32_t c = world->engine->walls.first_contact[i]; c >= 0 && n < DEM__TOUCHES;
+             c = world->engine->contacts.wall_next[c]) {
+            dem__touch touch;
+            if (world->engine->contacts.j[c] != -1 - wall || !(world->engine->contacts.gap[c] < 0.0)) continue;
+            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius,
+                               world->engine->contacts.element[c], &touch);
+            normal[n++] = touch.normal;
+        }
+        if (n < 2) continue;
+        const int m = s->material < world->material[i] ? s->material : world->material[i];
+        const double mu = world->def.pair[m][s->material + world->material[i] - m].friction;
+        const dem_vec up = s->axis[2];
+        for (int a = 0; a < n;
+             a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
+            for (int b = a + 1; b < n; b++) {
+                const double za = dem__dot(normal[a], up), zb = dem__dot(normal[b], up);
+                const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)),
+                              flat_b = dem__sub(normal[b], dem__scale(zb, up));
+                if (dem__dot(flat_a, flat_b) < -0.5 && fabs(za) <= mu * dem__length(flat_a) &&
+                    fabs(zb) <= mu * dem__length(flat_b))
+                    holding = 1;
+            }
+        }
+        count.occupied++;
+        count.free -= holding;
+    }
+    return count;
+}
+
+/* -------------------------------------------------------------------------------------------------- >>links/list.h */
+/* The links of each particle, in lists: a link is in those of both of its bodies. */
+
+/* Lists the arrays of links. Returns their number. */
+static inline int dem__link_arrays(dem_world *w, dem__array *list) {
+    dem__links *links = &w->engine->links;
+    int n = 0;
+    int32_t **integers[] = {&links->i, &links->j, &links->element, &links->next_i, &links->next_j};
+    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++)
+        list[n].address = integers[k], list[n].size = sizeof(int32_t);
+    for (int k = 0; k < links->states; k++, n++) list[n].address = &links->state[k], list[n].size = sizeof(double);
+    for (int k = 0; k < 9; k++, n++) list[n].address = &links->wrench[k], list[n].size = sizeof(double);
+    list[n].address = &links->gap, list[n++].size = sizeof(double);
+    list[n].address = &links->ended, list[n++].size = 1;
+    return n;
+}
+
+/* Returns the link after k in particle i's list; -1 at its end. */
+DEM_INLINE int32_t dem__next_link(const dem_world *w, int32_t k, ptrdiff_t i) {
+    const dem__links *links = &w->engine->links;
+    return links->i[k] == i ? links->next_i[k] : links->next_j[k];
+}
+
+/* Returns the link of particle i with body j (a wall: -1 - index) at an element of it, or -1. */
+static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element) {
+    const dem__links *links = &w->engine->links;
+    int32_t k = links->first_link[i];
+    while (k >= 0) {
+        const int first = links->i[k] == i;
+        if ((first ? links->j[k] : links->i[k]) == j && (j >= 0 || links->element[k] == element)) return k;
+        k = dem__next_link(w, k, i);
+    }
+    return -1;
+}
+
+/* Sets the distance at which near pair p is in contact, which is larger for linked particles. p = -1: does nothing. */
+DEM_INLINE void dem__mark_link(dem_world *w, int32_t p, int linked) {
+    if (p < 0) return;
+    dem__near *q = &w->engine->pairs.near[p];
+    q->distance = w->particle[q->i].radius + w->particle[q->j].radius + (linked ? w->engine->links.near : 0.0);
+}
+
+DEM_INLINE void dem__list_link(dem_world *w, int32_t k) {
+    dem__links *links = &w->engine->links;
+    const int32_t i = links->i[k], j = links->j[k];
+    links->next_i[k] = links->first_link[i];
+    links->first_link[i] = k;
+    if (j < 0) return;
+    const int32_t p = dem__near_pair(w, i, j);
+    links->next_j[k] = links->first_link[j];
+    links->first_link[j] = k;
+    dem__mark_link(w, p, 1);
+}
+
+static inline void dem__find_links(dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) w->engine->links.first_link[i] = -1;
+    for (int32_t k = 0; k < (int32_t)w->engine->links.count; k++) dem__list_link(w, k);
+}
+
+/* Removes link k from particle i's list, or puts another link in its place. */
+static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t replacement) {
+    dem__links *links = &w->engine->links;
+    int32_t *at = &links->first_link[i];
+    while (*at != k) at = links->i[*at] == i ? &links->next_i[*at] : &links->next_j[*at];
+    *at = replacement >= 0 ? replacement : dem__next_link(w, k, i);
+}
+
+/* Returns the highest slot of a particle's links. The order of its list depends on the history of the scene. */
+static inline int32_t dem__last_link(const dem_world *w, ptrdiff_t i) {
+    int32_t last = -1;
+    for (int32_t k = w->engine->links.first_link[i]; k >= 0; k = dem__next_link(w, k, i)) last = k > last ? k : last;
+    return last;
+}
+
+/* Ends link k; the last link takes its slot. Its force acts until links are evaluated next. */
+static inline void dem__cut_link(dem_world *w, int32_t k) {
+    const int32_t i = w->engine->links.i[k], j = w->engine->links.j[k], last = (int32_t)w->engine->links.count - 1;
+    dem__report_end(w, w->engine->links.law, k);
+    dem__unlist_link(w, k, i, -1);
+    if (j >= 0) {
+        const int32_t p = dem__near_pair(w, i, j);
+        dem__mark_link(w, p, 0);
+        dem__unlist_link(w, k, j, -1);
+    }
+    w->engine->links.count = last;
+    if (k == last) return;
+    dem__unlist_link(w, last, w->engine->links.i[last], k);
+    if (w->engine->links.j[last] >= 0) dem__unlist_link(w, last, w->engine->links.j[last], k);
+    dem__array list[DEM__ARRAYS_MAX];
+    const int n = dem__link_arrays(w, list);
+    for (int a = 0; a < n; a++) {
+        char *base;
+        memcpy(&base, list[a].address, sizeof base);
+        memcpy(base + (size_t)k * list[a].size, base + (size_t)last * list[a].size, list[a].size);
+    }
+}
+
+/* ----------------------------------------------------------------------------------------------- >>links/getters.h */
+/* Reading links. */
+
+DEM_API ptrdiff_t dem_link_count(const dem_world *world) {
+    return world && world->engine ? world->engine->links.count : 0;
+}
+
+DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
+    dem_contact_info info;
+    memset(&info, 0, sizeof info);
+    info.gap = (double)NAN;
+    if (!world || !world->engine || k < 0 || k >= world->engine->links.count) return info;
+    info.i = world->engine->links.i[k];
+    info.j = world->engine->links.j[k];
+    info.element = world->engine->links.element[k];
+    info.gap = world->engine->links.gap[k];
+    info.force = dem_vec3(world->engine->links.wrench[0][k], world->engine->links.wrench[1][k],
+                          world->engine->links.wrench[2][k]);
+    for (int a = 0; a < world->engine->links.states; a++) info.state[a] = world->engine->links.state[a][k];
+    dem__find_point(world, -1, &info);
+    return info;
+}
+
+DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element) {
+    return world && i >= 0 && i < world->count ? dem__link_of(world, i, j, element) : -1;
+}
+
+/* ------------------------------------------------------------------------------------------------ >>links/kernel.h */
+/* Forces of links, block by block: a law's loop over them, and the sums. */
+
+/* Returns the number of parts into which the links are split. */
+DEM_INLINE int dem__link_parts(const dem_world *w) {
+    return dem__parts_of(w, w->engine->links.count, w->engine->scratch.works);
+}
+
+/* Adds the forces of links first .. end-1 to the loads of their bodies, in the order of the links. */
+DEM_INLINE void dem__add_links(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__links *links = &w->engine->links;
+    double *const *out = links->wrench;
+    for (ptrdiff_t k = first; k < end; k++) {
+        const ptrdiff_t i = links->i[k], j = links->j[k], ahead = k + DEM__AHEAD;
+        if (ahead < end) {
+            DEM__PREFETCH(bodies->load[links->i[ahead]]);
+            DEM__PREFETCH(bodies->load[links->j[ahead] < 0 ? 0 : links->j[ahead]]);
+        }
+        if (links->ended[k]) continue;
+        for (int a = 0; a < 6; a++) bodies->load[i][a] += out[a][k];
+        if (j < 0) continue;
+        for (int a = 0; a < 3; a++) bodies->load[j][a] -= out[a][k];
+        for (int a = 3; a < 6; a++) bodies->load[j][a] += out[3 + a][k];
+    }
+}
+
+/* Gathers the block of n links from base on, and prefetches those after it. */
+DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t base, int n, ptrdiff_t end) {
+    const dem__links *links = &w->engine->links;
+    x->walls = 0;
+    for (int k = 0; k < n; k++) {
+        const ptrdiff_t c = base + k, i = links->i[c], j = links->j[c], ahead = c + DEM__AHEAD;
+        if (ahead < end) dem__prefetch_particle(w, links->i[ahead]), dem__prefetch_particle(w, links->j[ahead]);
+        if (j >= 0) dem__gather_pair(w->particle, i, j, &x->rows, k, 1);
+        else dem__gather_wall(w, i, -1 - j, links->element[c], -1, &x->rows, k, 0.0, &x->wall[x->walls++]);
+        x->types.sum[k] = w->particle[i].radius + (j >= 0 ? w->particle[j].radius : 0.0);
+        x->types.part[k] = w->particle[i].radius / x->types.sum[k];
+    }
+    dem__complete_rows(w, &x->rows, &x->types, n, 0.0, 0.5 * w->engine->run.kernel_dt, x->wall, x->walls, 1);
+}
+
+/* Evaluates links first .. end - 1 at the present positions. If there is only one thread, it adds up each block while
+   it is in the cache. */
+DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law) {
+    dem__links *links = &w->engine->links;
+    dem__work *x = dem__work_of(w, part);
+    const double h = w->engine->run.kernel_dt;
+    for (ptrdiff_t base = first; base < end; base += DEM__BLOCK) {
+        const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;
+        const size_t bytes = (size_t)n * sizeof(double);
+        dem__columns old, at;
+        dem__gather_links(w, x, base, n, end);
+        for (int a = 0; a < law->states; a++) old.state[a] = links->state[a] + base;
+        for (int a = 0; a < 9; a++) old.out[a] = links->wrench[a] + base;
+        for (int a = 0; a < law->states; a++) at.state[a] = DEM__COPY_ROWS ? x->block.state[a] : old.state[a];
+        for (int a = 0; a < 9; a++) at.out[a] = DEM__COPY_ROWS ? x->block.out[a] : old.out[a];
+        dem__apply_law(w, x, links->i + base, links->j + base, n, &old, &at, law, h, 1.0 / h,
+                       DEM_FRICTION | DEM__OF_LINKS);
+        for (int a = 0; a < law->history && DEM__COPY_ROWS; a++) memcpy(old.state[a], at.state[a], bytes);
+        for (int a = 0; a < 9 && DEM__COPY_ROWS; a++) memcpy(old.out[a], at.out[a], bytes);
+        memcpy(links->gap + base, x->rows.gap, bytes);
+        for (int k = 0; k < n; k++) links->ended[base + k] = x->ended[k] != 0.0;
+        if (dem__link_parts(w) == 1) dem__add_links(w, base, base + n);
+    }
+}
+
+#define DEM_LINK_KERNEL(name, law)                                                                                     \
+    DEM__LOOP(name##_loop, dem__link_kernel(world, first, end, part, &(law)))                                          \
+    static const dem_link_kernel name = {&(law), name##_loop};
+
+/* -------------------------------------------------------------------------------------------------- >>links/work.h */
+/* The work of links on particles, which the energy ledger books: their forces are constant between two evaluations. */
+
+/* Returns the number of steps between two evaluations of the links, also for a loaded world without their law. */
+DEM_INLINE int dem__steps_of_links(const dem_world *w) {
+    const double n = floor(w->engine->links.interval / w->engine->run.dt);
+    return n < 1.0 ? 1 : n > 1000.0 ? 1000 : (int)n;
+}
+
+/* Returns the time since links were evaluated [s]. */
+DEM_INLINE double dem__since_evaluated(const dem_world *w) {
+    return w->engine->run.dt * (double)(w->step - w->engine->links.evaluated_step);
+}
+
+/* Returns the work of the link forces on particle i, which is at x and has a spin, since they were evaluated [J]. */
+DEM_INLINE double dem__link_work_until(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const dem__links *links = &w->engine->links;
+    const double turned = 0.5 * dem__since_evaluated(w);
+    const dem_vec way = dem__nearest_image(w, dem__sub(x, dem__first(links->evaluated_at[i])));
+    const dem_vec force = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->external[i]));
+    const dem_vec torque = dem__sub(dem__second(bodies->load[i]), dem__second(bodies->external[i]));
+    return dem__dot(force, way) + turned * dem__dot(torque, dem__add(spin, dem__second(links->evaluated_at[i])));
+}
+static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
+    const double tau = dem__now(w, i);
+    if (!w->engine->links.is_loaded[i] || dem__is_fixed(w, i)) return 0.0;
+    return dem__link_work_until(w, i, dem__at(w, i, tau), dem__spin_at(w, i, tau));
+}
+
+/* Stop and resume counting the work of links on some particles, while a caller changes how they move. The spin from
+   which counting resumes is the one that a particle would have had at the last evaluation. */
+static inline void dem__stop_link_work(dem_world *w, dem__pieces of) {
+    for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) dem__book_link_work(w, dem__link_work(w, k));
+}
+static inline void dem__resume_link_work(dem_world *w, dem__pieces of) {
+    for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) {
+        double *from = w->engine->links.evaluated_at[k];
+        const double tau = dem__now(w, k);
+        if (!w->engine->links.is_loaded[k]) continue;
+        const dem_vec x = dem__at(w, k, tau),
+                      spin = dem__plus(dem__spin_at(w, k, tau), -dem__since_evaluated(w), w->spin_rate[k]);
+        for (int a = 0; a < 3; a++) from[a] = dem_axis(x, a), from[3 + a] = dem_axis(spin, a);
+        dem__book_link_work(w, -dem__link_work(w, k));
+    }
+}
+
+/* Sets the number of steps between two evaluations of the links, and the step of the last one as it would have been
+   with it. */
+static inline void dem__set_link_steps(dem_world *w) {
+    dem__links *links = &w->engine->links;
+    if (!links->on) return;
+    if (links->law) links->every = dem__steps_of_links(w);
+    links->evaluated_step = w->step - w->step % dem__steps_of_links(w);
+}
+
+/* -------------------------------------------------------------------------------------------------- >>links/save.h */
+/* Links in a saved world. */
+
+static inline void dem__link_fields(dem_world *w, dem__group *g) {
+    dem__links *links = &w->engine->links;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("link.i", links->i[0], sizeof *links->i),
+        DEM__INTEGER("link.j", links->j[0], sizeof *links->j),
+        DEM__INTEGER("link.element", links->element[0], sizeof *links->element),
+    };
+    dem__set_fields(g, fields, sizeof fields, 3);
+    dem__add_fields(g, "link.state", links->state, links->states);
+    g->needed = g->fields;
+}
+
+static inline void dem__world_fields_of_links(dem_world *w, dem__group *g) {
+    dem__links *links = &w->engine->links;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("link.on", links->on, 0),     DEM__INTEGER("link.states", links->states, 0),
+        DEM__INTEGER("link.law", links->mark, 0),  DEM__DOUBLES("link.interval", links->interval, 0),
+        DEM__DOUBLES("link.near", links->near, 0),
+    };
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline void dem__particle_fields_of_links(dem_world *w, dem__group *g) {
+    dem__links *links = &w->engine->links;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("particle.is_loaded", links->is_loaded[0], sizeof *links->is_loaded),
+        DEM__DOUBLES("particle.evaluated_at", links->evaluated_at[0], sizeof *links->evaluated_at),
+    };
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline void dem__save_links(dem__stream *s, dem_world *w, dem__group *g) {
+    if (w->engine->links.count == 0) return;
+    dem__link_fields(w, g);
+    dem__write_group(s, w, g, w->engine->links.count, 2);
+}
+
+static inline int dem__has_links(const dem__file *file, const dem_world *w) {
+    const dem__links *links = &w->engine->links;
+    if (!dem__is_flag(links->on) || links->states < 0 || links->states > DEM_STATE_MAX) return -1;
+    if (!dem__not_negative(links->near) || !dem__not_negative(links->interval)) return -1;
+    if (links->on ? !dem__positive(links->interval) : dem__entries_of(file, "link.i") > 0) return -1;
+    return links->on;
+}
+
+static inline dem_status dem__load_links(const dem__file *file, dem_world *w, dem__group *g) {
+    dem__links *links = &w->engine->links;
+    dem__array list[DEM__ARRAYS_MAX];
+    const ptrdiff_t n = dem__entries_of(file, "link.i");
+    if (n == 0) return DEM_OK;
+    if (!dem__grow_group(w, list, dem__link_arrays(w, list), &links->block, &links->bytes, &links->capacity, n))
+        return DEM_OUT_OF_MEMORY;
+    dem__link_fields(w, g);
+    if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
+    for (links->count = 0; links->count < n; links->count++) {
+        if (!dem__are_bodies(w, links->i[links->count], links->j[links->count])) return DEM_BAD_DATA;
+    }
+    return DEM_OK;
+}
+
+static inline void dem__derive_links(dem_world *w) {
+    w->engine->pairs.touch_gap = w->engine->links.near;
+    dem__set_link_steps(w);
+    dem__find_links(w);
+}
+
+static inline void dem__hash_linked(uint64_t *hash, const dem_world *w, ptrdiff_t i) {
+    dem__hash_f64(hash, w->engine->bodies.external[i], 6);
+    dem__hash_i64(hash, w->engine->links.is_loaded[i]);
+}
+
+static inline void dem__hash_links(uint64_t *hash, const dem_world *w) {
+    const dem__links *links = &w->engine->links;
+    for (ptrdiff_t k = 0; k < links->count; k++) {
+        dem__hash_bodies(hash, w, links->i[k], links->j[k], links->element[k]);
+        for (int a = 0; a < links->states; a++) dem__hash_f64(hash, &links->state[a][k], 1);
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------- >>links/links.h */
+/* Links, which have a step of their own: setting them and adding one, and their step. Reads bodies and the law of
+   links; writes links, the loads and velocities of bodies. dem_set_links adds the feature to a
+   world. */
+
+/* Runs the links' loop on blocks first .. end - 1. */
+static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__links *links = &w->engine->links;
+    (void)context;
+    links->loop(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count, part);
+}
+static inline void dem__evaluate_links(dem_world *w) {
+    const ptrdiff_t n = w->engine->links.count;
+    dem__in_parts(w, dem__link_parts(w), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
+}
+
+/* Returns whether particle i has links, or its load contains forces of links. */
+DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
+    return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
+}
+
+/* Applies half of the change of its links' forces to a body; the old forces are in the sums. In flight, the old torque
+   is that of the place where it was computed; for a body that takes steps, both are taken at the present place. */
+static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
+    dem__sum_on_body(w, r, 0, 1, &force, &torque);
+    if (w->touching[r->first] == 0) {
+        more = dem__sub(dem__plus(dem__free_fall(w), 1.0 / r->mass, force), r->a),
+        turning = dem__sub(torque, r->torque);
+    } else {
+        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+            if (!dem__is_linked(w, i)) continue;
+            const dem_vec change = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->sum[i].load));
+            more = dem__plus(more, 1.0 / r->mass, change);
+            turning =
+                dem__add(turning, dem__add(dem__sub(dem__second(bodies->load[i]), dem__second(bodies->sum[i].load)),
+                                           dem__cross(bodies->arm[i], change)));
+        }
+    }
+    r->v = dem__flushed_vec(dem__plus(r->v, half, more)), r->a = dem__add(r->a, more);
+    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, turning)), r->torque = dem__add(r->torque, turning);
+    dem__place_pieces(w, r);
+}
+
+/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from
+   their present forces. */
+static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
+    const dem_vec m = r->moments;
+    const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
+    dem_vec force, torque;
+    dem__sum_on_body(w, r, 0, 1, &force, &torque);
+    return (double)w->engine->links.every * w->engine->run.dt *
+           (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
+}
+
+/* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present
+   forces. */
+DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (r) return dem__body_link_drift(w, r, i);
+    return (double)w->engine->links.every * w->engine->run.dt / w->particle[i].mass *
+           dem__length(dem__first(w->engine->bodies.load[i]));
+}
+
+/* Returns the kinetic energy of a sphere whose origin is the present step [J]. */
+DEM_INLINE double dem__energy_at_origin(const dem_world *w, ptrdiff_t i) {
+    const dem_particle *p = &w->particle[i];
+    return 0.5 * p->mass * dem__dot(p->v, p->v) + 0.5 * dem__inertia(w, i) * dem__dot(p->spin, p->spin);
+}
+
+/* Makes the present step the origin of a linked particle, books the work of its links until now, and moves its load to
+   the sums. */
+static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__rigid *r = dem__rigid_of(w, i);
+    const dem_particle *p = &w->particle[i];
+    dem__set_origin(w, i);
+    if (r) bodies->calls->wrap(w, r), bodies->calls->place(w, r);
+    else dem__wrap(w, i);
+    if (w->engine->ledger.on && r) dem__book_link_work(w, dem__link_work(w, i));
+    else if (w->engine->ledger.on && !dem__is_fixed(w, i)) {
+        const double work = w->engine->links.is_loaded[i] ? dem__link_work_until(w, i, p->x, p->spin) : 0.0;
+        dem__book_link_work(w, work - dem__energy_at_origin(w, i));
+    }
+    memcpy(bodies->sum[i].load, bodies->load[i], sizeof bodies->load[i]);
+    memcpy(bodies->load[i], bodies->external[i], sizeof bodies->load[i]);
+}
+
+/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at
+   its first linked particle. */
+static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
+    const dem__sum *sum = &w->engine->bodies.sum[i];
+    const double *load = w->engine->bodies.load[i];
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem_particle *p = &w->particle[i];
+    if (dem__is_fixed(w, i)) return;
+    if (r) {
+        for (ptrdiff_t k = r->first; k < i; k++) {
+            if (dem__is_linked(w, k)) return;
+        }
+        dem__book_link_work(w, -dem__motion_energy(w, r->first));
+        dem__kick_linked_body(w, r, half);
+        dem__book_link_work(w, dem__motion_energy(w, r->first));
+        return;
+    }
+    const dem_vec a = dem__scale(sum->per_mass, dem__sub(dem__first(load), dem__first(sum->load)));
+    const dem_vec b = dem__scale(sum->per_inertia, dem__sub(dem__second(load), dem__second(sum->load)));
+    p->v = dem__flushed_vec(dem__plus(p->v, half, a)), p->a = dem__add(p->a, a);
+    p->spin = dem__flushed_vec(dem__plus(p->spin, half, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
+    if (w->engine->ledger.on) dem__book_link_work(w, dem__energy_at_origin(w, i));
+}
+
+/* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a
+   new one. */
+static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
+    const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
+    if (strayed < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
+    else {
+        const int32_t one = (int32_t)i;
+        dem__renew_bound(w, i, w->step);
+        dem__reset_pair_timers(w, &one, 1, w->step);
+    }
+}
+
+/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations; each
+   evaluation corrects the velocities to the mean of the old force and the new one. */
+static inline void dem__step_links(dem_world *w) {
+    dem__run *run = &w->engine->run;
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__links *links = &w->engine->links;
+    int32_t *linked = w->engine->scratch.index;
+    ptrdiff_t n = 0;
+    const double h = (double)links->every * run->dt;
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        linked[n] = i;
+        n += dem__is_linked(w, i);
+    }
+    for (ptrdiff_t q = 0; q < n; q++) dem__stop_linked(w, linked[q]);
+    run->kernel_dt = h;
+    links->evaluated_step = w->step;
+    dem__evaluate_links(w);
+    if (dem__link_parts(w) > 1) dem__add_links(w, 0, links->count);
+    for (ptrdiff_t q = 0; q < n; q++) dem__kick_linked(w, linked[q], 0.5 * h);
+    for (ptrdiff_t q = 0; q < n; q++) { /* after all particles of a body have changed */
+        const int32_t i = linked[q];
+        const dem__pieces own = dem__pieces_of(w, i);
+        const dem_particle *p = &w->particle[i];
+        for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = 0.0;
+        links->is_loaded[i] = links->first_link[i] >= 0;
+        if (w->engine->ledger.on)
+            memcpy(links->evaluated_at[i], &p->x, sizeof p->x),
+                memcpy(links->evaluated_at[i] + 3, &p->spin, sizeof p->spin);
+        if (run->needs_lists) continue;
+        for (ptrdiff_t k = own.first; k < own.end; k++) dem__check_linked(w, k);
+    }
+    for (int32_t k = 0; k < (int32_t)links->count;) {
+        if (links->ended[k]) dem__cut_link(w, k);
+        else k++;
+    }
+}
+
+static inline int dem__end_step_with_links(dem_world *w) {
+    dem__links *links = &w->engine->links;
+    if (links->every > 0 && w->step % links->every == 0) dem__step_links(w);
+    return w->status == DEM_OK;
+}
+
+static inline int dem__list_arrays_of_links(dem_world *w, dem__array *list) {
+    dem__links *links = &w->engine->links;
+    const dem__array arrays[] = {{&links->first_link, sizeof *links->first_link},
+                                 {&links->is_loaded, sizeof *links->is_loaded},
+                                 {&links->evaluated_at, sizeof *links->evaluated_at}};
+    memcpy(list, arrays, sizeof arrays);
+    return (int)(sizeof arrays / sizeof *arrays);
+}
+
+static inline void dem__release_links(dem_world *w) {
+    dem__release(&w->def.allocator, w->engine->links.block, w->engine->links.bytes);
+}
+
+static inline void dem__add_unlinked(dem_world *w, ptrdiff_t i) {
+    w->engine->links.first_link[i] = -1;
+    w->engine->links.is_loaded[i] = 0;
+}
+
+/* Ends the links of a particle that leaves, from the highest slot on: the order of its list depends on the history. */
+static inline void dem__cut_links_of(dem_world *w, ptrdiff_t i) {
+    dem__book_link_work(w, dem__link_work(w, i));
+    while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
+    w->engine->links.is_loaded[i] = 0; /* the work of its links has been booked */
+}
+
+static inline void dem__renumber_links(dem_world *w, const int32_t *number) {
+    dem__links *links = &w->engine->links;
+    for (ptrdiff_t k = 0; k < links->count; k++) {
+        links->i[k] = number[links->i[k]];
+        if (links->j[k] >= 0) links->j[k] = number[links->j[k]];
+    }
+}
+
+/* Links without a law: after loading dem_set_links comes first. */
+static inline dem_status dem__check_links(const dem_world *w, const dem_kernel *kernel) {
+    (void)kernel;
+    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK;
+}
+
+static inline void dem__begin_books_of_links(dem_world *w) { dem__resume_link_work(w, dem__all_particles(w)); }
+
+/* Finds the links of each particle for a new list, whose margin must be far larger than their reach. */
+static inline dem_status dem__relist_links(dem_world *w) {
+    const dem__links *links = &w->engine->links;
+    if (!(links->near <= 0.01 * w->engine->pairs.margin) && links->count > 0) return DEM_BAD_DEFINITION;
+    dem__find_links(w);
+    return DEM_OK;
+}
+
+static inline double dem__drift_by_links(const dem_world *w, ptrdiff_t i) {
+    const int linked = w->engine->links.first_link[i] >= 0 || dem__rigid_of(w, i);
+    return linked ? 2.0 * dem__link_drift(w, i) : 0.0;
+}
+
+static inline int dem__is_linked_with(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element) {
+    return dem__link_of(w, i, j, element) >= 0;
+}
+
+static inline void dem__open_books_of_links(const dem_world *w, ptrdiff_t i, dem_energy_ledger *sums) {
+    sums->link_work += dem__link_work(w, i);
+}
+
+static inline const dem__feature *dem__feature_links(void) {
+    static const dem__feature row = {
+        2,                             /* place */
+        1,                             /* adds_loads */
+        1,                             /* exclusive */
+        dem__list_arrays_of_links,     /* list_arrays */
+        NULL,                          /* list_contact_arrays */
+        dem__release_links,            /* release */
+        dem__add_unlinked,             /* add_particle */
+        dem__stop_link_work,           /* begin_change */
+        dem__resume_link_work,         /* end_change */
+        dem__set_link_steps,           /* set_time_step */
+        dem__cut_links_of,             /* remove_particle */
+        dem__renumber_links,           /* renumber */
+        dem__check_links,              /* check_run */
+        NULL,                          /* prepare_run */
+        NULL,                          /* set_law */
+        NULL,                          /* find_forces */
+        NULL,                          /* forces_found */
+        NULL,                          /* begin_run */
+        dem__begin_books_of_links,     /* begin_ledger */
+        NULL,                          /* end_run */
+        NULL,                          /* keep_up */
+        dem__relist_links,             /* listed */
+        dem__drift_by_links,           /* drift */
+        dem__is_linked_with,           /* begins_early */
+        NULL,                          /* begin_step */
+        NULL,                          /* follow */
+        NULL,                          /* detect */
+        NULL,                          /* contacts_begun */
+        NULL,                          /* add_forces */
+        NULL,                          /* end_contact */
+        NULL,                          /* leave */
+        NULL,                          /* begin_flights */
+        dem__end_step_with_links,      /* end_step */
+        dem_link_count,                /* forces */
+        dem_get_link,                  /* force */
+        NULL,                          /* velocity_error */
+        NULL,                          /* correct_velocity */
+        dem__open_books_of_links,      /* open_books */
+        dem__world_fields_of_links,    /* world_fields */
+        dem__particle_fields_of_links, /* particle_fields */
+        NULL,                          /* contact_fields */
+        dem__save_links,               /* save */
+        dem__has_links,                /* is_used */
+        NULL,                          /* load_first */
+        dem__load_links,               /* load */
+        dem__derive_links,             /* loaded */
+        dem__hash_linked,              /* hash_particle */
+        dem__hash_links,               /* hash_before_contacts */
+        NULL,                          /* hash */
+    };
+    return &row;
+}
+
+DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) ||
+        !dem__positive(interval) || !dem__not_negative(near))
+        return DEM_BAD_ARGUMENT;
+    dem__links *links = &w->engine->links;
+    const dem_law *law = kernel->law;
+    if (links->count > 0 && (law->states != links->states || !dem__is_of_law(links->mark, law)))
+        return DEM_LAW_MISMATCH;
+    if (!links->on) {
+        const dem_status status = dem__take_feature(w, dem__feature_links());
+        if (status != DEM_OK) return status;
+        for (ptrdiff_t i = 0; i < w->count; i++) dem__add_unlinked(w, i);
+    }
+    dem__pieces others = dem__all_particles(w); /* whose work is counted with another interval from now on */
+    if (links->on && links->interval == interval) others.end = others.first; /* a loaded world whose law is set again */
+    links->on = 1;
+    links->law = law, links->mark = dem__law_mark(law);
+    links->loop = kernel->loop;
+    links->interval = interval;
+    if (links->near != near) w->engine->run.needs_lists = 1;
+    links->near = w->engine->pairs.touch_gap = near;
+    if (law->states != links->states) { /* other arrays: dem_add_link allocates them */
+        dem__release(&w->def.allocator, links->block, links->bytes);
+        links->block = NULL;
+        links->capacity = 0;
+        links->states = law->states;
+    }
+    dem__stop_link_work(w, others);
+    dem__set_link_steps(w);
+    dem__resume_link_work(w, others);
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state) {
+    dem_world *w = world;
+    if (w && w->engine && w->engine->run.ending) return DEM_BUSY;
+    if (!dem__is_present(w, i) || !w->engine->links.law || (!state && w->engine->links.states > 0) || i == j)
+        return DEM_BAD_ARGUMENT;
+    if (dem__shape_of(w, i) || (j >= 0 && j < w->count && dem__shape_of(w, j))) return DEM_POLYHEDRON;
+    if (j >= 0 && j < w->count && dem__rigid_of(w, i) && dem__rigid_of(w, i) == dem__rigid_of(w, j))
+        return DEM_BAD_ARGUMENT;
+    if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls) return DEM_BAD_ARGUMENT;
+    if (w->engine->links.count + 1 > w->engine->links.capacity) {
+        dem__array list[DEM__ARRAYS_MAX];
+        if (w->engine->links.count > INT32_MAX / 2 ||
+            !dem__grow_group(w, list, dem__link_arrays(w, list), &w->engine->links.block, &w->engine->links.bytes,
+                             &w->engine->links.capacity, w->engine->links.count + 1))
+            return DEM_OUT_OF_MEMORY;
+    }
+    const int32_t k = (int32_t)w->engine->links.count++;
+    w->engine->links.i[k] = (int32_t)i, w->engine->links.j[k] = (int32_t)j, w->engine->links.element[k] = element;
+    for (int a = 0; a < w->engine->links.states; a++) w->engine->links.state[a][k] = state[a];
+    for (int a = 0; a < 9; a++) w->engine->links.wrench[a][k] = 0.0;
+    w->engine->links.gap[k] = 0.0;
+    w->engine->links.ended[k] = 0;
+    dem__list_link(w, k);
+    return DEM_OK;
+}
+
+/* --------------------------------------------------------------------------------------------------- >>gas/field.h */
+/* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads
+   bodies, the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end,
+   computed at its origin and the same whatever is skipped. */
+
+/* Tasks of the kernel of a field, which DEM_FORCE_FIELD makes of a law. */
+enum {
+    DEM__FIND_FLIGHTS,   /* of particles: begins flights now */
+    DEM__RENEW_FLIGHTS,  /* of particles: keeps the flights that the law still gives, begins the others anew */
+    DEM__END_FLIGHTS,    /* of particles: ends flights now; from here on they take steps */
+    DEM__ADD_FIELD_FORCE /* on particles: at the end of the present step, of length h */
+};
+typedef struct dem__field_task {
+    int task;
+    const int32_t *particle;
+    ptrdiff_t n;
+    double h; /* [s] */
+} dem__field_task;
+
+DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
+    return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
+}
+
+/* A rigid body feels the field at its centre and flies as its first particle: only that one has a flight. Returns
+   whether i is a sphere or such a particle. */
+DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return !r || r->first == i;
+}
+
+/* Returns the radius of particle i, or of the sphere with its body's volume [m]. */
+DEM_INLINE double dem__size_in_field(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? 0.5 * dem__equal_diameter(w, r) : w->particle[i].radius;
+}
+
+/* Gives particle i, or its body, a new parabola from here on. */
+static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem_vec a) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem_particle *p = &w->particle[i];
+    if (r) {
+        w->engine->bodies.calls->set_origin(w, r);
+        r->x = x, r->v = v, r->a = a;
+        w->engine->bodies.calls->place(w, r);
+        return;
+    }
+    p->spin = dem__spin_at(w, i, dem__now(w, i));
+    p->x = x, p->v = v, p->a = a;
+    p->origin = w->step;
+}
+
+/* Returns the acceleration of particle i at x with v by the law [m/s2]. */
+DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
+                                   dem_vec (*law)(const dem_force_point *)) {
+    dem_force_point at;
+    at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
+    at.velocity = v;
+    at.radius = dem__size_in_field(w, i), at.mass = w->particle[i].mass;
+    at.time = time;
+    at.gravity = dem__free_fall(w);
+    at.user = w->engine->field.def.user;
+    return dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
+}
+
+DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
+/* Returns whether particle i, or its body, has the acceleration of free fall only. */
+DEM_INLINE int dem__falls_freely(const dem_world *w, ptrdiff_t i) {
+    return dem__is_zero(dem__sub(dem__centre_pull(w, i), dem__free_fall(w)));
+}
+
+/* Result of one step of a flight. */
+typedef struct dem__flown {
+    dem_vec way;  /* mean gain of velocity: the displacement beyond that at the first velocity, over the time [m/s] */
+    dem_vec gain; /* of velocity, at the end [m/s] */
+    double work;  /* of the field [J] */
+    double error; /* of position [m] */
+    int zero;     /* whether the law gave 0 at every stage */
+} dem__flown;
+
+/* Integrates one step of h from x with v at a time: of fifth order, with the error of fourth order (Cash & Karp 1990).
+ */
+DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double h,
+                               dem_vec (*law)(const dem_force_point *)) {
+    enum { STAGES = 6 };
+    static const double at[STAGES] = {0.0, 0.2, 0.3, 0.6, 1.0, 0.875};
+    static const double by[STAGES][STAGES - 1] = {
+        {0.0, 0.0, 0.0, 0.0, 0.0},
+        {0.2, 0.0, 0.0, 0.0, 0.0},
+        {3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0},
+        {0.3, -0.9, 1.2, 0.0, 0.0},
+        {-11.0 / 54.0, 2.5, -70.0 / 27.0, 35.0 / 27.0, 0.0},
+        {1631.0 / 55296.0, 175.0 / 512.0, 575.0 / 13824.0, 44275.0 / 110592.0, 253.0 / 4096.0}};
+    static const double fifth[STAGES] = {37.0 / 378.0, 0.0, 250.0 / 621.0, 125.0 / 594.0, 0.0, 512.0 / 1771.0};
+    static const double fourth[STAGES] = {2825.0 / 27648.0, 0.0, 18575.0 / 48384.0, 13525.0 / 55296.0,
+                                          277.0 / 14336.0,  0.25};
+    const dem_vec g = dem__free_fall(w), none = dem_vec3(0.0, 0.0, 0.0);
+    dem_vec gain[STAGES], pull[STAGES], off = none, stray = none;
+    dem__flown q;
+    q.way = q.gain = none, q.work = 0.0, q.zero = 1;
+    for (int s = 0; s < STAGES; s++) {
+        dem_vec way = none;
+        gain[s] = none;
+        for (int r = 0; r < s; r++) {
+            gain[s] = dem__plus(gain[s], h * by[s][r], dem__add(g, pull[r]));
+            way = dem__plus(way, h * by[s][r], gain[r]);
+        }
+        const dem_vec now = dem__add(v, gain[s]);
+        pull[s] = dem__field_pull(w, i, dem__add(dem__plus(x, at[s] * h, v), way), now, time + at[s] * h, law);
+        q.zero &= dem__is_zero(pull[s]);
+        q.way = dem__plus(q.way, fifth[s], gain[s]);
+        q.gain = dem__plus(q.gain, h * fifth[s], dem__add(g, pull[s]));
+        q.work += h * fifth[s] * w->particle[i].mass * dem__dot(pull[s], now);
+        off = dem__plus(off, h * (fifth[s] - fourth[s]), gain[s]);
+        stray = dem__plus(stray, h * h * (fifth[s] - fourth[s]), pull[s]);
+    }
+    q.error = dem__length(off) + dem__length(stray);
+    return q;
+}
+
+/* Returns the number of steps of the world in a time [s], at least one, at most as many as a list can last. */
+DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
+    const double n = time * w->engine->pairs.steps_per_second;
+    return n >= (double)(DEM__STEPS_MAX - 2) ? DEM__STEPS_MAX - 2 : n > 1.0 ? (int)n : 1; /* NaN: one */
+}
+
+/* Chooses the number of steps of a flight from x with v by its error, and computes the flight. A parabola that is right
+   at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first one, times
+   the time squared. */
+DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem__flown *q,
+                                  dem_vec (*law)(const dem_force_point *)) {
+    const dem_force_field *def = &w->engine->field.def;
+    const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i),
+                 probe = 16.0 * dt;
+    const dem_vec first = dem__field_pull(w, i, x, v, time, law), a = dem__add(dem__free_fall(w), first);
+    const dem_vec there = dem__plus(x, probe, dem__plus(v, 0.5 * probe, a));
+    const dem_vec soon = dem__field_pull(w, i, there, dem__plus(v, probe, a), time + probe, law);
+    const double jerk = dem__length(dem__sub(soon, first)) / probe;
+    const double far = dem__time_to_cover(def->length, dem__length(v), dem__length(a));
+    double longest = far < def->interval ? far : def->interval;
+    if (jerk > 0.0) {
+        const double guess = riddle_cbrt(13.5 * 3.0 * limit / jerk);
+        longest = guess < longest ? guess : longest;
+    }
+    int n = dem__steps_within(w, longest);
+    for (;;) {
+        const double h = (double)n * dt;
+        *q = dem__fly(w, i, x, v, time, h, law);
+        const double bent = dem__length(dem__sub(dem__scale(2.0 / h, q->way), a)) * h * h / 13.5;
+        const double error = bent > 100.0 * q->error ? bent : 100.0 * q->error; /* errors of the ends add up */
+        if (n == 1 || error <= limit) return n;
+        const double part = 0.9 * riddle_cbrt(limit / error);
+        const int fewer = (int)((part > 0.1 ? part : 0.1) * (double)n); /* NaN: a tenth */
+        n = fewer > 1 ? fewer : 1;
+    }
+}
+
+/* Begins a flight now. Where the law gives 0 and gave 0 before, the present parabola stays. */
+DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
+    dem__field *field = &w->engine->field;
+    const double tau = dem__now(w, i), dt = w->engine->run.dt;
+    const dem_vec x = dem__centre_at(w, i, tau),
+                  v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
+    const dem_vec g = dem__free_fall(w);
+    dem__flown q;
+    const int n = dem__choose_flight(w, i, x, v, &q, law);
+    const double h = (double)n * dt;
+    field->until[i] = w->step + n;
+    field->work[i] = q.work, field->booked[i] = 0.0;
+    if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
+    if (!(q.zero && dem__falls_freely(w, i))) {
+        dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
+    }
+    field->end_velocity[i] =
+        q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
+}
+
+/* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0
+   to the end. Then computes the velocity at its end and the work. */
+DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
+    dem__field *field = &w->engine->field;
+    const int64_t end = field->until[i], last = w->step + DEM__STEPS_MAX, origin = w->particle[i].origin;
+    const dem_vec pull = dem__centre_pull(w, i);
+    const double dt = w->engine->run.dt, tau = dem__now(w, i);
+    if (!(end > w->step && end < last && origin <= w->step && end - origin < 2 * (int64_t)last)) return 0;
+    const int zero = dem__falls_freely(w, i);
+    const double h = (double)(end - (zero ? w->step : origin)) * dt, from = zero ? tau : 0.0;
+    const dem_vec v = dem__drift_at(w, i, from);
+    const dem__flown q =
+        dem__fly(w, i, dem__centre_at(w, i, from), v, zero ? w->time : dem__time_of(w, origin), h, law);
+    const dem_vec a = dem__scale(2.0 / h, q.way);
+    if (zero != q.zero || (zero && h * dem__length(v) > 2.0 * field->def.length)) return 0;
+    if (!zero && !(a.x == pull.x && a.y == pull.y && a.z == pull.z)) return 0;
+    field->end_velocity[i] = zero ? dem__drift_at(w, i, (double)(end - origin) * dt) : dem__add(v, q.gain);
+    field->work[i] = q.work;
+    return 1;
+}
+
+/* Ends the flight of particle i now. Its position is that on the parabola; its velocity is computed anew. */
+DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
+    dem__field *field = &w->engine->field;
+    dem__rigid *r = dem__rigid_of(w, i);
+    const dem_vec a = dem__centre_pull(w, i);
+    const double tau = dem__now(w, i);
+    const dem_vec x = dem__centre_at(w, i, tau);
+    dem_vec v = dem__drift_at(w, i, tau);
+    const int falls = dem__falls_freely(w, i);
+    field->work[i] = 0.0;
+    if (tau > 0.0 && !falls) {
+        const dem_vec begun = dem__drift_at(w, i, 0.0);
+        const dem__flown q =
+            dem__fly(w, i, dem__centre_at(w, i, 0.0), begun, dem__time_of(w, w->particle[i].origin), tau, law);
+        v = dem__add(begun, q.gain);
+        field->work[i] = q.work;
+    }
+    const dem_vec pull = dem__field_pull(w, i, x, v, w->time, law);
+    field->force[i] = dem__scale(w->particle[i].mass, pull);
+    field->until[i] = DEM__NO_FLIGHT;
+    if (falls && dem__is_zero(pull)) return; /* the same bits as without a field */
+    dem__begin_parabola(w, i, x, v, a);
+    dem__free_acceleration(w, i);
+    if (!r) w->particle[i].a = dem__add(w->particle[i].a, pull);
+}
+
+/* Adds the law's force on particle i, which takes steps, at its position after a step of h and at the velocity
+   predicted for it. That on a body is added where its forces are summed up. */
+DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *)) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const dem_particle *p = &w->particle[i];
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), v = r ? r->v : p->v;
+    if (!dem__leads(w, i)) {
+        w->engine->field.force[i] = none;
+        return;
+    }
+    const dem_vec pull = dem__field_pull(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
+                                         dem__time_of(w, w->step + (h > 0.0)), law);
+    const dem_vec force = dem__scale(p->mass, pull);
+    double *load = w->engine->bodies.sum[i].load;
+    if (!r) load[0] += force.x, load[1] += force.y, load[2] += force.z;
+    w->engine->field.force[i] = force;
+}
+
+DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_vec (*law)(const dem_force_point *)) {
+    for (ptrdiff_t k = 0; k < q->n; k++) {
+        const ptrdiff_t i = q->particle[k];
+        if (q->task == DEM__ADD_FIELD_FORCE) dem__add_field_force(w, i, q->h, law);
+        else if (q->task == DEM__END_FLIGHTS) dem__end_flight(w, i, law);
+        else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law);
+    }
+}
+
+#define DEM_FORCE_FIELD(name, law)                                                                                     \
+    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                    \
+        dem__field_kernel(world, task, law);                                                                           \
+        return 1;                                                                                                      \
+    }
+
+/* ------------------------------------------------------------------------------------------------- >>gas/flights.h */
+/* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. */
+
+/* Runs a task of the kernel for a part of a list of particles. */
+static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__field_task q = *(const dem__field_task *)context;
+    (void)part;
+    q.n = end - first;
+    if (q.n > 0) q.particle += first;
+    w->engine->field.def.kernel(w, &q);
+}
+/* Runs a task of the kernel for a list of particles, on one thread or several. */
+static inline void dem__run_field(dem_world *w, const int32_t *particle, ptrdiff_t n, int task, double h) {
+    dem__field_task q;
+    memset(&q, 0, sizeof q);
+    q.particle = particle, q.n = n, q.task = task, q.h = h;
+    dem__in_parts(w, dem__parts(w, 4 * n), n, dem__run_field_range, &q);
+}
+
+/* Returns the work of the field along a flight until now [J]: the energy that the particle has gained since its origin.
+ */
+static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
+    const double tau = dem__now(w, i);
+    const dem_vec u = dem__drift_at(w, i, 0.0), v = dem__drift_at(w, i, tau), g = dem__free_fall(w);
+    const dem_vec way = dem__sub(dem__centre_at(w, i, tau), dem__centre_at(w, i, 0.0));
+    const double gain = 0.5 * (dem__dot(v, v) - dem__dot(u, u)) - dem__dot(g, way);
+    return dem__falls_freely(w, i) ? 0.0 : w->particle[i].mass * gain;
+}
+
+/* Returns whether particle i, or the body that it leads, is in flight. */
+DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) {
+    return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING && dem__leads(w, i);
+}
+
+/* Takes the work of the field on all flights until now as booked: the ledger begins, or flights are known anew. */
+static inline void dem__begin_books(dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (dem__is_flying(w, i)) w->engine->field.booked[i] = dem__flight_gain(w, i);
+    }
+}
+
+/* Books the work of the field on all flights until now, or only on those of particles that leave. */
+static inline void dem__book_flights(dem_world *w, int leaving) {
+    dem__field *field = &w->engine->field;
+    for (ptrdiff_t i = 0; i < w->count && w->engine->ledger.on; i++) {
+        if ((leaving ? w->alive[i] != DEM_LEAVING : w->alive[i] <= 0) || field->until[i] == DEM__NO_FLIGHT) continue;
+        const double gain = dem__flight_gain(w, i);
+        dem__book_field_work(w, gain - field->booked[i]);
+        field->booked[i] = gain;
+    }
+}
+
+/* Returns how far the velocity of particle k, which flies with i, can be from that of its bound until the end of the
+   flight [m/s]. */
+DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff_t k) {
+    const dem__field *field = &w->engine->field;
+    const dem__bound *c = &w->engine->bodies.bound[k];
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const double t = dem__since_listed(w, w->step), left = (double)(field->until[i] - w->step) * w->engine->run.dt;
+    const dem_vec g = dem__free_fall(w), u = dem_vec3(c->ux, c->uy, c->uz);
+    const dem_vec now = dem__sub(dem__plus(dem__drift_at(w, i, dem__now(w, i)), -t, g), u);
+    const double here = dem__length(now),
+                 there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
+                 end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
+    const double most = here > there ? here : there;
+    const double swing = r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
+    return (most > end ? most : end) + swing;
+}
+
+/* Sets a bound for particle k, which flies with i, that holds for about DEM__FLIGHTS flights like this one. */
+static inline void dem__bound_flight(dem_world *w, ptrdiff_t i, ptrdiff_t k) {
+    const dem__field *field = &w->engine->field;
+    const dem__pairs *pairs = &w->engine->pairs;
+    const double t = dem__since_listed(w, w->step), tau = dem__now(w, i), dt = w->engine->run.dt;
+    const double left = (double)(field->until[i] - w->step) * dt;
+    const dem_vec g = dem__free_fall(w), x = dem__at(w, k, tau), v = dem__drift_at(w, i, tau);
+    const dem_vec turn = dem__scale(0.5 * DEM__FLIGHTS * left, dem__sub(dem__centre_pull(w, i), g)),
+                  u = dem__add(v, turn);
+    dem__bound *c = &w->engine->bodies.bound[k];
+    c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
+    c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y),
+    c->z = x.z - t * (u.z - 0.5 * t * g.z);
+    const double turned = 1.1 * dem__length(turn), most = 1.1 * dem__flight_deviation(w, i, k);
+    c->tolerance = 0.001 * pairs->least_tolerance + (turned > most ? turned : most);
+    c->reach = w->particle[k].radius + pairs->position_tolerance - t * c->tolerance;
+    w->engine->bodies.shifted[k] = 0.0;
+}
+
+/* Sets the timers of n flights that have just been computed, and new bounds for particles that leave theirs. Returns 0
+   if one is too fast. */
+static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff_t n) {
+    dem__field *field = &w->engine->field;
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__list_frame frame = dem__frame_at(w, w->step);
+    dem__outcome news = dem__no_outcome(w);
+    ptrdiff_t reset = 0;
+    for (ptrdiff_t q = 0; q < n; q++) {
+        const int32_t i = list[q];
+        dem__rigid *r = dem__rigid_of(w, i);
+        const double tau = dem__now(w, i);
+        if (w->engine->run.has_periodic && w->particle[i].origin == w->step) {
+            if (r) bodies->calls->wrap(w, r);
+            else dem__wrap(w, i);
+        }
+        dem__set_timer(&field->timers, i, field->until[i]);
+        for (int32_t k = i; k < i + (r ? r->pieces : 1); k++) {
+            if (dem__flight_deviation(w, i, k) < bodies->bound[k].tolerance) continue; /* false for NaN */
+            const double shifted = bodies->shifted[k];
+            dem__bound_flight(w, i, k);
+            w->engine->scratch.index[reset++] = k;
+            if (dem__apply_bound(w, k, w->step, &frame, dem__at(w, k, tau), dem__velocity_at(w, k, tau), shifted,
+                                 &news))
+                dem__advance_wall_timers(w, k, w->step);
+        }
+    }
+    dem__apply_outcome(w, &news);
+    dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
+    return w->status == DEM_OK;
+}
+
+/* Returns whether particle i, which takes steps, has the acceleration without contacts and without the field. A body
+   never has. */
+static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
+    if (dem__rigid_of(w, i)) return 0;
+    const dem_vec a =
+        dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
+    return dem__is_zero(dem__sub(w->particle[i].a, a));
+}
+
+/* Sets timers and bounds of all flights for a new list of near pairs. Returns 0 after a failure. */
+static inline int dem__list_flights(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    ptrdiff_t n = 0;
+    if (!dem__grow_timers(w, &field->timers, w->count, &field->stepping, sizeof *field->stepping)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return 0;
+    }
+    dem__stop_timers(&field->timers, 0, w->count);
+    field->timers.from = w->step;
+    field->rebuilds = w->rebuilds;
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        field->timers.list[n] = i;
+        n += dem__is_flying(w, i);
+    }
+    return dem__follow_flights(w, field->timers.list, n);
+}
+
+/* Prepares a run: begins anew the flights that the caller has changed, and those of new particles. Returns 0 after a
+   failure. */
+static inline int dem__prepare_flights(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    ptrdiff_t n = 0, ended = 0;
+    if (!dem__grow_timers(w, &field->timers, w->count, &field->stepping, sizeof *field->stepping)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return 0;
+    }
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        field->timers.list[n] = field->stepping[ended] = i;
+        n += dem__is_flying(w, i);
+        ended += w->alive[i] > 0 && dem__leads(w, i) && !dem__is_flying(w, i) &&
+                 (field->until[i] != DEM__NO_FLIGHT || dem__feels_no_field(w, i));
+        if (w->alive[i] <= 0 || field->until[i] <= w->step) field->until[i] = DEM__NO_FLIGHT;
+    }
+    dem__run_field(w, field->stepping, ended, DEM__END_FLIGHTS, 0.0);
+    dem__run_field(w, field->timers.list, n, DEM__RENEW_FLIGHTS, 0.0);
+    dem__begin_books(w);
+    field->steppers = 0;
+    return dem__list_flights(w);
+}
+
+/* Continues flights that are over by new ones, before a step. Returns 0 after a failure. */
+static inline int dem__continue_flights(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    ptrdiff_t n, flying = 0;
+    int32_t *list = field->timers.list;
+    if (field->rebuilds != w->rebuilds && !dem__list_flights(w)) return 0;
+    dem__list_due(&field->timers, 0, field->timers.pages, w->step, DEM__STOPPED, &n);
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const int32_t i = list[k];
+        if (!dem__is_flying(w, i)) continue;
+        dem__book_field_work(w, field->work[i] - field->booked[i]);
+        list[flying++] = i;
+    }
+    if (flying == 0) return 1;
+    dem__run_field(w, list, flying, DEM__FIND_FLIGHTS, 0.0);
+    return dem__follow_flights(w, list, flying);
+}
+
+/* Ends the flights of particles whose contacts begin, in the slots that contacts.slots lists. */
+static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
+    dem__field *field = &w->engine->field;
+    const dem__contacts *contacts = &w->engine->contacts;
+    const double t = dem__since_listed(w, w->step);
+    for (ptrdiff_t k = 0; k < 2 * begun; k++) {
+        const int32_t c = contacts->slots[k / 2], touched = k % 2 ? contacts->j[c] : contacts->i[c];
+        const dem__rigid *r = touched < 0 ? NULL : dem__rigid_of(w, touched);
+        const int32_t i = r ? r->first : touched;
+        if (i < 0 || field->until[i] == DEM__NO_FLIGHT) continue;
+        const double booked = field->booked[i];
+        dem__run_field(w, &i, 1, DEM__END_FLIGHTS, 0.0);
+        dem__book_field_work(w, field->work[i] - booked);
+        for (int32_t q = i; q < i + (r ? r->pieces : 1); q++)
+            dem__set_tolerance_left(w, q, dem__length(dem__deviation(w, q, t)));
+        dem__stop_timer(&field->timers, i);
+    }
+}
+
+/* Books half of the work of the present forces on the particles that take steps. */
+static inline void dem__book_stepping(dem_world *w, double h) {
+    for (ptrdiff_t k = 0; k < w->engine->bodies.active_count && w->engine->ledger.on && h > 0.0; k++) {
+        const ptrdiff_t i = w->engine->bodies.active[k];
+        const dem__rigid *r = dem__rigid_of(w, i);
+        dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.force[i], r ? r->v : w->particle[i].v));
+    }
+}
+
+/* Adds the field's forces on the particles that take steps, at the end of a step, and lists these particles. Books the
+   work by the mean of the forces at both ends. */
+static inline void dem__add_field_forces(dem_world *w, double h) {
+    dem__field *field = &w->engine->field;
+    const dem__bodies *bodies = &w->engine->bodies;
+    const ptrdiff_t n = bodies->active_count;
+    if (n > 0) memcpy(field->stepping, bodies->active, (size_t)n * sizeof *bodies->active);
+    field->steppers = n;
+    dem__book_stepping(w, h);
+    dem__run_field(w, bodies->active, n, DEM__ADD_FIELD_FORCE, h);
+    dem__book_stepping(w, h);
+}
+
+/* Begins flights of particles whose last contact is over, after a step. Returns 0 after a failure. */
+static inline int dem__begin_flights(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    int32_t *list = field->stepping;
+    ptrdiff_t n = 0;
+    for (ptrdiff_t k = 0; k < field->steppers; k++) {
+        const int32_t i = list[k];
+        if (dem__is_flying(w, i)) list[n++] = i;
+        else if (w->alive[i] > 0 && w->touching[i] == 0 && !dem__rigid_of(w, i) &&
+                 !dem__is_fixed(w, i)) {  /* it has a load */
+            dem__free_acceleration(w, i); /* rounded as after a check of its bound */
+            w->particle[i].a = dem__plus(w->particle[i].a, w->engine->bodies.sum[i].per_mass, field->force[i]);
+        }
+    }
+    field->steppers = 0;
+    if (n == 0) return 1;
+    dem__run_field(w, list, n, DEM__FIND_FLIGHTS, 0.0);
+    return dem__follow_flights(w, list, n);
+}
+
+/* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at
+   both ends, but not the right velocities; the error at its end shows how the acceleration changes. */
+static inline dem_vec dem__velocity_error_in_field(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__field *field = &w->engine->field;
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const ptrdiff_t first = r ? r->first : i; /* has the flight */
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    if (w->engine->bodies.activity[i] || field->until[first] == DEM__NO_FLIGHT) return none;
+    const double whole = (double)(field->until[first] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
+    if (!(share >= 0.0 && share <= 1.0)) return none;
+    return dem__scale(share * (3.0 * share - 2.0), dem__sub(field->end_velocity[first], dem__drift_at(w, i, whole)));
+}
+
+/* Gives particle i, or its body, the most accurate velocity that is known, at an origin that has just been set. */
+static inline void dem__correct_velocity_in_field(dem_world *w, ptrdiff_t i, dem_vec error) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem__book_field_work(w, -dem__motion_energy(w, i));
+    if (r) {
+        r->v = dem__add(r->v, error);
+        w->engine->bodies.calls->place(w, r);
+    } else w->particle[i].v = dem__add(w->particle[i].v, error);
+    dem__book_field_work(w, dem__motion_energy(w, i));
+}
+
+/* ---- the feature ---- */
+
+/* Lists the arrays of particles in a force field. Returns their number. */
+static inline int dem__list_arrays_of_field(dem_world *w, dem__array *list) {
+    dem__field *field = &w->engine->field;
+    const dem__array arrays[] = {{&field->until, sizeof *field->until},
+                                 {&field->end_velocity, sizeof *field->end_velocity},
+                                 {&field->force, sizeof *field->force},
+                                 {&field->work, sizeof *field->work},
+                                 {&field->booked, sizeof *field->booked}};
+    const int n = (int)(sizeof arrays / sizeof *arrays);
+    memcpy(list, arrays, sizeof arrays);
+    return n;
+}
+
+static inline void dem__release_field(dem_world *w) {
+    dem__release(&w->def.allocator, w->engine->field.timers.block, w->engine->field.timers.bytes);
+}
+
+static inline void dem__add_unflown(dem_world *w, ptrdiff_t i) {
+    w->engine->field.until[i] = DEM__NO_FLIGHT;
+    w->engine->field.force[i] = dem_vec3(0.0, 0.0, 0.0);
+}
+
+/* A field without a law: after loading dem_set_force_field comes first. */
+static inline dem_status dem__check_field(const dem_world *w, const dem_kernel *kernel) {
+    (void)kernel;
+    return w->engine->field.def.kernel ? DEM_OK : DEM_NO_FIELD;
+}
+
+/* Continues flights that are over, so that a caller who changes particles finds none. */
+static inline int dem__end_run_in_field(dem_world *w, int going) {
+    if (going) going = dem__continue_flights(w);
+    dem__book_flights(w, 0);
+    return going;
+}
+
+static inline void dem__leave_field(dem_world *w) { dem__book_flights(w, 1); }
+
+static inline void dem__world_fields_of_field(dem_world *w, dem__group *g) {
+    const dem__saved_field fields[] = {DEM__INTEGER("field.on", w->engine->field.on, 0)};
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline void dem__particle_fields_of_field(dem_world *w, dem__group *g) {
+    dem__field *field = &w->engine->field;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("particle.until", field->until[0], sizeof *field->until),
+        DEM__DOUBLES("particle.end_velocity", field->end_velocity[0], sizeof *field->end_velocity),
+        DEM__DOUBLES("particle.field_force", field->force[0], sizeof *field->force),
+        DEM__DOUBLES("particle.field_work", field->work[0], sizeof *field->work),
+    };
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline int dem__has_field(const dem__file *file, const dem_world *w) {
+    (void)file;
+    return dem__is_flag(w->engine->field.on) ? w->engine->field.on : -1;
+}
+
+static inline const dem__feature *dem__feature_field(void) {
+    static const dem__feature row = {
+        3,                              /* place */
+        0,                              /* adds_loads */
+        1,                              /* exclusive */
+        dem__list_arrays_of_field,      /* list_arrays */
+        NULL,                           /* list_contact_arrays */
+        dem__release_field,             /* release */
+        dem__add_unflown,               /* add_particle */
+        NULL,                           /* begin_change */
+        NULL,                           /* end_change */
+        NULL,                           /* set_time_step */
+        NULL,                           /* remove_particle */
+        NULL,                           /* renumber */
+        dem__check_field,               /* check_run */
+        dem__prepare_flights,           /* prepare_run */
+        NULL,                           /* set_law */
+        NULL,                           /* find_forces */
+        NULL,                           /* forces_found */
+        NULL,                           /* begin_run */
+        dem__begin_books,               /* begin_ledger */
+        dem__end_run_in_field,          /* end_run */
+        NULL,                           /* keep_up */
+        NULL,                           /* listed */
+        NULL,                           /* drift */
+        NULL,                           /* begins_early */
+        dem__continue_flights,          /* begin_step */
+        NULL,                           /* follow */
+        NULL,                           /* detect */
+        dem__end_flights,               /* contacts_begun */
+        dem__add_field_forces,          /* add_forces */
+        NULL,                           /* end_contact */
+        dem__leave_field,               /* leave */
+        dem__begin_flights,             /* begin_flights */
+        NULL,                           /* end_step */
+        NULL,                           /* forces */
+        NULL,                           /* force */
+        dem__velocity_error_in_field,   /* velocity_error */
+        dem__correct_velocity_in_field, /* correct_velocity */
+        NULL,                           /* open_books */
+        dem__world_fields_of_field,     /* world_fields */
+        dem__particle_fields_of_field,  /* particle_fields */
+        NULL,                           /* contact_fields */
+        NULL,                           /* save */
+        dem__has_field,                 /* is_used */
+        NULL,                           /* load_first */
+        NULL,                           /* load */
+        NULL,                           /* loaded */
+        NULL,                           /* hash_particle */
+        NULL,                           /* hash_before_contacts */
+        NULL,                           /* hash */
+    };
+    return &row;
+}
+
+DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user) {
+    dem_force_field field;
+    field.kernel = kernel;
+    field.user = user;
+    field.length = field.interval = HUGE_VAL;
+    field.accuracy = 1e-6;
+    return field;
+}
+
+/* Removes the field: particles in flight fall freely from now on. */
+static inline void dem__drop_field(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    for (ptrdiff_t i = 0; i < w->count && field->on; i++) {
+        if (!dem__is_flying(w, i)) continue;
+        dem__restart(w, i);
+        dem__free_acceleration(w, i);
+    }
+    dem__release(&w->def.allocator, field->timers.block, field->timers.bytes);
+    memset(field, 0, sizeof *field);
+    dem__drop_feature(w, dem__feature_field());
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+}
+
+DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!w || !w->def.allocator.fn) return DEM_BAD_ARGUMENT;
+    if (!field) {
+        dem__drop_field(w);
+        return DEM_OK;
+    }
+    const int was_loaded = w->engine->field.on && !w->engine->field.def.kernel;
+    if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) ||
+        !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4))
+        return DEM_BAD_ARGUMENT;
+    if (!w->engine->field.on) {
+        const dem_status status = dem__take_feature(w, dem__feature_field());
+        if (status != DEM_OK) return status;
+        w->engine->field.on = 1;
+    }
+    if (!was_loaded) w->engine->run.needs_forces = 1; /* otherwise the accelerations are those of the field already */
+    w->engine->field.def = *field;
+    w->engine->run.needs_lists = 1;
+    return DEM_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------ >>bodies/union.h */
+/* Volume and moments of a union of balls, from its surface (Gauss's theorem): pure functions. Each ball's surface is cut
+   along latitudes about z. On a latitude other balls cover arcs; between them the integrals of products of the normal's
+   components are closed forms. Between the latitudes at which an arc begins or ends they are smooth but for square roots
+   at both ends, which a substitution takes away, so that Gauss's rule with 16 points finds them to rounding. */
+
+/* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
+typedef struct dem__content {
+    double volume;
+    dem_vec first;
+    double second[6];
+} dem__content;
+
+/* Integrals over the exposed directions n of a ball: of 1, n, n n, n n n. */
+typedef struct dem__exposed {
+    double zero, one[3], two[3][3], three[3][3][3];
+} dem__exposed;
+
+/* What another ball covers of a ball's surface: directions n with n d > h. */
+typedef struct dem__cover {
+    dem_vec d;
+    double h, across, angle; /* across, angle: length and angle of d about z */
+} dem__cover;
+
+enum { DEM__CAPS = DEM_CLUMP_MAX, DEM__LATITUDES = 2 + 2 * DEM__CAPS + DEM__CAPS * DEM__CAPS };
+
+/* Lists what others cover of ball i. Returns their number. */
+static inline int dem__find_caps(int n, const dem_vec *centre, const double *radius, int i, dem__cover *cap) {
+    int m = 0;
+    for (int j = 0; j < n; j++) {
+        const dem_vec d = dem__sub(centre[j], centre[i]);
+        const double square = dem__dot(d, d), sum = radius[i] + radius[j], r = radius[i];
+        if (j == i || !(square < sum * sum) || sqrt(square) + radius[j] <= r) continue;
+        cap[m].d = d, cap[m].h = 0.5 * (square + (r - radius[j]) * (r + radius[j])) / r;
+        cap[m].across = sqrt(d.x * d.x + d.y * d.y), cap[m].angle = riddle_atan2(d.y, d.x);
+        m++;
+    }
+    return m;
+}
+
+/* Returns whether a direction is covered by another cap than a and b, by more than rounding. */
+static inline int dem__is_covered(int m, const dem__cover *cap, dem_vec n, int a, int b) {
+    for (int k = 0; k < m; k++) {
+        if (k != a && k != b && dem__dot(n, cap[k].d) > cap[k].h + 1e-11 * dem__length(cap[k].d)) return 1;
+    }
+    return 0;
+}
+
+/* Lists the latitudes, from -1 to 1, at which the exposed part changes its kind: where the rim of a cap is highest and
+   lowest, and where two rims meet. */
+static inline int dem__find_latitudes(int m, const dem__cover *cap, double *t) {
+    int count = 2;
+    t[0] = -1.0, t[1] = 1.0;
+    for (int a = 0; a < m; a++) {
+        const dem_vec d = cap[a].d;
+        const double square = dem__dot(d, d), left = square - cap[a].h * cap[a].h;
+        for (double side = -1.0; side < 2.0 && left > 0.0; side += 2.0) {
+            const double z = (cap[a].h * d.z + side * cap[a].across * sqrt(left)) / square;
+            dem_vec n = dem__scale(cap[a].h / square, d);
+            if (cap[a].across > 0.0) { /* up or down along the rim's plane */
+                const double up = side * sqrt(left) / (square * cap[a].across);
+                n = dem__plus(n, up, dem_vec3(-d.z * d.x, -d.z * d.y, cap[a].across * cap[a].across));
+            }
+            if (z > -1.0 && z < 1.0 && !(cap[a].across > 0.0 && dem__is_covered(m, cap, n, a, a))) t[count++] = z;
+        }
+        for (int b = 0; b < a; b++) {
+            const dem_vec axis = dem__cross(d, cap[b].d);
+            const double bb = dem__dot(cap[b].d, cap[b].d), ab = dem__dot(d, cap[b].d), det = dem__dot(axis, axis);
+            if (!(det > 1e-24 * square * bb)) continue;
+            const dem_vec foot = dem__plus(dem__scale((cap[a].h * bb - cap[b].h * ab) / det, d),
+                                           (cap[b].h * square - cap[a].h * ab) / det, cap[b].d);
+            const double rest = 1.0 - dem__dot(foot, foot);
+            for (double side = -1.0; side < 2.0 && rest > 0.0; side += 2.0) {
+                const dem_vec n = dem__plus(foot, side * sqrt(rest / det), axis);
+                if (n.z > -1.0 && n.z < 1.0 && !dem__is_covered(m, cap, n, a, b)) t[count++] = n.z;
+            }
+        }
+    }
+    return count;
+}
+
+/* Adds the arc of a latitude t between two angles. */
+static inline void dem__add_arc(dem__exposed *e, double weight, double t, double from, double to) {
+    const double across = sqrt((1.0 - t) * (1.0 + t));
+    double in[4][4], side = -1.0; /* of cos^a sin^b */
+    memset(in, 0, sizeof in);
+    for (int k = 0; k < 2; k++, side = 1.0) {
+        const double angle = k ? to : from, c = riddle_cos(angle), s = riddle_sin(angle);
+        in[0][0] += side * angle, in[1][0] += side * s, in[0][1] -= side * c;
+        in[2][0] += side * 0.5 * (angle + s * c), in[0][2] += side * 0.5 * (angle - s * c);
+        in[1][1] += side * 0.5 * s * s, in[3][0] += side * (s - s * s * s / 3.0);
+        in[2][1] -= side * c * c * c / 3.0, in[1][2] += side * s * s * s / 3.0;
+        in[0][3] += side * (c * c * c / 3.0 - c);
+    }
+    for (int a = 0; a < 4; a++) {
+        for (int b = 0; a + b < 4; b++) {
+            in[a][b] *= weight;
+            for (int k = 0; k < a + b; k++) in[a][b] *= across;
+        }
+    }
+    e->zero += in[0][0];
+    for (int p = 0; p < 3; p++) {
+        e->one[p] += in[p == 0][p == 1] * (p == 2 ? t : 1.0);
+        for (int q = 0; q < 3; q++) {
+            const double z = (p == 2 ? t : 1.0) * (q == 2 ? t : 1.0);
+            e->two[p][q] += in[(p == 0) + (q == 0)][(p == 1) + (q == 1)] * z;
+            for (int s = 0; s < 3; s++)
+                e->three[p][q][s] +=
+                    in[(p == 0) + (q == 0) + (s == 0)][(p == 1) + (q == 1) + (s == 1)] * z * (s == 2 ? t : 1.0);
+        }
+    }
+}
+
+/* Adds the exposed arcs of a latitude. */
+static inline void dem__add_latitude(dem__exposed *e, double weight, double t, int m, const dem__cover *cap) {
+    double begin[2 * DEM__CAPS], end[2 * DEM__CAPS], from = -RIDDLE_PI;
+    const double across = sqrt((1.0 - t) * (1.0 + t));
+    int arcs = 0;
+    for (int k = 0; k < m; k++) {
+        const double most = across * cap[k].across, least = cap[k].h - t * cap[k].d.z;
+        if (least >= most) continue;
+        if (least <= -most) return; /* all is covered */
+        const double half = riddle_acos(least / most);
+        double a = cap[k].angle - half, b = cap[k].angle + half;
+        if (a < -RIDDLE_PI) begin[arcs] = a + 2.0 * RIDDLE_PI, end[arcs++] = RIDDLE_PI, a = -RIDDLE_PI;
+        if (b > RIDDLE_PI) begin[arcs] = -RIDDLE_PI, end[arcs++] = b - 2.0 * RIDDLE_PI, b = RIDDLE_PI;
+        begin[arcs] = a, end[arcs++] = b;
+    }
+    for (int k = 1; k < arcs; k++) {
+        const double a = begin[k], b = end[k];
+        int q = k;
+        for (; q > 0 && begin[q - 1] > a; q--) begin[q] = begin[q - 1], end[q] = end[q - 1];
+        begin[q] = a, end[q] = b;
+    }
+    for (int k = 0; k <= arcs; k++) {
+        const double to = k < arcs ? begin[k] : RIDDLE_PI;
+        if (to > from) dem__add_arc(e, weight, t, from, to);
+        if (k < arcs && end[k] > from) from = end[k];
+    }
+}
+
+/* A part of the latitudes t = middle + half sin(pi/2 s) between two of them, from one s to another. */
+typedef struct dem__zone {
+    double middle, half, from, to;
+} dem__zone;
+
+/* Integrates over a zone by Gauss's rule with 16 points. */
+static inline void dem__add_zone(dem__exposed *e, const dem__zone *z, int m, const dem__cover *cap) {
+    static const double node[8] = {0.095012509837637441, 0.28160355077925892, 0.45801677765722737, 0.61787624440264377,
+                                   0.755404408355003,    0.86563120238783176, 0.9445750230732326,  0.98940093499164994};
+    static const double part[8] = {0.18945061045506847, 0.18260341504492361,  0.16915651939500256,  0.14959598881657682,
+                                   0.12462897125553395, 0.095158511682492897, 0.062253523938647776, 0.027152459411754058};
+    const double half = 0.25 * RIDDLE_PI * (z->to - z->from), middle = 0.25 * RIDDLE_PI * (z->to + z->from);
+    for (int g = 0; g < 16; g++) {
+        const double s = middle + half * (g < 8 ? -node[7 - g] : node[g - 8]);
+        const double weight = half * z->half * riddle_cos(s) * part[g < 8 ? 7 - g : g - 8];
+        dem__add_latitude(e, weight, z->middle + z->half * riddle_sin(s), m, cap);
+    }
+}
+
+static inline void dem__add_exposed(dem__exposed *e, const dem__exposed *of) {
+    e->zero += of->zero;
+    for (int p = 0; p < 3; p++) {
+        e->one[p] += of->one[p];
+        for (int q = 0; q < 3; q++) {
+            e->two[p][q] += of->two[p][q];
+            for (int s = 0; s < 3; s++) e->three[p][q][s] += of->three[p][q][s];
+        }
+    }
+}
+
+/* Integrates over a zone; halves it where its integrals change by that: a rim ends close beyond it. */
+enum { DEM__HALVINGS = 12 };
+static inline void dem__expose_zone(dem__exposed *e, dem__zone z, int m, const dem__cover *cap) {
+    dem__zone left[DEM__HALVINGS + 1]; /* to be done, each half as wide as the one before */
+    int todo = 0;
+    left[todo++] = z;
+    while (todo > 0) {
+        dem__exposed whole, halves;
+        dem__zone low = left[--todo], high = low;
+        memset(&whole, 0, sizeof whole), memset(&halves, 0, sizeof halves);
+        low.to = high.from = 0.5 * (high.from + high.to);
+        dem__add_zone(&whole, &left[todo], m, cap);
+        dem__add_zone(&halves, &low, m, cap), dem__add_zone(&halves, &high, m, cap);
+        const double change = fabs(halves.zero - whole.zero) + fabs(halves.one[0] - whole.one[0]) +
+                              fabs(halves.one[1] - whole.one[1]) + fabs(halves.two[2][2] - whole.two[2][2]);
+        if (change > 1e-13 && todo + 2 <= DEM__HALVINGS) left[todo++] = high, left[todo++] = low;
+        else dem__add_exposed(e, &halves);
+    }
+}
+
+/* Integrates over what is exposed of a ball. */
+static inline void dem__expose(int m, const dem__cover *cap, dem__exposed *e) {
+    double t[DEM__LATITUDES];
+    const int count = dem__find_latitudes(m, cap, t);
+    memset(e, 0, sizeof *e);
+    for (int k = 1; k < count; k++) {
+        const double x = t[k];
+        int q = k;
+        for (; q > 0 && t[q - 1] > x; q--) t[q] = t[q - 1];
+        t[q] = x;
+    }
+    for (int k = 1; k < count; k++) {
+        const dem__zone z = {0.5 * (t[k] + t[k - 1]), 0.5 * (t[k] - t[k - 1]), -1.0, 1.0};
+        if (z.half > 1e-16) dem__expose_zone(e, z, m, cap);
+    }
+}
+
+/* Adds what the exposed surface of a ball at c encloses with the origin. */
+static inline void dem__add_enclosed(dem__content *to, const dem__exposed *e, dem_vec c, double r) {
+    const double centre[3] = {c.x, c.y, c.z};
+    double zero = r * e->zero, one[3], first[3], second[3][3]; /* of (x n) times 1, n, n n; then of x, x x */
+    for (int p = 0; p < 3; p++) zero += centre[p] * e->one[p];
+    for (int p = 0; p < 3; p++) {
+        one[p] = r * e->one[p];
+        for (int s = 0; s < 3; s++) one[p] += centre[s] * e->two[p][s];
+        first[p] = centre[p] * zero + r * one[p];
+    }
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++) {
+            double two = r * e->two[p][q];
+            for (int s = 0; s < 3; s++) two += centre[s] * e->three[p][q][s];
+            second[p][q] = centre[p] * centre[q] * zero + r * (centre[p] * one[q] + centre[q] * one[p] + r * two);
+        }
+    }
+    const double area = r * r;
+    to->volume += area / 3.0 * zero;
+    to->first = dem__plus(to->first, 0.25 * area, dem_vec3(first[0], first[1], first[2]));
+    for (int p = 0; p < 3; p++)
+        to->second[p] += 0.2 * area * second[p][p], to->second[3 + p] += 0.2 * area * second[p][(p + 1) % 3];
+}
+
+/* Adds a content that was found about another origin. */
+static inline void dem__add_shifted(dem__content *to, const dem__content *of, dem_vec origin) {
+    const double o[3] = {origin.x, origin.y, origin.z}, f[3] = {of->first.x, of->first.y, of->first.z};
+    to->volume += of->volume;
+    to->first = dem__add(to->first, dem__plus(of->first, of->volume, origin));
+    for (int p = 0; p < 3; p++) {
+        const int q = (p + 1) % 3;
+        to->second[p] += of->second[p] + 2.0 * o[p] * f[p] + of->volume * o[p] * o[p];
+        to->second[3 + p] += of->second[3 + p] + o[p] * f[q] + o[q] * f[p] + of->volume * o[p] * o[q];
+    }
+}
+
+/* Adds the union of balls. Those that hang together are integrated about one of them, so that nothing is lost however
+   far apart others are. */
+static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
+    int of[DEM_CLUMP_MAX]; /* the first ball of those that hang together */
+    dem__cover cap[DEM__CAPS];
+    dem__exposed e;
+    dem__content own;
+    for (int k = 0; k < n; k++) of[k] = k;
+    for (int a = 0; a < n; a++) {
+        for (int b = 0; b < a; b++) {
+            const dem_vec d = dem__sub(centre[a], centre[b]);
+            const double sum = radius[a] + radius[b];
+            const int low = of[a] < of[b] ? of[a] : of[b], high = of[a] < of[b] ? of[b] : of[a];
+            if (!(dem__dot(d, d) < sum * sum)) continue;
+            for (int k = 0; k < n; k++) of[k] = of[k] == high ? low : of[k];
+        }
+    }
+    for (int first = 0; first < n; first++) {
+        memset(&own, 0, sizeof own);
+        for (int k = first; k < n; k++) {
+            if (of[k] != first) continue;
+            dem__expose(dem__find_caps(n, centre, radius, k, cap), cap, &e);
+            dem__add_enclosed(&own, &e, dem__sub(centre[k], centre[first]), radius[k]);
+        }
+        dem__add_shifted(c, &own, centre[first]);
+    }
+}
+
+/* ------------------------------------------------------------------------------------------ >>bodies/clump_shape.h */
+/* Mass properties of bodies made of spheres. Promises: what dem_make_clump says. */
+
+static inline void dem__add_content(dem__content *c, double weight, double volume, dem_vec at, dem_vec spread) {
+    const double v = weight * volume;
+    c->volume += v;
+    c->first = dem__plus(c->first, v, at);
+    c->second[0] += v * (at.x * at.x + spread.x), c->second[1] += v * (at.y * at.y + spread.y),
+        c->second[2] += v * (at.z * at.z + spread.z);
+    c->second[3] += v * at.x * at.y, c->second[4] += v * at.y * at.z, c->second[5] += v * at.z * at.x;
+}
+
+/* Adds a sphere, exactly: r^2/5 is its mean square along an axis. */
+static inline void dem__add_ball(dem__content *c, double weight, dem_vec at, double r) {
+    const double spread = 0.2 * r * r;
+    dem__add_content(c, weight, 4.0 / 3.0 * RIDDLE_PI * r * r * r, at, dem_vec3(spread, spread, spread));
+}
+
+/* Returns the first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL if
+   there is none. */
+static inline double dem__next_end(int n, const double *at, const double *radius, double x) {
+    double next = HUGE_VAL;
+    for (int i = 0; i < n; i++) {
+        const double begin = at[i] - radius[i], end = at[i] + radius[i];
+        next = begin > x && begin < next ? begin : next;
+        next = end > x && end < next ? end : next;
+        for (int j = 0; j < i; j++) {
+            const double meet =
+                0.5 * (at[i] + at[j] + (radius[j] * radius[j] - radius[i] * radius[i]) / (at[i] - at[j]));
+            if (at[i] != at[j] && meet > x && meet < next) next = meet;
+        }
+    }
+    return next;
+}
+
+/* Adds spheres whose centres lie on a line from `from` along the unit vector u: a body of revolution. Its squared
+   radius is the greatest of parabolas in x. Between the places where another one becomes the greatest, the integrands
+   are polynomials, which Gauss's rule with five points integrates exactly. */
+static inline void dem__add_revolution(dem__content *c, int n, const double *at, const double *radius, dem_vec from,
+                                       dem_vec u) {
+    static const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309,
+                                   0.90617984593866399};
+    static const double weight[5] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889, 0.47862867049936647,
+                                     0.23692688505618909};
+    double begin = dem__next_end(n, at, radius, -HUGE_VAL);
+    for (double end; (end = dem__next_end(n, at, radius, begin)) < HUGE_VAL; begin = end) {
+        const double half = 0.5 * (end - begin), middle = 0.5 * (end + begin);
+        for (int g = 0; g < 5; g++) {
+            const double x = middle + half * node[g];
+            double square = 0.0;
+            for (int i = 0; i < n; i++) {
+                const double s = radius[i] * radius[i] - (x - at[i]) * (x - at[i]);
+                square = s > square ? s : square;
+            }
+            const double q = 0.25 * square; /* mean square of a disc along its diameter */
+            dem__add_content(c, half * weight[g], RIDDLE_PI * square, dem__plus(from, x, u),
+                             dem_vec3(q * (1.0 - u.x * u.x), q * (1.0 - u.y * u.y), q * (1.0 - u.z * u.z)));
+            c->second[3] -= half * weight[g] * RIDDLE_PI * square * q * u.x * u.y;
+            c->second[4] -= half * weight[g] * RIDDLE_PI * square * q * u.y * u.z;
+            c->second[5] -= half * weight[g] * RIDDLE_PI * square * q * u.z * u.x;
+        }
+    }
+}
+
+/* Returns the principal moments of a symmetric tensor t = xx, yy, zz, xy, yz, zx, by Jacobi's rotations; axes: the
+   principal axes. A diagonal tensor is left as it is. */
+static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
+    double a[3][3] = {{t[0], t[3], t[5]}, {t[3], t[1], t[4]}, {t[5], t[4], t[2]}};
+    dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    for (int sweep = 0; sweep < 60; sweep++) {
+        const int p = sweep % 3, r = (p + 1) % 3, o = (p + 2) % 3;
+        const double least = 1e-15 * (fabs(a[0][0]) + fabs(a[1][1]) + fabs(a[2][2]));
+        if (!(fabs(a[p][r]) > least)) continue;
+        const double theta = 0.5 * (a[r][r] - a[p][p]) / a[p][r];
+        const double tangent = (theta >= 0.0 ? 1.0 : -1.0) / (fabs(theta) + sqrt(theta * theta + 1.0));
+        const double c = 1.0 / sqrt(tangent * tangent + 1.0), s = tangent * c, app = a[p][p], arr = a[r][r],
+                     apo = a[p][o], aro = a[r][o];
+        a[p][p] = app - tangent * a[p][r], a[r][r] = arr + tangent * a[p][r], a[p][r] = a[r][p] = 0.0;
+        a[p][o] = a[o][p] = c * apo - s * aro, a[r][o] = a[o][r] = s * apo + c * aro;
+        /* new axes: e_p' = c e_p - s e_r, e_r' = s e_p + c e_r: a turn about e_o by -angle */
+        const double half_c = sqrt(0.5 * (1.0 + c)), half_s = -0.5 * s / half_c;
+        q = dem__turns(
+            q, dem__quaternion(half_c, dem_vec3(o == 0 ? half_s : 0.0, o == 1 ? half_s : 0.0, o == 2 ? half_s : 0.0)));
+    }
+    *axes = dem__kept_unit(q);
+    return dem_vec3(a[0][0], a[1][1], a[2][2]);
+}
+
+/* Makes moments equal that differ by less than their accuracy: then free rotation is exact. */
+static inline void dem__merge_moments(dem_vec *moments, double known) {
+    double *m[3] = {&moments->x, &moments->y, &moments->z};
+    for (int k = 0; k < 3; k++) {
+        double *a = m[k], *b = m[(k + 1) % 3];
+        if (fabs(*a - *b) <= known * *a) *a = *b = 0.5 * (*a + *b);
+    }
+    if (fabs(moments->x - moments->y) <= known * moments->x && fabs(moments->y - moments->z) <= known * moments->x)
+        moments->x = moments->y = moments->z = (moments->x + moments->y + moments->z) / 3.0;
+}
+
+/* Returns whether all centres lie on a line; u: its direction; at: where they are on it, from the first centre. */
+static inline int dem__are_on_a_line(int n, const dem_vec *centre, double size, dem_vec *u, double *at) {
+    double most = 0.0;
+    *u = dem_vec3(1.0, 0.0, 0.0);
+    for (int k = 1; k < n; k++) {
+        const dem_vec d = dem__sub(centre[k], centre[0]);
+        const double length = dem__length(d);
+        if (length > most) most = length, *u = dem__scale(1.0 / length, d);
+    }
+    for (int k = 0; k < n; k++) {
+        const dem_vec d = dem__sub(centre[k], centre[0]);
+        at[k] = dem__dot(d, *u);
+        if (!(dem__length(dem__plus(d, -at[k], *u)) <= 1e-12 * size)) return 0;
+    }
+    return 1;
+}
+
+/* Removes spheres that lie within another, which touch nothing. Returns the number of the rest, in their order. */
+static inline int dem__drop_inner(int n, dem_vec *centre, double *radius) {
+    int kept = 0;
+    for (int k = 0; k < n; k++) {
+        int inner = 0;
+        for (int o = 0; o < n && !inner; o++) {
+            const int twin = radius[o] == radius[k] && o > k; /* of equal spheres the first stays */
+            inner =
+                o != k && !twin && dem__length(dem__sub(centre[o], centre[k])) + radius[k] <= (1.0 + 1e-12) * radius[o];
+        }
+        if (!inner) centre[kept] = centre[k], radius[kept++] = radius[k];
+    }
+    return kept;
+}
+
+DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump) {
+    dem_clump c;
+    dem__content content;
+    double size = 0.0, at[DEM_CLUMP_MAX];
+    int order[3];
+    dem_vec u;
+    if (!centres || !diameters || !clump || n < 1) return DEM_BAD_ARGUMENT;
+    if (n > DEM_CLUMP_MAX) return DEM_TOO_MANY;
+    memset(&c, 0, sizeof c), memset(&content, 0, sizeof content);
+    for (int k = 0; k < n; k++) {
+        const dem_vec x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
+        if (!(diameters[k] >= 1e-30 && diameters[k] <= 1e30) || !(dem__length(x) <= 1e30)) return DEM_BAD_ARGUMENT;
+        c.radius[k] = 0.5 * diameters[k], c.centre[k] = x;
+        const double extent = dem__length(dem__sub(x, c.centre[0])) + c.radius[k];
+        size = extent > size ? extent : size;
+    }
+    const dem_vec from =
+        c.centre[0]; /* moments about a point inside, with lengths over the size: no number is too large */
+    for (int k = 0; k < n; k++) c.centre[k] = dem__scale(1.0 / size, dem__sub(c.centre[k], from)), c.radius[k] /= size;
+    c.spheres = dem__drop_inner(n, c.centre, c.radius);
+    const int line = dem__are_on_a_line(c.spheres, c.centre, 1.0, &u, at);
+    if (c.spheres == 1) dem__add_ball(&content, 1.0, c.centre[0], c.radius[0]);
+    else if (line) dem__add_revolution(&content, c.spheres, at, c.radius, c.centre[0], u);
+    else dem__add_union(&content, c.spheres, c.centre, c.radius);
+    const double v = content.volume, *s = content.second;
+    const dem_vec m = dem__scale(1.0 / v, content.first);
+    const double xx = s[0] - v * m.x * m.x, yy = s[1] - v * m.y * m.y, zz = s[2] - v * m.z * m.z;
+    const double tensor[6] = {
+        yy + zz, zz + xx, xx + yy, v * m.x * m.y - s[3], v * m.y * m.z - s[4], v * m.z * m.x - s[5]};
+    c.moments = dem__clump_axes(tensor, &c.axes);
+    dem__merge_moments(&c.moments, c.spheres == 1 || line ? 1e-12 : 1e-9);
+    dem__order_moments(&c.moments, &c.axes, order);
+    for (int k = 0; k < c.spheres; k++) c.centre[k] = dem__scale(size, dem__sub(c.centre[k], m)), c.radius[k] *= size;
+    c.origin = dem__plus(from, size, m);
+    c.volume = v * size * size * size;
+    c.moments = dem__scale(size * size * size * size * size, c.moments);
+    if (!dem__positive(c.volume) || !dem__positive(c.moments.x) || !dem__positive(c.moments.y) ||
+        !dem__positive(c.moments.z))
+        return DEM_BAD_ARGUMENT;
+    c.add__ = dem_add_clumps;
+    *clump = c;
+    return DEM_OK;
+}
+
+/* ----------------------------------------------------------------------------------------------------- >>gas/gas.h */
+/* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures. */
+
+DEM_API dem_gas dem_default_gas(void) {
+    dem_gas gas;
+    memset(&gas, 0, sizeof gas);
+    gas.density = 1.2;
+    gas.viscosity = 1.81e-5;
+    gas.shape[0] = 24.0, gas.shape[1] = 3.0, gas.shape[2] = 0.42;
+    gas.low = dem_vec3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL);
+    gas.high = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
+    gas.axis = dem_vec3(0.0, 0.0, 1.0);
+    return gas;
+}
+
+static inline int dem__is_grid(const dem_gas *gas) {
+    double number = 1.0;
+    for (int a = 0; a < 3; a++) {
+        if (gas->n[a] < 2 || !dem__positive(dem_axis(gas->high, a) - dem_axis(gas->low, a))) return 0;
+        number *= gas->n[a];
+    }
+    return number < 1073741824.0;
+}
+
+/* Returns the name of the first bad field, or NULL. */
+DEM__STATIC const char *dem__bad_gas(const dem_gas *gas) {
+    if (!gas) return "gas";
+    if (!dem__positive(gas->density)) return "density";
+    if (!dem__positive(gas->viscosity)) return "viscosity";
+    for (int k = 0; k < 3; k++) {
+        if (!dem__not_negative(gas->shape[k])) return "shape";
+        if (!(dem_axis(gas->high, k) > dem_axis(gas->low, k))) return "high";
+    }
+    if ((gas->velocity || gas->pressure_gradient || gas->porosity) && !dem__is_grid(gas)) return "n";
+    if (!dem__finite_vec(gas->centre)) return "centre";
+    if (!dem__finite_vec(gas->axis) || !(fabs(dem__length(gas->axis) - 1.0) < 1e-9)) return "axis";
+    if (!dem__moderate_vec(gas->drift)) return "drift";
+    if (!dem__moderate(gas->spin)) return "spin";
+    return dem__finite(gas->start) ? NULL : "start";
+}
+
+DEM_API dem_status dem_check_gas(const dem_gas *gas, const char **field) {
+    const char *bad = dem__bad_gas(gas);
+    if (field) *field = bad;
+    return bad ? DEM_BAD_DEFINITION : DEM_OK;
+}
+
+DEM_API dem_force_field dem_gas_field(dem_field_fn kernel, const dem_gas *gas) {
+    dem_force_field field = dem_default_force_field(kernel, gas);
+    for (int a = 0; gas && a < 3; a++) {
+        const double half =
+            0.5 * (dem_axis(gas->high, a) - dem_axis(gas->low, a)) / (gas->n[a] > 1 ? gas->n[a] - 1 : 1);
+        field.length = half < field.length ? half : field.length;
+    }
+    return field;
+}
+
+DEM_API dem_status dem_attach_gas(dem_gas *gas, const dem_world *world, int wall) {
+    if (!gas || !world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    const dem_wall *w = &world->wall[wall];
+    if (w->asked.drive != DEM_KINEMATIC || w->asked.frequency != 0.0) return DEM_BAD_ARGUMENT;
+    gas->start = world->time;
+    gas->drift = w->asked.drift;
+    gas->spin = w->spin;
+    if (w->spin == 0.0) return DEM_OK;
+    gas->axis = w->spin_axis;
+    gas->centre = dem__plus(w->asked.spin_centre, world->time - w->asked.motion_start, w->asked.drift);
+    return DEM_OK;
+}
+
+DEM_API dem_vec dem_gas_velocity(const dem_gas *gas, dem_vec position, double time) {
+    const dem_vec none = dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    dem__gas_cell cell;
+    if (dem__bad_gas(gas)) return none;
+    const dem__gas_frame f = dem__gas_frame_at(gas, time);
+    const dem_vec place = dem__turned(gas, &f, dem__sub(position, f.centre), -1.0);
+    return dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell) ? dem__gas_speed(gas, &f, &cell, position) : none;
+}
+
+DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, double *porosity) {
+    const dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !porosity || dem__bad_gas(gas) || !dem__is_grid(gas)) return DEM_BAD_ARGUMENT;
+    const ptrdiff_t row = gas->n[0], layer = row * gas->n[1], all = layer * gas->n[2];
+    const dem__gas_frame f = dem__gas_frame_at(gas, w->time);
+    double size = 1.0;
+    for (int a = 0; a < 3; a++) size *= (dem_axis(gas->high, a) - dem_axis(gas->low, a)) / (gas->n[a] - 1);
+    for (ptrdiff_t k = 0; k < all; k++) porosity[k] = 0.0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        dem__gas_cell cell;
+        const double d = 2.0 * dem__size_in_field(w, i);
+        const dem_vec place = dem__turned(gas, &f, dem__sub(dem_get_body(w, i).position, f.centre), -1.0);
+        if (w->alive[i] <= 0 || !dem__leads(w, i) || !dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell))
+            continue;
+        for (int corner = 0; corner < 8; corner++) {
+            ptrdiff_t node = cell.first;
+            double share = RIDDLE_PI / 6.0 * d * d * d;
+            for (int a = 0; a < 3; a++) {
+                node += corner >> a & 1 ? cell.next[a] : 0;
+                share *= corner >> a & 1 ? cell.part[a] : 1.0 - cell.part[a];
+            }
+            porosity[node] += share;
+        }
+    }
+    for (ptrdiff_t k = 0; k < all; k++) {
+        const ptrdiff_t at[3] = {k % row, k / row % gas->n[1], k / layer};
+        double room = size; /* volume of the node: half a cell less at a face of the grid */
+        for (int a = 0; a < 3; a++) room *= at[a] == 0 || at[a] == gas->n[a] - 1 ? 0.5 : 1.0;
+        const double left = 1.0 - porosity[k] / room;
+        porosity[k] = left > 0.2 ? left : 0.2;
+    }
+    return DEM_OK;
+}
+
+DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengthwise, double shape[3]) {
+    const double psi[3] = {sphericity, crosswise, lengthwise};
+    if (!shape) return;
+    for (int k = 0; k < 3; k++) shape[k] = (double)NAN;
+    for (int k = 0; k < 3; k++) {
+        if (!(psi[k] > 0.0 && psi[k] <= (k == 0 ? 1.0 : 100.0))) return;
+    }
+    const double flat = -riddle_log(sphericity) / 2.302585092994045684; /* -log10 */
+    shape[0] = 8.0 / sqrt(lengthwise) + 16.0 / sqrt(sphericity);
+    shape[1] = 3.0 / sqrt(sphericity * sqrt(sphericity));
+    shape[2] = 0.42 / crosswise;
+    if (flat > 0.0) shape[2] *= riddle_exp(2.302585092994045684 * 0.4 * riddle_exp(0.2 * riddle_log(flat)));
+}
+
+/* -------------------------------------------------------------------------------------------- >>measure/branches.h */
+/* The forces between particles and the vectors along which they act: what a stress is made of. */
+
+/* Returns the vector from the centre of particle i's body to the particle; 0 for a sphere. */
+static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__to_lab(dem__posture_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i])
+             : dem_vec3(0.0, 0.0, 0.0);
+}
+
+/* Return how many forces act between particles, and one of them: contacts come first, then those of features. */
+static inline ptrdiff_t dem__forces(const dem_world *w) {
+    ptrdiff_t n = w->engine->contacts.count;
+    for (int k = 0; k < w->engine->features; k++)
+        n += w->engine->feature[k]->forces ? w->engine->feature[k]->forces(w) : 0;
+    return n;
+}
+static inline dem_contact_info dem__get_force(const dem_world *w, ptrdiff_t k) {
+    const dem__feature *const *f = w->engine->feature;
+    if (k < w->engine->contacts.count) return dem_get_contact(w, k);
+    for (k -= w->engine->contacts.count; !(*f)->forces || k >= (*f)->forces(w); f++) {
+        if ((*f)->forces) k -= (*f)->forces(w);
+    }
+    return (*f)->force(w, k);
+}
+
+/* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's
+   point, to i's centre; of bodies, to their centres of mass. Returns 0 if it carries no force. */
+static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, dem_vec *to, dem_vec *force) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem_contact_info c = dem__get_force(w, k);
+    *to = dem_position(w, c.i);
+    *force = c.force;
+    if (c.j >= 0) *from = dem__sub(*to, dem__nearest_image(w, dem__sub(*to, dem_position(w, c.j))));
+    else if (k < contacts->count && dem__shape_of(w, c.i)) {
+        const ptrdiff_t slot = dem__slot_of(w, k);
+        *from = dem__add(
+            *to, dem__plus(dem__place_arm(w, slot), -dem__touching_radius(w, c.i) - c.gap, dem__place_normal(w, slot)));
+    } else {
+        dem__touch touch;
+        dem__touch_place(w, k < contacts->count ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to,
+                         w->particle[c.i].radius, c.element, &touch);
+        *from = dem__sub(*to, dem__scale(w->particle[c.i].radius + touch.gap, touch.normal));
+    }
+    if (w->engine->bodies.rigid) {
+        *to = dem__sub(*to, dem__arm_now(w, c.i));
+        if (c.j >= 0) *from = dem__sub(*from, dem__arm_now(w, c.j));
+    }
+    return dem__dot(c.force, c.force) > 0.0;
+}
+
+/* ------------------------------------------------------------------------------------------------- >>bodies/save.h */
+/* Rigid bodies in a saved world. */
+
+/* Lists the fields of rigid bodies present. bodies.rigid_of follows from `first` and `pieces`. */
+static inline void dem__body_fields(dem__rigid *r, dem__group *g) {
+    const size_t s = sizeof *r;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("body.first", r->first, s),   DEM__INTEGER("body.pieces", r->pieces, s),
+        DEM__DOUBLES("body.x", r->x, s),           DEM__DOUBLES("body.v", r->v, s),
+        DEM__DOUBLES("body.a", r->a, s),           DEM__DOUBLES("body.momentum", r->momentum, s),
+        DEM__DOUBLES("body.torque", r->torque, s), DEM__DOUBLES("body.turn", r->turn, s),
+        DEM__DOUBLES("body.frame", r->frame, s),   DEM__DOUBLES("body.moments", r->moments, s),
+        DEM__DOUBLES("body.mass", r->mass, s),
+    };
+    dem__set_fields(g, fields, sizeof fields, 11);
+}
+
+static inline void dem__particle_fields_of_bodies(dem_world *w, dem__group *g) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__saved_field pieces[] = {
+        DEM__DOUBLES("particle.offset", bodies->offset[0], sizeof *bodies->offset),
+        DEM__DOUBLES("particle.arm", bodies->arm[0], sizeof *bodies->arm),
+    };
+    dem__add_optional(g, pieces, sizeof pieces);
+}
+
+static inline void dem__save_bodies(dem__stream *s, dem_world *w, dem__group *g) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const uint64_t present = (uint64_t)dem__bodies_present(w);
+    if (present == 0) return;
+    dem__body_fields(bodies->rigid, g);
+    for (int q = 0; q < g->fields; q++) {
+        dem__begin_record(s, &g->field[q], present);
+        for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
+            if (w->alive[bodies->rigid[k].first]) dem__write_entry(s, w, &g->field[q], k, q == 0);
+        }
+    }
+}
+
+static inline int dem__has_bodies(const dem__file *file, const dem_world *w) {
+    (void)w;
+    return dem__entries_of(file, "body.first") > 0;
+}
+
+/* Reads rigid bodies, and assigns their particles to them. */
+static inline dem_status dem__load_bodies(const dem__file *file, dem_world *w, dem__group *g) {
+    const ptrdiff_t n = dem__entries_of(file, "body.first");
+    dem__bodies *bodies = &w->engine->bodies;
+    if (!dem__grow_bodies(w, n)) return DEM_OUT_OF_MEMORY;
+    dem__body_fields(bodies->rigid, g);
+    memset(bodies->rigid, 0, (size_t)n * sizeof *bodies->rigid);
+    if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
+    for (bodies->rigid_count = 0; bodies->rigid_count < n;) {
+        const dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
+        const dem_quaternion t = r->turn;
+        if (r->first < 0 || r->pieces < 1 || r->first > w->count - r->pieces) return DEM_BAD_DATA;
+        if (!dem__positive(r->moments.x) || !dem__positive(r->moments.y) || !dem__positive(r->moments.z) ||
+            !dem__positive(r->mass))
+            return DEM_BAD_DATA;
+        if (!(fabs(t.w * t.w + t.x * t.x + t.y * t.y + t.z * t.z - 1.0) < 1e-6)) return DEM_BAD_DATA;
+        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+            if (dem__is_fixed(w, i) != dem__is_fixed(w, r->first)) return DEM_BAD_DATA;
+            if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin ||
+                w->particle[i].mass != r->mass)
+                return DEM_BAD_DATA;
+            bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
+        }
+    }
+    return DEM_OK;
+}
+
+static inline void dem__hash_rigid(uint64_t *hash, const dem_world *w, const dem__rigid *r) {
+    dem__hash_i64(hash, w->engine->bodies.number[r->first]), dem__hash_i64(hash, r->pieces);
+    dem__hash_vec(hash, r->x), dem__hash_vec(hash, r->v), dem__hash_vec(hash, r->a);
+    dem__hash_vec(hash, r->momentum), dem__hash_vec(hash, r->torque);
+    dem__hash_quaternion(hash, r->turn), dem__hash_quaternion(hash, r->frame);
+    dem__hash_vec(hash, r->moments), dem__hash_f64(hash, &r->mass, 1);
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++)
+        dem__hash_vec(hash, w->engine->bodies.offset[i]), dem__hash_vec(hash, w->engine->bodies.arm[i]);
+}
+
+static inline void dem__hash_rigids(uint64_t *hash, const dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const int64_t present = dem__bodies_present(w);
+    if (present > 0) dem__hash_i64(hash, present);
+    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
+        if (w->alive[bodies->rigid[k].first]) dem__hash_rigid(hash, w, &bodies->rigid[k]);
+    }
+}
+
+/* -------------------------------------------------------------------------------------------------- >>bodies/add.h */
+/* Rigid bodies as a feature of a world, and adding one. */
+
+static inline int dem__list_arrays_of_bodies(dem_world *w, dem__array *list) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__array arrays[] = {{&bodies->rigid_of, sizeof *bodies->rigid_of},
+                                 {&bodies->offset, sizeof *bodies->offset},
+                                 {&bodies->arm, sizeof *bodies->arm}};
+    memcpy(list, arrays, sizeof arrays);
+    return (int)(sizeof arrays / sizeof *arrays);
+}
+
+static inline void dem__release_bodies(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__release(&w->def.allocator, bodies->rigid, (size_t)bodies->rigid_capacity * sizeof *bodies->rigid);
+}
+
+static inline void dem__add_unattached(dem_world *w, ptrdiff_t i) { w->engine->bodies.rigid_of[i] = 0; }
+
+/* Renumbers rigid bodies and their first particles after dropped particles have been removed. Bodies are in the order
+   of their particles. */
+static inline void dem__renumber_bodies(dem_world *w, const int32_t *number) {
+    dem__bodies *bodies = &w->engine->bodies;
+    ptrdiff_t n = 0;
+    (void)number;
+    for (ptrdiff_t i = 0; i < w->count && bodies->rigid; i++) {
+        if (bodies->rigid_of[i] == 0) continue;
+        dem__rigid *r = &bodies->rigid[n++];
+        *r = bodies->rigid[bodies->rigid_of[i] - 1];
+        r->first = (int32_t)i;
+        for (ptrdiff_t end = i + r->pieces; i < end; i++) bodies->rigid_of[i] = (int32_t)n;
+        i--;
+    }
+    if (bodies->rigid) bodies->rigid_count = n;
+}
+
+static inline const dem__feature *dem__feature_bodies(void) {
+    static const dem__feature row = {
+        5,                              /* place */
+        0,                              /* adds_loads */
+        0,                              /* exclusive */
+        dem__list_arrays_of_bodies,     /* list_arrays */
+        NULL,                           /* list_contact_arrays */
+        dem__release_bodies,            /* release */
+        dem__add_unattached,            /* add_particle */
+        NULL,                           /* begin_change */
+        NULL,                           /* end_change */
+        NULL,                           /* set_time_step */
+        NULL,                           /* remove_particle */
+        dem__renumber_bodies,           /* renumber */
+        NULL,                           /* check_run */
+        NULL,                           /* prepare_run */
+        NULL,                           /* set_law */
+        NULL,                           /* find_forces */
+        NULL,                           /* forces_found */
+        NULL,                           /* begin_run */
+        NULL,                           /* begin_ledger */
+        NULL,                           /* end_run */
+        dem__note_strides,              /* keep_up */
+        NULL,                           /* listed */
+        NULL,                           /* drift */
+        NULL,                           /* begins_early */
+        NULL,                           /* begin_step */
+        NULL,                           /* follow */
+        NULL,                           /* detect */
+        NULL,                           /* contacts_begun */
+        NULL,                           /* add_forces */
+        NULL,                           /* end_contact */
+        NULL,                           /* leave */
+        NULL,                           /* begin_flights */
+        NULL,                           /* end_step */
+        NULL,                           /* forces */
+        NULL,                           /* force */
+        NULL,                           /* velocity_error */
+        NULL,                           /* correct_velocity */
+        NULL,                           /* open_books */
+        NULL,                           /* world_fields */
+        dem__particle_fields_of_bodies, /* particle_fields */
+        NULL,                           /* contact_fields */
+        dem__save_bodies,               /* save */
+        dem__has_bodies,                /* is_used */
+        NULL,                           /* load_first */
+        dem__load_bodies,               /* load */
+        NULL,                           /* loaded */
+        NULL,                           /* hash_particle */
+        NULL,                           /* hash_before_contacts */
+        dem__hash_rigids,               /* hash */
+    };
+    return &row;
+}
+
+/* Definition of a rigid body: see bodies/rigid.h. */
+typedef struct dem__body_def {
+    dem_vec x;             /* centre of mass [m] */
+    double mass;           /* [kg] */
+    dem_vec moments;       /* about the principal axes [kg m2] */
+    dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
+    dem_quaternion turn;   /* from that frame to the lab's axes */
+    ptrdiff_t pieces;      /* number of its particles */
+    const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
+    const double *radius;  /* [m] */
+    int material, group;
+} dem__body_def;
+
+/* Makes room for n more bodies with `pieces` particles in all. Returns 0 when out of memory. */
+static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
+    return dem__grow_bodies(w, n) && dem__take_feature(w, dem__feature_bodies()) == DEM_OK &&
+           dem__reserve_particles(w, pieces);
+}
+
+/* Adds a body at rest, for which dem__reserve_bodies has made room. Returns the number of its first particle. */
+static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
+    int order[3];
+    memset(r, 0, sizeof *r);
+    r->first = (int32_t)w->count, r->pieces = (int32_t)def->pieces;
+    r->x = dem__in_box(w, def->x), r->mass = def->mass, r->moments = def->moments, r->frame = def->frame;
+    dem__order_moments(&r->moments, &r->frame, order);
+    r->turn = dem__kept_unit(dem__turns(def->turn, r->frame));
+    for (ptrdiff_t k = 0; k < def->pieces; k++) {
+        const ptrdiff_t i = dem__put_particle(w, r->x, def->radius[k], def->mass, def->material, def->group);
+        const dem_vec from = def->offset[k];
+        bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
+        bodies->offset[i] = dem_vec3(dem_axis(from, order[0]), dem_axis(from, order[1]), dem_axis(from, order[2]));
+    }
+    dem__free_body(w, r);
+    dem__book_added(w, dem__potential(w, r->first));
+    w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
+    return r->first;
+}
+
+/* ----------------------------------------------------------------------------------------------- >>bodies/clumps.h */
+/* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body. */
+
+static inline int dem__is_clump(const dem_clump *c) {
+    dem_quaternion unit;
+    if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) ||
+        !dem__unit_turn(c->axes, &unit))
+        return 0;
+    const dem_vec m = c->moments;
+    if (!dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
+    const double most = (1.0 + 1e-6) * (m.x + m.y + m.z); /* no moment exceeds the sum of the two others */
+    if (2.0 * m.x > most || 2.0 * m.y > most || 2.0 * m.z > most) return 0;
+    for (int k = 0; k < c->spheres; k++) {
+        if (!dem__positive(c->radius[k]) || !dem__finite_vec(c->centre[k])) return 0;
+    }
+    return 1;
+}
+
+DEM_API double dem_clump_diameter(const dem_clump *clump) {
+    return clump && dem__positive(clump->volume) ? riddle_cbrt(6.0 / RIDDLE_PI * clump->volume) : (double)NAN;
+}
+
+/* Returns the radius of the sphere about the centre of mass that contains a clump [m]. */
+static inline double dem__clump_reach(const dem_clump *c) {
+    double reach = 0.0;
+    for (int k = 0; k < c->spheres; k++) {
+        const double r = dem__length(c->centre[k]) + c->radius[k];
+        reach = r > reach ? r : reach;
+    }
+    return reach;
+}
+
+/* Returns the definition of a body with a clump's shape, `scale` times as large, of a material. offset and radius:
+   [spheres], filled here. */
+static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material,
+                                            dem_vec *offset, double *radius) {
+    const double density = w->def.material[material].density, cube = scale * scale * scale;
+    dem__body_def def;
+    dem_quaternion axes = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    memset(&def, 0, sizeof def);
+    dem__unit_turn(c->axes, &axes);
+    for (int k = 0; k < c->spheres; k++)
+        offset[k] = dem__scale(scale, dem__to_body(axes, c->centre[k])), radius[k] = scale * c->radius[k];
+    def.mass = density * cube * c->volume;
+    def.moments = dem__scale(density * cube * scale * scale, c->moments);
+    def.frame = axes, def.turn = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    def.pieces = c->spheres, def.offset = offset, def.radius = radius, def.material = material;
+    return def;
+}
+
+/* Returns whether a body's mass and moments, and their inverses, are valid numbers. */
+static inline int dem__is_body_def(const dem__body_def *def) {
+    const dem_vec m = def->moments;
+    if (!dem__positive(def->mass) || !dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
+    if (!dem__positive(1.0 / m.x) || !dem__positive(1.0 / m.y) || !dem__positive(1.0 / m.z)) return 0;
+    for (ptrdiff_t k = 0; k < def->pieces; k++) {
+        const double r = def->radius[k];
+        if (!dem__positive(def->mass * r * r) || !dem__positive(1.0 / (def->mass * r * r))) return 0;
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres,
+                                  const double *diameters, const double *orientations, int material, int group) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    dem_vec offset[DEM_CLUMP_MAX];
+    double radius[DEM_CLUMP_MAX];
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials ||
+        !dem__is_clump(clump))
+        return DEM_BAD_ARGUMENT;
+    if (n > (INT32_MAX / 4 - w->count) / clump->spheres) return DEM_TOO_MANY;
+    const double own = dem_clump_diameter(clump);
+    for (ptrdiff_t k = 0; k < n; k++) {
+        dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+        const double *o = orientations ? orientations + 4 * k : NULL;
+        if (diameters && !dem__positive(diameters[k])) return DEM_BAD_ARGUMENT;
+        const dem__body_def def =
+            dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
+        if (!dem__is_body_def(&def) ||
+            !dem__finite_vec(dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2])))
+            return DEM_BAD_ARGUMENT;
+        if (o && !dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return DEM_BAD_ARGUMENT;
+    }
+    if (n == 0) return DEM_OK;
+    if (!dem__reserve_bodies(w, n, n * clump->spheres)) return DEM_OUT_OF_MEMORY;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const double *o = orientations ? orientations + 4 * k : NULL;
+        dem__body_def def = dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
+        def.x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]), def.group = group;
+        if (o) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &def.turn);
+        dem__add_body(w, &def);
+    }
+    return DEM_OK;
+}
+
+/* -------------------------------------------------------------------------------------------------- >>feed/sizes.h */
+/* Size distributions: pure functions, and the checks of a source. */
 
 /* Draws a number from [0, 1) by splitmix64. */
 static inline double dem__uniform(uint64_t *random) {
@@ -11900,136 +13861,6 @@ DEM_API dem_feed dem_default_feed(void) {
     feed.tries = 1000;
     feed.random = 1;
     return feed;
-}
-
-/* ------------------------------------------------------------------------------------- >>particles/remove_region.h */
-/* Taking out the records of what passed exits, and the particles in a region. Owns nothing; relies on regions and on
-   the removal of a particle. */
-
-DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity) {
-    dem_world *w = world;
-    if (dem__is_running(w)) return -(ptrdiff_t)DEM_BUSY;
-    if (!w || !w->def.allocator.fn || capacity < 0) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
-    const ptrdiff_t n = capacity < w->passed_count ? capacity : w->passed_count, left = w->passed_count - n;
-    if (n == 0) return 0;
-    if (records) memcpy(records, w->passed, (size_t)n * sizeof *records);
-    memmove(w->passed, w->passed + n, (size_t)left * sizeof *records);
-    w->passed_count = left;
-    return n;
-}
-
-DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) {
-    if (dem__is_running(world)) return -(ptrdiff_t)DEM_BUSY;
-    dem_world *w = world;
-    ptrdiff_t removed = 0;
-    if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
-    w->engine->run.running = 1;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem__rigid *r = dem__rigid_of(w, i);
-        if (r && r->first != i) continue;
-        if (!w->alive[i] || !dem_region_holds(region, r ? dem__body_position(w, r) : dem_position(w, i))) continue;
-        dem__detach_particle(w, i);
-        removed++;
-    }
-    if (removed > 0) dem__end_contacts_of_removed(w);
-    w->engine->run.running = 0;
-    return removed;
-}
-
-/* ----------------------------------------------------------------------------------------------- >>bodies/clumps.h */
-/* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body. */
-
-static inline int dem__is_clump(const dem_clump *c) {
-    dem_quaternion unit;
-    if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) ||
-        !dem__unit_turn(c->axes, &unit))
-        return 0;
-    const dem_vec m = c->moments;
-    if (!dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
-    const double most = (1.0 + 1e-6) * (m.x + m.y + m.z); /* no moment exceeds the sum of the two others */
-    if (2.0 * m.x > most || 2.0 * m.y > most || 2.0 * m.z > most) return 0;
-    for (int k = 0; k < c->spheres; k++) {
-        if (!dem__positive(c->radius[k]) || !dem__finite_vec(c->centre[k])) return 0;
-    }
-    return 1;
-}
-
-DEM_API double dem_clump_diameter(const dem_clump *clump) {
-    return clump && dem__positive(clump->volume) ? riddle_cbrt(6.0 / RIDDLE_PI * clump->volume) : (double)NAN;
-}
-
-/* Returns the radius of the sphere about the centre of mass that contains a clump [m]. */
-static inline double dem__clump_reach(const dem_clump *c) {
-    double reach = 0.0;
-    for (int k = 0; k < c->spheres; k++) {
-        const double r = dem__length(c->centre[k]) + c->radius[k];
-        reach = r > reach ? r : reach;
-    }
-    return reach;
-}
-
-/* Returns the definition of a body with a clump's shape, `scale` times as large, of a material. offset and radius:
-   [spheres], filled here. */
-static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material,
-                                            dem_vec *offset, double *radius) {
-    const double density = w->def.material[material].density, cube = scale * scale * scale;
-    dem__body_def def;
-    dem_quaternion axes = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    memset(&def, 0, sizeof def);
-    dem__unit_turn(c->axes, &axes);
-    for (int k = 0; k < c->spheres; k++)
-        offset[k] = dem__scale(scale, dem__to_body(axes, c->centre[k])), radius[k] = scale * c->radius[k];
-    def.mass = density * cube * c->volume;
-    def.moments = dem__scale(density * cube * scale * scale, c->moments);
-    def.frame = axes, def.turn = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    def.pieces = c->spheres, def.offset = offset, def.radius = radius, def.material = material;
-    return def;
-}
-
-/* Returns whether a body's mass and moments, and their inverses, are valid numbers. */
-static inline int dem__is_body_def(const dem__body_def *def) {
-    const dem_vec m = def->moments;
-    if (!dem__positive(def->mass) || !dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
-    if (!dem__positive(1.0 / m.x) || !dem__positive(1.0 / m.y) || !dem__positive(1.0 / m.z)) return 0;
-    for (ptrdiff_t k = 0; k < def->pieces; k++) {
-        const double r = def->radius[k];
-        if (!dem__positive(def->mass * r * r) || !dem__positive(1.0 / (def->mass * r * r))) return 0;
-    }
-    return 1;
-}
-
-DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres,
-                                  const double *diameters, const double *orientations, int material, int group) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    dem_vec offset[DEM_CLUMP_MAX];
-    double radius[DEM_CLUMP_MAX];
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials ||
-        !dem__is_clump(clump))
-        return DEM_BAD_ARGUMENT;
-    if (n > (INT32_MAX / 4 - w->count) / clump->spheres) return DEM_TOO_MANY;
-    const double own = dem_clump_diameter(clump);
-    for (ptrdiff_t k = 0; k < n; k++) {
-        dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-        const double *o = orientations ? orientations + 4 * k : NULL;
-        if (diameters && !dem__positive(diameters[k])) return DEM_BAD_ARGUMENT;
-        const dem__body_def def =
-            dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
-        if (!dem__is_body_def(&def) ||
-            !dem__finite_vec(dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2])))
-            return DEM_BAD_ARGUMENT;
-        if (o && !dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return DEM_BAD_ARGUMENT;
-    }
-    if (n == 0) return DEM_OK;
-    if (!dem__reserve_bodies(w, n, n * clump->spheres)) return DEM_OUT_OF_MEMORY;
-    for (ptrdiff_t k = 0; k < n; k++) {
-        const double *o = orientations ? orientations + 4 * k : NULL;
-        dem__body_def def = dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
-        def.x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]), def.group = group;
-        if (o) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &def.turn);
-        dem__add_body(w, &def);
-    }
-    return DEM_OK;
 }
 
 /* --------------------------------------------------------------------------------------------------- >>feed/room.h */
@@ -12973,38 +14804,6 @@ static inline double dem__filled(const dem_world *w, ptrdiff_t i) {
     return r ? r->mass / sum : 1.0;
 }
 
-/* Returns the vector from the centre of particle i's body to the particle; 0 for a sphere. */
-static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? dem__to_lab(dem__posture_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i])
-             : dem_vec3(0.0, 0.0, 0.0);
-}
-
-/* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's
-   point, to i's centre; of bodies, to their centres of mass. Returns 0 if it carries no force. */
-static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, dem_vec *to, dem_vec *force) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const dem_contact_info c = k < contacts->count ? dem_get_contact(w, k) : dem_get_link(w, k - contacts->count);
-    *to = dem_position(w, c.i);
-    *force = c.force;
-    if (c.j >= 0) *from = dem__sub(*to, dem__nearest_image(w, dem__sub(*to, dem_position(w, c.j))));
-    else if (k < contacts->count && dem__shape_of(w, c.i)) {
-        const ptrdiff_t slot = dem__slot_of(w, k);
-        *from = dem__add(
-            *to, dem__plus(dem__place_arm(w, slot), -dem__touching_radius(w, c.i) - c.gap, dem__place_normal(w, slot)));
-    } else {
-        dem__touch touch;
-        dem__touch_place(w, k < contacts->count ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to,
-                         w->particle[c.i].radius, c.element, &touch);
-        *from = dem__sub(*to, dem__scale(w->particle[c.i].radius + touch.gap, touch.normal));
-    }
-    if (w->engine->bodies.rigid) {
-        *to = dem__sub(*to, dem__arm_now(w, c.i));
-        if (c.j >= 0) *from = dem__sub(*from, dem__arm_now(w, c.j));
-    }
-    return dem__dot(c.force, c.force) > 0.0;
-}
-
 DEM_INLINE void dem__add_stress(double (*stress)[3], double weight, dem_vec f, dem_vec l) {
     for (int a = 0; a < 3; a++) {
         for (int b = 0; b < 3; b++) stress[a][b] += weight * dem_axis(f, a) * dem_axis(l, b);
@@ -13079,7 +14878,7 @@ static inline void dem__measure_fluctuations(const dem_world *w, const dem__meas
 
 /* Measures the stress by forces of contacts and links. */
 static inline void dem__measure_contacts(const dem_world *w, const dem__measured *q, dem_measure *m) {
-    for (ptrdiff_t k = 0; k < w->engine->contacts.count + w->engine->links.count; k++) {
+    for (ptrdiff_t k = 0; k < dem__forces(w); k++) {
         dem_vec from, to, force;
         if (!dem__branch(w, k, &from, &to, &force)) continue;
         for (int image = 0; image < q->images; image++) {
@@ -13202,7 +15001,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         if (dem__counts(w, i, &at, &load.velocity)) dem__smear(w, c, field, at, &load);
     }
     memset(&load, 0, sizeof load);
-    for (ptrdiff_t k = 0; k < w->engine->contacts.count + w->engine->links.count; k++) {
+    for (ptrdiff_t k = 0; k < dem__forces(w); k++) {
         dem_vec from, to;
         if (!dem__branch(w, k, &from, &to, &load.force)) continue;
         load.along = dem__sub(to, from);
@@ -13327,178 +15126,13 @@ DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
     return unlike / (all * 2.0 * p * (1.0 - p));
 }
 
-/* ------------------------------------------------------------------------------------------------ >>save/records.h */
-/* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows
-   bytes and memory, no physics. Relies on nothing; save/fields.h names what is saved, save/save.h and save/load.h use
-   both. */
-
-/* A field that becomes a record: its entries, of some numbers each, are `stride` bytes apart in memory. */
-enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
-typedef struct dem__saved_field {
-    char name[DEM__NAME_BYTES]; /* at most 23 characters */
-    void *data;                 /* of the first entry */
-    size_t stride;
-    int numbers, width; /* numbers of an entry; bytes of a number: 1, 4 or 8 */
-} dem__saved_field;
-#define DEM__DOUBLES(name, first, stride)                                                                              \
-    { name, &(first), stride, (int)(sizeof(first) / (sizeof(double))), sizeof(double) }
-#define DEM__INTEGER(name, first, stride)                                                                              \
-    { name, &(first), stride, 1, (int)sizeof(first) }
-
-/* Bytes that are written, only counted, or read. */
-typedef struct dem__stream {
-    unsigned char *to;         /* NULL: count only */
-    const unsigned char *from; /* NULL: write */
-    size_t at;
-} dem__stream;
-
-/* Returns the FNV-1a hash of n bytes. */
-static inline uint64_t dem__checksum(const unsigned char *bytes, size_t n) {
-    uint64_t hash = 0xcbf29ce484222325u;
-    for (size_t k = 0; k < n; k++) hash = (hash ^ bytes[k]) * 0x100000001b3u;
-    return hash;
-}
-
-/* Writes or reads a number of 1, 4 or 8 bytes in memory. */
-static inline void dem__stream_number(dem__stream *s, void *number, int width) {
-    uint64_t bits = 0;
-    uint32_t half;
-    unsigned char byte;
-    if (s->from) {
-        for (int k = 0; k < width; k++) bits |= (uint64_t)s->from[s->at + (size_t)k] << (8 * k);
-        half = (uint32_t)bits, byte = (unsigned char)bits;
-        memcpy(number, width == 8 ? (void *)&bits : width == 4 ? (void *)&half : (void *)&byte, (size_t)width);
-    } else if (s->to) {
-        memcpy(width == 8 ? (void *)&bits : width == 4 ? (void *)&half : (void *)&byte, number, (size_t)width);
-        bits = width == 8 ? bits : width == 4 ? half : byte;
-        for (int k = 0; k < width; k++) s->to[s->at + (size_t)k] = (unsigned char)(bits >> (8 * k) & 255u);
-    }
-    s->at += (size_t)width;
-}
-static inline void dem__stream_u64(dem__stream *s, uint64_t *v) { dem__stream_number(s, v, 8); }
-
-/* Writes or reads entry k of a field. */
-static inline void dem__stream_entry(dem__stream *s, const dem__saved_field *f, ptrdiff_t k) {
-    unsigned char *number = (unsigned char *)f->data + (size_t)k * f->stride;
-    for (int q = 0; q < f->numbers; q++) dem__stream_number(s, number + q * f->width, f->width);
-}
-
-/* Begins a record of n entries. */
-static inline void dem__begin_record(dem__stream *s, const dem__saved_field *f, uint64_t n) {
-    uint64_t bytes = (uint64_t)f->numbers * (uint64_t)f->width;
-    if (s->to) memcpy(s->to + s->at, f->name, DEM__NAME_BYTES);
-    s->at += DEM__NAME_BYTES;
-    dem__stream_u64(s, &bytes), dem__stream_u64(s, &n);
-}
-
-/* A record that was found: where its entries begin, the bytes of an entry, the number of entries. */
-typedef struct dem__record {
-    size_t at;
-    uint64_t bytes, count;
-} dem__record;
-
-/* Reads the head of the record at `at` of a file whose records end at `end`. Returns 0 if the record does not fit
-   there. */
-static inline int dem__read_head(const unsigned char *file, size_t end, size_t at, dem__record *r) {
-    dem__stream s;
-    if (end - at < DEM__HEAD_BYTES) return 0;
-    s.to = NULL, s.from = file, s.at = at + DEM__NAME_BYTES;
-    dem__stream_u64(&s, &r->bytes), dem__stream_u64(&s, &r->count);
-    r->at = s.at;
-    return r->bytes > 0 && r->count <= (end - r->at) / r->bytes;
-}
-
-/* Returns whether the bytes from `at` to `end` are whole records. */
-static inline int dem__are_records(const unsigned char *file, size_t at, size_t end) {
-    dem__record r;
-    while (at < end) {
-        if (!dem__read_head(file, end, at, &r)) return 0;
-        at = r.at + (size_t)(r.bytes * r.count);
-    }
-    return at == end;
-}
-
-/* Finds the first record with a name among whole ones. Returns 0 if there is none. */
-static inline int dem__find_record(const unsigned char *file, size_t at, size_t end, const char *name, dem__record *r) {
-    memset(r, 0, sizeof *r);
-    for (; at < end; at = r->at + (size_t)(r->bytes * r->count)) {
-        dem__read_head(file, end, at, r);
-        if (memcmp(file + at, name, DEM__NAME_BYTES) == 0) return 1;
-    }
-    return 0;
-}
-
-/* ---------------------------------------------------------------------------------------------- >>polyhedra/save.h */
-/* Shapes in a saved world: their fields, and whether loaded ones are sound. */
-
-static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
-    const size_t s = sizeof *c;
-    const dem__saved_field fields[] = {
-        DEM__INTEGER("shape.corners", c->corners, s),
-        DEM__INTEGER("shape.edges", c->edges, s),
-        DEM__INTEGER("shape.faces", c->faces, s),
-        DEM__INTEGER("shape.is_box", c->is_box, s),
-        DEM__DOUBLES("shape.radius", c->radius, s),
-        DEM__DOUBLES("shape.reach", c->reach, s),
-        DEM__DOUBLES("shape.volume", c->volume, s),
-        DEM__DOUBLES("shape.moment", c->moment, s),
-        DEM__DOUBLES("shape.share", c->share, s),
-        DEM__DOUBLES("shape.half", c->half, s),
-        DEM__DOUBLES("shape.centroid", c->centroid, s),
-        DEM__DOUBLES("shape.axis", c->axis, s),
-        DEM__DOUBLES("shape.corner", c->corner, s),
-        DEM__DOUBLES("shape.plane", c->plane, s),
-        {"shape.face_start", c->face_start, s, DEM_FACES_MAX + 1, 1},
-        {"shape.face_corner", c->face_corner, s, 2 * DEM_EDGES_MAX, 1},
-        {"shape.edge", c->edge, s, 2 * DEM_EDGES_MAX, 1},
-        {"shape.edge_face", c->edge_face, s, 2 * DEM_EDGES_MAX, 1},
-    };
-    memcpy(field, fields, sizeof fields);
-    return (int)(sizeof fields / sizeof *fields);
-}
-
-/* Returns whether particle i is what its shape, if it has one, needs. */
-static inline int dem__is_sound_polyhedron(const dem_world *w, ptrdiff_t i) {
-    const dem__convex_state *convex = &w->engine->convex;
-    if (convex->shapes == 0 || convex->shape_of[i] == 0) return 1;
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return convex->shape_of[i] > 0 && convex->shape_of[i] <= convex->shapes && r && r->pieces == 1;
-}
-
 /* ------------------------------------------------------------------------------------------------- >>save/fields.h */
 /* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none. */
-
-enum { DEM__FIELDS_MAX = 64 + DEM_STATE_MAX };
-
-/* Fields with the same number of entries. */
-typedef struct dem__group {
-    int fields, needed; /* the first `needed` of them are required */
-    dem__saved_field field[DEM__FIELDS_MAX];
-} dem__group;
-
-static inline void dem__set_fields(dem__group *g, const dem__saved_field *field, size_t bytes, int needed) {
-    memcpy(g->field, field, bytes);
-    g->fields = (int)(bytes / sizeof *field), g->needed = needed;
-}
-
-/* Adds arrays of doubles, numbered: contact.wrench0, contact.wrench1 .. */
-static inline void dem__add_fields(dem__group *g, const char *name, double *const *array, int n) {
-    for (int k = 0; k < n; k++) {
-        dem__saved_field *f = &g->field[g->fields++];
-        const size_t length = strlen(name);
-        memset(f, 0, sizeof *f);
-        memcpy(f->name, name, length);
-        if (k > 9) f->name[length] = (char)('0' + k / 10);
-        f->name[length + (k > 9)] = (char)('0' + k % 10);
-        f->data = array[k], f->stride = sizeof(double), f->numbers = 1, f->width = sizeof(double);
-    }
-}
 
 /* Lists single numbers of the world. */
 static inline void dem__world_fields(dem_world *w, dem__group *g) {
     dem__engine *e = w->engine;
     dem_def *d = &w->def;
-    dem_energy_ledger *l = &e->ledger.sums;
     const dem__saved_field fields[] = {
         DEM__DOUBLES("dt", d->dt, 0),
         DEM__INTEGER("step", w->step, 0),
@@ -13524,35 +15158,12 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("rebuilds", w->rebuilds, 0),
         DEM__INTEGER("needs_forces", e->run.needs_forces, 0),
         DEM__INTEGER("loads_on", e->bodies.loads_on, 0),
-        DEM__INTEGER("has_fixed", e->bodies.has_fixed, 0),
         DEM__INTEGER("contact.states", e->contacts.states, 0),
         DEM__INTEGER("contact.has_history", e->contacts.has_history, 0),
         DEM__INTEGER("contact.law", e->contacts.law, 0),
-        DEM__INTEGER("link.law", e->links.mark, 0),
-        DEM__INTEGER("link.on", e->links.on, 0),
-        DEM__INTEGER("link.states", e->links.states, 0),
-        DEM__DOUBLES("link.interval", e->links.interval, 0),
-        DEM__DOUBLES("link.near", e->links.near, 0),
-        DEM__INTEGER("field.on", e->field.on, 0),
-        DEM__INTEGER("ledger.on", e->ledger.on, 0),
-        DEM__INTEGER("ledger.started", e->ledger.started, 0),
-        DEM__INTEGER("ledger.counts", e->ledger.counts, 0),
-        DEM__DOUBLES("ledger.paused_error", e->ledger.paused_error, 0),
-        DEM__DOUBLES("ledger.normal_loss", l->normal_loss, 0),
-        DEM__DOUBLES("ledger.sliding_loss", l->sliding_loss, 0),
-        DEM__DOUBLES("ledger.rolling_loss", l->rolling_loss, 0),
-        DEM__DOUBLES("ledger.wall_work", l->wall_work, 0),
-        DEM__DOUBLES("ledger.link_work", l->link_work, 0),
-        DEM__DOUBLES("ledger.field_work", l->field_work, 0),
-        DEM__DOUBLES("ledger.external_work", l->external_work, 0),
-        DEM__DOUBLES("ledger.added", l->added, 0),
-        DEM__DOUBLES("ledger.removed", l->removed, 0),
-        DEM__DOUBLES("ledger.start", l->start, 0),
-        DEM__DOUBLES("ledger.start_pot", l->start_potential, 0),
-        DEM__DOUBLES("ledger.added_pot", l->added_potential, 0),
-        DEM__DOUBLES("ledger.removed_pot", l->removed_potential, 0),
     };
     dem__set_fields(g, fields, sizeof fields, 8);
+    DEM__TELL(w, world_fields, (w, g));
 }
 
 static inline void dem__material_fields(dem_material *m, dem__group *g) {
@@ -13638,7 +15249,6 @@ static inline void dem__wall_fields(dem_wall *a, dem__group *g) {
 /* Lists the fields of particles present. */
 static inline void dem__particle_fields(dem_world *w, dem__group *g) {
     dem__bodies *bodies = &w->engine->bodies;
-    dem__links *links = &w->engine->links;
     dem_particle *p = w->particle;
     const size_t s = sizeof *p;
     const dem__saved_field fields[] = {
@@ -13655,68 +15265,9 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("particle.group", w->group[0], sizeof *w->group),
         DEM__DOUBLES("particle.load", bodies->load[0], sizeof *bodies->load),
         DEM__DOUBLES("particle.external", bodies->external[0], sizeof *bodies->external),
-        DEM__INTEGER("particle.is_loaded", links->is_loaded[0], sizeof *links->is_loaded),
-        DEM__DOUBLES("particle.evaluated_at", links->evaluated_at[0], sizeof *links->evaluated_at),
     };
     dem__set_fields(g, fields, sizeof fields, 8);
-    if (!links->on) g->fields -= 2; /* without links: not their fields */
-    if (w->engine->field.on) {
-        dem__field *field = &w->engine->field;
-        const dem__saved_field flights[] = {
-            DEM__INTEGER("particle.until", field->until[0], sizeof *field->until),
-            DEM__DOUBLES("particle.end_velocity", field->end_velocity[0], sizeof *field->end_velocity),
-            DEM__DOUBLES("particle.field_force", field->force[0], sizeof *field->force),
-            DEM__DOUBLES("particle.field_work", field->work[0], sizeof *field->work),
-        };
-        memcpy(&g->field[g->fields], flights, sizeof flights);
-        g->fields += 4;
-    }
-    if (bodies->has_fixed) {
-        const size_t f = sizeof *bodies->fixed;
-        const dem__saved_field fixed[] = {DEM__INTEGER("particle.fixed", bodies->fixed->on, f),
-                                          DEM__DOUBLES("particle.fixed_load", bodies->fixed->load, f),
-                                          DEM__DOUBLES("particle.fixed_impulse", bodies->fixed->impulse, f)};
-        memcpy(&g->field[g->fields], fixed, sizeof fixed);
-        g->fields += 3;
-    }
-    if (w->engine->convex.shapes > 0) {
-        const dem__saved_field shape[] = {
-            DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
-        g->field[g->fields++] = shape[0];
-    }
-    if (!bodies->rigid) return;
-    const dem__saved_field pieces[] = {
-        DEM__DOUBLES("particle.offset", bodies->offset[0], sizeof *bodies->offset),
-        DEM__DOUBLES("particle.arm", bodies->arm[0], sizeof *bodies->arm),
-    };
-    memcpy(&g->field[g->fields], pieces, sizeof pieces);
-    g->fields += 2;
-}
-
-/* Lists the fields of rigid bodies present. bodies.rigid_of follows from `first` and `pieces`. */
-static inline void dem__body_fields(dem__rigid *r, dem__group *g) {
-    const size_t s = sizeof *r;
-    const dem__saved_field fields[] = {
-        DEM__INTEGER("body.first", r->first, s),   DEM__INTEGER("body.pieces", r->pieces, s),
-        DEM__DOUBLES("body.x", r->x, s),           DEM__DOUBLES("body.v", r->v, s),
-        DEM__DOUBLES("body.a", r->a, s),           DEM__DOUBLES("body.momentum", r->momentum, s),
-        DEM__DOUBLES("body.torque", r->torque, s), DEM__DOUBLES("body.turn", r->turn, s),
-        DEM__DOUBLES("body.frame", r->frame, s),   DEM__DOUBLES("body.moments", r->moments, s),
-        DEM__DOUBLES("body.mass", r->mass, s),
-    };
-    dem__set_fields(g, fields, sizeof fields, 11);
-}
-
-static inline void dem__link_fields(dem_world *w, dem__group *g) {
-    dem__links *links = &w->engine->links;
-    const dem__saved_field fields[] = {
-        DEM__INTEGER("link.i", links->i[0], sizeof *links->i),
-        DEM__INTEGER("link.j", links->j[0], sizeof *links->j),
-        DEM__INTEGER("link.element", links->element[0], sizeof *links->element),
-    };
-    dem__set_fields(g, fields, sizeof fields, 3);
-    dem__add_fields(g, "link.state", links->state, links->states);
-    g->needed = g->fields;
+    DEM__TELL(w, particle_fields, (w, g));
 }
 
 static inline void dem__contact_fields(dem_world *w, dem__group *g) {
@@ -13735,10 +15286,7 @@ static inline void dem__contact_fields(dem_world *w, dem__group *g) {
         w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_FOOTING; /* a footing is found anew */
     if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, places);
     dem__add_fields(g, "contact.wrench", contacts->wrench, 9);
-    if (w->engine->ledger.on) {
-        dem__add_fields(g, "contact.elastic", &contacts->elastic, 1);
-        dem__add_fields(g, "contact.power", contacts->power, 3);
-    }
+    DEM__TELL(w, contact_fields, (w, g));
 }
 
 static inline void dem__passed_fields(dem_passed *p, dem__group *g) {
@@ -13785,27 +15333,6 @@ static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, 
 /* Saving: writes the groups of save/fields.h as records. Reads a const world and writes nothing of it, so that several
    threads may save one. */
 
-/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among
-   those present. */
-static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at,
-                                    int is_body) {
-    if (!is_body) {
-        dem__stream_entry(s, f, at);
-        return;
-    }
-    int32_t body = *(const int32_t *)(const void *)((const unsigned char *)f->data + (size_t)at * f->stride);
-    if (body >= 0) body = w->engine->bodies.number[body];
-    dem__stream_number(s, &body, sizeof body);
-}
-
-/* Writes a group of n consecutive entries. The first `bodies` fields are indices of particles. */
-static inline void dem__write_group(dem__stream *s, const dem_world *w, const dem__group *g, ptrdiff_t n, int bodies) {
-    for (int q = 0; q < g->fields && n > 0; q++) {
-        dem__begin_record(s, &g->field[q], (uint64_t)n);
-        for (ptrdiff_t k = 0; k < n; k++) dem__write_entry(s, w, &g->field[q], k, q < bodies);
-    }
-}
-
 static inline void dem__write_particles(dem__stream *s, dem_world *w, dem__group *g) {
     const ptrdiff_t present = w->count - w->engine->bodies.dropped;
     if (present == 0) return;
@@ -13814,19 +15341,6 @@ static inline void dem__write_particles(dem__stream *s, dem_world *w, dem__group
         dem__begin_record(s, &g->field[q], (uint64_t)present);
         for (ptrdiff_t i = 0; i < w->count; i++) {
             if (w->alive[i]) dem__stream_entry(s, &g->field[q], i);
-        }
-    }
-}
-
-static inline void dem__write_bodies(dem__stream *s, dem_world *w, dem__group *g) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const uint64_t present = (uint64_t)dem__bodies_present(w);
-    if (present == 0) return;
-    dem__body_fields(bodies->rigid, g);
-    for (int q = 0; q < g->fields; q++) {
-        dem__begin_record(s, &g->field[q], present);
-        for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
-            if (w->alive[bodies->rigid[k].first]) dem__write_entry(s, w, &g->field[q], k, q == 0);
         }
     }
 }
@@ -13879,14 +15393,9 @@ static inline void dem__write_world(dem__stream *s, dem_world *w) {
     dem__write_materials(s, w, &g);
     dem__wall_fields(w->wall, &g), dem__write_group(s, w, &g, w->walls, 0);
     dem__write_meshes(s, w, &g);
-    if (w->engine->convex.shapes > 0) {
-        g.needed = g.fields = dem__shape_fields(w->engine->convex.shape, g.field);
-        dem__write_group(s, w, &g, w->engine->convex.shapes, 0);
-    }
     dem__write_particles(s, w, &g);
-    dem__write_bodies(s, w, &g);
     dem__write_contacts(s, w, &g);
-    if (w->engine->links.count > 0) dem__link_fields(w, &g), dem__write_group(s, w, &g, w->engine->links.count, 2);
+    DEM__TELL(w, save, (s, w, &g));
     if (w->passed_count > 0) dem__passed_fields(w->passed, &g), dem__write_group(s, w, &g, w->passed_count, 0);
 }
 
@@ -13906,22 +15415,6 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
 
 /* ---- hash ---- */
 
-/* Adds a number of 8 bytes to an FNV-1a hash. */
-DEM_INLINE void dem__hash_u64(uint64_t *hash, uint64_t v) {
-    for (int k = 0; k < 8; k++) *hash = (*hash ^ (v >> (8 * k) & 255u)) * 0x100000001b3u;
-}
-static inline void dem__hash_i64(uint64_t *hash, int64_t v) { dem__hash_u64(hash, (uint64_t)v); }
-static inline void dem__hash_f64(uint64_t *hash, const double *v, int n) {
-    for (int k = 0; k < n; k++) {
-        uint64_t bits;
-        memcpy(&bits, &v[k], sizeof bits);
-        dem__hash_u64(hash, bits);
-    }
-}
-static inline void dem__hash_vec(uint64_t *hash, dem_vec v) {
-    dem__hash_f64(hash, &v.x, 1), dem__hash_f64(hash, &v.y, 1), dem__hash_f64(hash, &v.z, 1);
-}
-
 static inline void dem__hash_particle(uint64_t *hash, const dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     const dem_particle *p = &w->particle[i];
@@ -13930,41 +15423,7 @@ static inline void dem__hash_particle(uint64_t *hash, const dem_world *w, ptrdif
     dem__hash_f64(hash, &p->radius, 1), dem__hash_f64(hash, &p->mass, 1), dem__hash_f64(hash, bodies->load[i], 6);
     dem__hash_i64(hash, p->origin), dem__hash_u64(hash, w->id[i]);
     dem__hash_i64(hash, w->material[i]), dem__hash_i64(hash, w->group[i]);
-    if (dem__is_fixed(w, i))
-        dem__hash_f64(hash, bodies->fixed[i].load, 6), dem__hash_vec(hash, bodies->fixed[i].impulse);
-    if (!w->engine->links.on) return;
-    dem__hash_f64(hash, bodies->external[i], 6);
-    dem__hash_i64(hash, w->engine->links.is_loaded[i]);
-}
-
-static inline void dem__hash_quaternion(uint64_t *hash, dem_quaternion q) {
-    dem__hash_f64(hash, &q.w, 1), dem__hash_f64(hash, &q.x, 1), dem__hash_f64(hash, &q.y, 1),
-        dem__hash_f64(hash, &q.z, 1);
-}
-
-static inline void dem__hash_rigid(uint64_t *hash, const dem_world *w, const dem__rigid *r) {
-    dem__hash_i64(hash, w->engine->bodies.number[r->first]), dem__hash_i64(hash, r->pieces);
-    dem__hash_vec(hash, r->x), dem__hash_vec(hash, r->v), dem__hash_vec(hash, r->a);
-    dem__hash_vec(hash, r->momentum), dem__hash_vec(hash, r->torque);
-    dem__hash_quaternion(hash, r->turn), dem__hash_quaternion(hash, r->frame);
-    dem__hash_vec(hash, r->moments), dem__hash_f64(hash, &r->mass, 1);
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++)
-        dem__hash_vec(hash, w->engine->bodies.offset[i]), dem__hash_vec(hash, w->engine->bodies.arm[i]);
-}
-
-static inline void dem__hash_rigids(uint64_t *hash, const dem_world *w) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const int64_t present = dem__bodies_present(w);
-    if (present > 0) dem__hash_i64(hash, present);
-    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
-        if (w->alive[bodies->rigid[k].first]) dem__hash_rigid(hash, w, &bodies->rigid[k]);
-    }
-}
-
-/* Adds the bodies of a contact or a link, numbered among those present, and its element. */
-static inline void dem__hash_bodies(uint64_t *hash, const dem_world *w, int32_t i, int32_t j, int32_t element) {
-    const int32_t *number = w->engine->bodies.number;
-    dem__hash_i64(hash, number[i]), dem__hash_i64(hash, j >= 0 ? number[j] : j), dem__hash_i64(hash, element);
+    DEM__TELL(w, hash_particle, (hash, w, i));
 }
 
 DEM_API uint64_t dem_hash(const dem_world *world) {
@@ -13972,7 +15431,6 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
     const dem_world *w = world;
     if (!w || !w->def.allocator.fn) return hash;
     const dem__contacts *contacts = &w->engine->contacts;
-    const dem__links *links = &w->engine->links;
     dem__hash_i64(&hash, w->step);
     for (int k = 0; k < w->walls; k++) {
         const dem_wall *a = &w->wall[k];
@@ -13982,16 +15440,14 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__hash_particle(&hash, w, i);
     }
-    for (ptrdiff_t k = 0; k < links->count; k++) {
-        dem__hash_bodies(&hash, w, links->i[k], links->j[k], links->element[k]);
-        for (int a = 0; a < links->states; a++) dem__hash_f64(&hash, &links->state[a][k], 1);
-    }
+    DEM__TELL(w, hash_before_contacts, (&hash, w));
     DEM__EACH_CONTACT(w, c) {
         dem__hash_bodies(&hash, w, contacts->i[c], contacts->j[c], contacts->element[c]);
         dem__hash_f64(&hash, &contacts->gap[c], 1), dem__hash_f64(&hash, &contacts->force[c], 1);
         for (int a = 0; a < contacts->states; a++) dem__hash_f64(&hash, &contacts->state[a][c], 1);
     }
-    dem__hash_rigids(&hash, w);
+    DEM__TELL(w, hash, (&hash, w));
+    DEM__TELL(w, hash, (&hash, w));
     return hash;
 }
 
@@ -14041,7 +15497,7 @@ static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int
     const dem_vec x = dem__at(w, i, tau), d = dem__sub(x, wall->position);
     const double speed =
         dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
-    const double radius = w->particle[i].radius, near = w->engine->links.near,
+    const double radius = w->particle[i].radius, near = w->engine->pairs.touch_gap,
                  leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact opens in a step */
         deep = leaves > near ? leaves : near;
     dem__footing footing = dem__footing_of(w, slot[0]);
@@ -14145,10 +15601,59 @@ static inline void dem__follow_meshes(dem_world *w, int64_t step) {
 /* -------------------------------------------------------------------------------------------------- >>meshes/add.h */
 /* Adding meshes and boxes. */
 
-/* Counts one mesh more. */
-static inline void dem__count_mesh(dem_world *w) {
-    w->engine->walls.meshes++;
-    w->engine->walls.follow_meshes = dem__follow_meshes;
+static inline const dem__feature *dem__feature_meshes(void) {
+    static const dem__feature row = {
+        4,                  /* place */
+        0,                  /* adds_loads */
+        0,                  /* exclusive */
+        NULL,               /* list_arrays */
+        NULL,               /* list_contact_arrays */
+        NULL,               /* release */
+        NULL,               /* add_particle */
+        NULL,               /* begin_change */
+        NULL,               /* end_change */
+        NULL,               /* set_time_step */
+        NULL,               /* remove_particle */
+        NULL,               /* renumber */
+        NULL,               /* check_run */
+        NULL,               /* prepare_run */
+        NULL,               /* set_law */
+        NULL,               /* find_forces */
+        NULL,               /* forces_found */
+        NULL,               /* begin_run */
+        NULL,               /* begin_ledger */
+        NULL,               /* end_run */
+        NULL,               /* keep_up */
+        NULL,               /* listed */
+        NULL,               /* drift */
+        NULL,               /* begins_early */
+        NULL,               /* begin_step */
+        dem__follow_meshes, /* follow */
+        NULL,               /* detect */
+        NULL,               /* contacts_begun */
+        NULL,               /* add_forces */
+        NULL,               /* end_contact */
+        NULL,               /* leave */
+        NULL,               /* begin_flights */
+        NULL,               /* end_step */
+        NULL,               /* forces */
+        NULL,               /* force */
+        NULL,               /* velocity_error */
+        NULL,               /* correct_velocity */
+        NULL,               /* open_books */
+        NULL,               /* world_fields */
+        NULL,               /* particle_fields */
+        NULL,               /* contact_fields */
+        NULL,               /* save */
+        NULL,               /* is_used */
+        NULL,               /* load_first */
+        NULL,               /* load */
+        NULL,               /* loaded */
+        NULL,               /* hash_particle */
+        NULL,               /* hash_before_contacts */
+        NULL,               /* hash */
+    };
+    return &row;
 }
 
 DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
@@ -14175,7 +15680,7 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
     if (!wall.tree) return -(int)status;
     const int index = dem__add_wall(world, dem__triangles(), material, &wall);
     if (index < 0) dem__release(a, wall.tree, wall.tree->bytes);
-    else dem__count_mesh(world);
+    else dem__add_feature(world, dem__feature_meshes());
     return index;
 }
 
@@ -14191,6 +15696,35 @@ DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec hig
     mesh.vertices = 8, mesh.vertex = corners;
     mesh.triangles = 12, mesh.triangle = faces;
     return dem_add_mesh(world, material, &mesh);
+}
+
+/* ---------------------------------------------------------------------------------------------- >>polyhedra/save.h */
+/* Shapes in a saved world: their fields, and whether loaded ones are sound. */
+
+static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
+    const size_t s = sizeof *c;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("shape.corners", c->corners, s),
+        DEM__INTEGER("shape.edges", c->edges, s),
+        DEM__INTEGER("shape.faces", c->faces, s),
+        DEM__INTEGER("shape.is_box", c->is_box, s),
+        DEM__DOUBLES("shape.radius", c->radius, s),
+        DEM__DOUBLES("shape.reach", c->reach, s),
+        DEM__DOUBLES("shape.volume", c->volume, s),
+        DEM__DOUBLES("shape.moment", c->moment, s),
+        DEM__DOUBLES("shape.share", c->share, s),
+        DEM__DOUBLES("shape.half", c->half, s),
+        DEM__DOUBLES("shape.centroid", c->centroid, s),
+        DEM__DOUBLES("shape.axis", c->axis, s),
+        DEM__DOUBLES("shape.corner", c->corner, s),
+        DEM__DOUBLES("shape.plane", c->plane, s),
+        {"shape.face_start", c->face_start, s, DEM_FACES_MAX + 1, 1},
+        {"shape.face_corner", c->face_corner, s, 2 * DEM_EDGES_MAX, 1},
+        {"shape.edge", c->edge, s, 2 * DEM_EDGES_MAX, 1},
+        {"shape.edge_face", c->edge_face, s, 2 * DEM_EDGES_MAX, 1},
+    };
+    memcpy(field, fields, sizeof fields);
+    return (int)(sizeof fields / sizeof *fields);
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/shape.h */
@@ -16463,9 +17997,8 @@ static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birt
    (dem__convex_calls). Reads shapes; writes the world through dem__add_body. */
 
 static inline const dem__convex_calls *dem__polyhedra(void) {
-    static const dem__convex_calls row = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
-                                                     dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
-                                                     dem__leave_convex_edges};
+    static const dem__convex_calls row = {dem__prepare_convex, dem__fill_convex_rows, dem__finish_convex_rows,
+                                          dem_add_convex, dem__leave_convex_edges};
     return &row;
 }
 
@@ -16487,13 +18020,144 @@ static inline int dem__is_sound_shape(const dem_convex *c) {
     return sound;
 }
 
+/* ---- the feature ---- */
+
+static inline int dem__list_arrays_of_polyhedra(dem_world *w, dem__array *list) {
+    dem__convex_state *convex = &w->engine->convex;
+    const dem__array arrays[] = {{&convex->shape_of, sizeof *convex->shape_of},
+                                 {&convex->place, sizeof *convex->place}};
+    memcpy(list, arrays, sizeof arrays);
+    return (int)(sizeof arrays / sizeof *arrays);
+}
+
+static inline void dem__release_polyhedra(dem_world *w) {
+    const dem__convex_state *convex = &w->engine->convex;
+    const dem_allocator *a = &w->def.allocator;
+    dem__release(a, convex->shape, (size_t)convex->shapes * sizeof *convex->shape);
+    dem__release(a, convex->pair, (size_t)convex->pair_capacity * sizeof *convex->pair);
+    dem__release(a, convex->point, (size_t)convex->point_capacity * sizeof *convex->point);
+}
+
+/* A polyhedron that has gone may have had this entry. */
+static inline void dem__add_shapeless(dem_world *w, ptrdiff_t i) { w->engine->convex.shape_of[i] = 0; }
+
+/* Kernels without friction compute no torques. */
+static inline dem_status dem__check_polyhedra(const dem_world *w, const dem_kernel *kernel) {
+    (void)w;
+    return kernel->features & DEM_FRICTION ? DEM_OK : DEM_POLYHEDRON;
+}
+
+static inline dem_status dem__relist_polyhedra(dem_world *w) {
+    return dem__list_convex_pairs(w) ? DEM_OK : DEM_OUT_OF_MEMORY;
+}
+
+static inline void dem__particle_fields_of_polyhedra(dem_world *w, dem__group *g) {
+    const dem__saved_field shape[] = {DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
+    dem__add_optional(g, shape, sizeof shape);
+}
+
+static inline void dem__save_shapes(dem__stream *s, dem_world *w, dem__group *g) {
+    g->needed = g->fields = dem__shape_fields(w->engine->convex.shape, g->field);
+    dem__write_group(s, w, g, w->engine->convex.shapes, 0);
+}
+
+static inline int dem__has_shapes(const dem__file *file, const dem_world *w) {
+    (void)w;
+    return dem__entries_of(file, "shape.corners") > 0;
+}
+
+/* Reads the shapes of polyhedra. */
+static inline dem_status dem__load_shapes(const dem__file *file, dem_world *w, dem__group *g) {
+    dem__convex_state *convex = &w->engine->convex;
+    const ptrdiff_t n = dem__entries_of(file, "shape.corners");
+    convex->shape =
+        (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
+    if (!convex->shape) return DEM_OUT_OF_MEMORY;
+    memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
+    convex->shapes = (int)n, convex->calls = dem__polyhedra();
+    w->engine->walls.touch_keepers++;
+    g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
+    if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        if (!dem__is_sound_shape(&convex->shape[k])) return DEM_BAD_DATA;
+    }
+    return DEM_OK;
+}
+
+/* Checks the bodies whose shapes are polyhedra: rigid bodies come before them. */
+static inline dem_status dem__load_polyhedra(const dem__file *file, dem_world *w, dem__group *g) {
+    const dem__convex_state *convex = &w->engine->convex;
+    (void)file, (void)g;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (convex->shape_of[i] == 0) continue;
+        if (convex->shape_of[i] < 0 || convex->shape_of[i] > convex->shapes || !r || r->pieces != 1)
+            return DEM_BAD_DATA;
+    }
+    return DEM_OK;
+}
+
+static inline const dem__feature *dem__feature_polyhedra(void) {
+    static const dem__feature row = {
+        6,                                 /* place */
+        0,                                 /* adds_loads */
+        0,                                 /* exclusive */
+        dem__list_arrays_of_polyhedra,     /* list_arrays */
+        NULL,                              /* list_contact_arrays */
+        dem__release_polyhedra,            /* release */
+        dem__add_shapeless,                /* add_particle */
+        NULL,                              /* begin_change */
+        NULL,                              /* end_change */
+        NULL,                              /* set_time_step */
+        NULL,                              /* remove_particle */
+        NULL,                              /* renumber */
+        dem__check_polyhedra,              /* check_run */
+        NULL,                              /* prepare_run */
+        NULL,                              /* set_law */
+        NULL,                              /* find_forces */
+        NULL,                              /* forces_found */
+        NULL,                              /* begin_run */
+        NULL,                              /* begin_ledger */
+        NULL,                              /* end_run */
+        NULL,                              /* keep_up */
+        dem__relist_polyhedra,             /* listed */
+        NULL,                              /* drift */
+        NULL,                              /* begins_early */
+        NULL,                              /* begin_step */
+        NULL,                              /* follow */
+        dem__follow_polyhedra,             /* detect */
+        NULL,                              /* contacts_begun */
+        NULL,                              /* add_forces */
+        NULL,                              /* end_contact */
+        NULL,                              /* leave */
+        NULL,                              /* begin_flights */
+        NULL,                              /* end_step */
+        NULL,                              /* forces */
+        NULL,                              /* force */
+        NULL,                              /* velocity_error */
+        NULL,                              /* correct_velocity */
+        NULL,                              /* open_books */
+        NULL,                              /* world_fields */
+        dem__particle_fields_of_polyhedra, /* particle_fields */
+        NULL,                              /* contact_fields */
+        dem__save_shapes,                  /* save */
+        dem__has_shapes,                   /* is_used */
+        dem__load_shapes,                  /* load_first */
+        dem__load_polyhedra,               /* load */
+        NULL,                              /* loaded */
+        NULL,                              /* hash_particle */
+        NULL,                              /* hash_before_contacts */
+        NULL,                              /* hash */
+    };
+    return &row;
+}
+
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !shape || !dem__is_sound_shape(shape)) return -(int)DEM_BAD_ARGUMENT;
     if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;
-    dem__array list[DEM__ARRAYS_MAX];
     const size_t size = sizeof *convex->shape, old = (size_t)convex->shapes * size;
     if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
     dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
@@ -16501,10 +18165,7 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     convex->shape = fresh, convex->calls = dem__polyhedra();
     convex->shape[convex->shapes++] = *shape;
     if (convex->shapes > 1) return convex->shapes - 1;
-    dem__bodies *bodies = &w->engine->bodies;
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
-                        w->count + 1))
-        return 0;
+    if (dem__take_feature(w, dem__feature_polyhedra()) == DEM_OK) return 0;
     dem__release(a, convex->shape, size);
     convex->shape = NULL, convex->shapes = 0, convex->calls = NULL;
     return -(int)DEM_OUT_OF_MEMORY;
@@ -16583,709 +18244,9 @@ DEM_API int64_t dem_core_overlaps(const dem_world *world) {
     return n;
 }
 
-/* ------------------------------------------------------------------------------------------------- >>walls/sheet.h */
-/* What thin sheets share: their circular rims. */
-
-enum { DEM__RIM_POINTS = 16 }; /* points of a rim at which faces of polyhedra can touch it */
-
-/* Returns the rate of change of the normal n [1/s] where a surface or a rim goes around the axis axis[2]. radial: the
-   part of the place that is perpendicular to it; distance: from the rim to the sphere's centre; 0: not at a rim [m]. */
-static inline dem_vec dem__turn_about_axis(const dem_wall *w, dem_vec radial, double distance, dem_vec n, dem_vec u) {
-    const double from_axis = dem__length(radial);
-    if (!(from_axis > 0.0)) return dem_vec3(0.0, 0.0, 0.0);
-    const dem_vec outward = dem__scale(1.0 / from_axis, radial);
-    const dem_vec round = dem__cross(w->axis[2], outward);
-    const double about = dem__dot(u, round);
-    const dem_vec rate = dem__scale(dem__dot(n, outward) * about / from_axis, round);
-    if (distance == 0.0) return rate;
-    const dem_vec up = dem__sub(u, dem__add(dem__scale(dem__dot(u, n), n), dem__scale(about, round)));
-    return dem__plus(rate, 1.0 / distance, up);
-}
-
-/* Shows points of a rim as sharp corners. middle: its centre. */
-static inline void dem__show_rim(const dem_wall *w, dem_vec middle, double radius, double reach, int32_t key,
-                                 dem__edge_visitor *v) {
-    if (!(dem__length(middle) < radius + reach)) return;
-    for (int k = 0; k < (radius > 0.0 ? DEM__RIM_POINTS : 1); k++) {
-        const dem_vec out = dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI / (double)DEM__RIM_POINTS * (double)k);
-        v->corner(v, dem__plus(middle, radius, out), 0.0, dem_vec3(0.0, 0.0, 0.0), key + k);
-    }
-}
-
-/* -------------------------------------------------------------------------------------------------- >>walls/cone.h */
-/* Cones: frustums and tubes of finite length, as thin sheets. A sheet is touched from both sides and at its rims. */
-
-/* Computes the touch with a frustum. Its nearest point lies in the plane of axis and centre, on a segment. d: the
-   centre, from the low end. Returns 0 if the gap is not below `limit`; least: the gap. */
-static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
-                                  double *least) {
-    const double up = dem__dot(d, w->axis[2]);
-    const dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
-    const double rho = dem__length(radial), rise = w->high_radius - w->radius,
-                 slant = sqrt(rise * rise + w->length * w->length);
-    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is
-                                                                                       nearest: any point of it */
-    const double along = dem__clamp(((rho - w->radius) * rise + up * w->length) / (slant * slant), 0.0, 1.0);
-    const double x = rho - (w->radius + along * rise), y = up - along * w->length;
-    double distance = sqrt(x * x + y * y), nx = w->length / slant, ny = -rise / slant;
-    const int on_rim = !(along > 0.0 && along < 1.0);
-    if (!on_rim) { /* from the side's own normal, which is accurate near the surface */
-        const double side = (rho - w->radius) * nx + up * ny;
-        distance = fabs(side);
-        if (side < 0.0) nx = -nx, ny = -ny;
-    } else if (distance > 0.0) nx = x / distance, ny = y / distance;
-    *least = out[0].gap = distance - radius;
-    if (!(*least < limit)) return 0;
-    out[0].normal = dem__add(dem__scale(nx, outward), dem__scale(ny, w->axis[2]));
-    /* that half way up: one contact type wherever a contact begins; spheres wider than the ring lie on a rim */
-    out[0].curvature = on_rim ? 0.0 : (nx < 0.0 ? -1.0 : 1.0) * w->length / (slant * (w->radius + w->high_radius));
-    return 1;
-}
-
-/* Returns the rate of change of the normal [1/s]; at a rim it is that of a ring. */
-static inline dem_vec dem__turn_at_cone(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
-                                        double inverse, dem_vec u) {
-    dem__touch touch;
-    double least;
-    (void)element, (void)inverse;
-    if (!dem__touch_cone(w, d, radius, HUGE_VAL, &touch, &least)) return dem_vec3(0.0, 0.0, 0.0);
-    const dem_vec radial = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
-    return dem__turn_about_axis(w, radial, touch.curvature != 0.0 ? 0.0 : radius + touch.gap, n, u);
-}
-
-static inline int dem__is_cone(const dem_wall *w) {
-    return dem__positive(w->length) && dem__not_negative(w->radius) && dem__not_negative(w->high_radius) &&
-           dem__positive(w->radius + w->high_radius);
-}
-
-/* Returns whether the line from p to q passes through the sheet. */
-static inline int dem__crosses_cone(const dem_wall *w, dem_vec p, dem_vec q) {
-    const dem_vec u = dem__sub(q, p);
-    const double slope = (w->high_radius - w->radius) / w->length, z = dem__dot(p, w->axis[2]),
-                 along = dem__dot(u, w->axis[2]);
-    const double r = w->radius + slope * z, dr = slope * along; /* radius of the cone at p, and its change to q */
-    const double a = dem__dot(u, u) - along * along - dr * dr, b = dem__dot(p, u) - z * along - r * dr;
-    const double c = dem__dot(p, p) - z * z - r * r, root = sqrt(b * b > a * c ? b * b - a * c : 0.0);
-    const double t[2] = {b > 0.0 ? c / (-b - root) : (root - b) / a, b > 0.0 ? (-b - root) / a : c / (root - b)};
-    if (b * b < a * c) return 0;
-    for (int k = 0; k < 2; k++) {
-        if (t[k] >= 0.0 && t[k] <= 1.0 && z + t[k] * along >= 0.0 && z + t[k] * along <= w->length &&
-            r + t[k] * dr >= 0.0)
-            return 1;
-    }
-    return 0;
-}
-
-/* Shows points of both rims. */
-static inline void dem__cone_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
-    const dem_vec low = dem__sub(w->position, centre);
-    dem__show_rim(w, low, w->radius, reach, DEM_CORNERS_MAX + DEM__SEARCH_KEYS, v);
-    dem__show_rim(w, dem__plus(low, w->length, w->axis[2]), w->high_radius, reach,
-                  DEM_CORNERS_MAX + DEM__SEARCH_KEYS + DEM__RIM_POINTS, v);
-}
-
-static inline const dem__wall_kind *dem__cone(void) {
-    static const dem__wall_kind row = {
-        DEM_CONE,                                 /* kind */
-        DEM__KEEPS_CURVATURE | DEM__CURVED_SHEET, /* flags */
-        dem__is_cone,                             /* is_sound */
-        dem__touch_cone,                          /* touch */
-        NULL,                                     /* touch_element */
-        NULL,                                     /* other_elements */
-        NULL,                                     /* reach_round */
-        dem__turn_at_cone,                        /* normal_rate */
-        NULL,                                     /* is_endless */
-        NULL,                                     /* closing */
-        NULL,                                     /* corners */
-        dem__cone_edges,                          /* edges */
-        dem__crosses_cone                         /* crosses */
-};
-    return &row;
-}
-
-DEM_API dem_cone dem_default_cone(void) {
-    dem_cone c;
-    c.low = dem_vec3(0, 0, 0);
-    c.high = dem_vec3(0, 0, 0.1);
-    c.low_radius = 0.02;
-    c.high_radius = 0.1;
-    return c;
-}
-
-DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
-    dem_wall wall;
-    const dem_status status = dem__may_add_wall(world, material);
-    memset(&wall, 0, sizeof wall);
-    if (status != DEM_OK) return -(int)status;
-    if (!cone || !dem__is_place(cone->low) || !dem__is_place(cone->high)) return -(int)DEM_BAD_ARGUMENT;
-    const dem_vec axis = dem__sub(cone->high, cone->low);
-    wall.asked.origin = cone->low;
-    wall.radius = cone->low_radius;
-    wall.high_radius = cone->high_radius;
-    wall.length = dem__length(axis);
-    if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0)) || !dem__is_cone(&wall)) return -(int)DEM_BAD_ARGUMENT;
-    return dem__add_wall(world, dem__cone(), material, &wall);
-}
-
-/* ------------------------------------------------------------------------------------------------- >>walls/round.h */
-/* What cylinders and spheres share. `radial` is the part of the place that is perpendicular to an axis, or all of it. */
-
-/* Finds the touch with a surface of constant radius. part: its mean curvature times the radius [-]. */
-DEM_INLINE int dem__touch_round(const dem_wall *w, dem_vec radial, double part, double radius, double limit,
-                                dem__touch *out, double *least) {
-    const double distance = dem__length(radial), side = w->inside ? -1.0 : 1.0;
-    *least = out[0].gap = side * (distance - w->radius) - radius;
-    if (!(out[0].gap < limit) || !(distance > 0.0)) return 0;
-    out[0].normal = dem__scale(side / distance, radial);
-    out[0].curvature = part * side / w->radius;
-    return 1;
-}
-
-/* Returns which side of a surface of constant radius a sphere is on; 0 where it has no normal. */
-DEM_INLINE double dem__side_of_round(const dem_wall *w, dem_vec radial, dem_vec *from, double *inner) {
-    *from = radial;
-    *inner = w->radius;
-    return !(dem__dot(radial, radial) > 0.0) ? 0.0 : w->inside ? -1.0 : 1.0;
-}
-
-static inline int dem__is_round(const dem_wall *w) { return w->radius > 0.0 && w->radius <= DBL_MAX; }
-
-/* Adds a cylinder or a sphere. */
-static inline int dem__add_round(dem_world *w, const dem__wall_kind *kind, int material, dem_vec point, dem_vec axis,
-                                 double radius, int inside) {
-    dem_wall wall;
-    const dem_status status = dem__may_add_wall(w, material);
-    memset(&wall, 0, sizeof wall);
-    if (status != DEM_OK) return -(int)status;
-    if (!dem__is_place(point) || !dem__finite_vec(axis) || !dem__positive(radius) ||
-        !dem__frame(&wall, axis, dem_vec3(1, 0, 0)))
-        return -(int)DEM_BAD_ARGUMENT;
-    wall.asked.origin = point;
-    wall.radius = radius;
-    wall.inside = inside != 0;
-    return dem__add_wall(w, kind, material, &wall);
-}
-
-/* ---------------------------------------------------------------------------------------------- >>walls/cylinder.h */
-/* Cylinders without ends: with particles inside, or outside. */
-
-/* Returns the part of a vector that is perpendicular to the axis. */
-DEM_INLINE dem_vec dem__across_axis(const dem_wall *w, dem_vec d) {
-    return dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
-}
-
-static inline int dem__touch_cylinder(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
-                                      double *least) {
-    return dem__touch_round(w, dem__across_axis(w, d), 0.5, radius, limit, out, least);
-}
-
-static inline double dem__reach_cylinder(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner) {
-    (void)element;
-    return dem__side_of_round(w, dem__across_axis(w, d), from, inner);
-}
-
-static inline dem_vec dem__turn_at_cylinder(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
-                                            double inverse, dem_vec u) {
-    (void)d, (void)radius, (void)element;
-    return dem__scale(inverse, dem__across_axis(w, dem__sub(u, dem__scale(dem__dot(u, n), n))));
-}
-
-static inline int dem__is_along_cylinder(const dem_wall *w, int axis) {
-    return fabs(dem_axis(w->axis[2], axis)) == 1.0;
-}
-
-/* Along the axis nothing closes the gap. From inside, a straight path at u bends towards the surface: the distance from
-   the axis grows by no more than the outward velocity and u_side^2 / distance give. */
-static inline double dem__closing_at_cylinder(const dem_wall *w, const dem__touch *touch, double radius,
-                                              dem_vec gravity, dem_vec u) {
-    const double along = dem__dot(gravity, w->axis[2]), from_axis = w->radius - radius - touch->gap;
-    const double a = sqrt(fabs(dem__dot(gravity, gravity) - along * along)) + w->side_bound;
-    if (!w->inside) return a;
-    const double up = dem__dot(u, w->axis[2]);
-    return a + (from_axis > 0.0 ? (dem__dot(u, u) - up * up) / from_axis : HUGE_VAL);
-}
-
-static inline int dem__cylinder_corners(const dem_wall *w) { return w->inside ? DEM__CORNERS_ALL : DEM__CORNERS_SOME; }
-
-/* From outside, a cylinder is one long edge: as long as edges of a polyhedron can cross it. */
-static inline void dem__cylinder_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
-    const dem_vec foot = dem__across_axis(w, dem__sub(w->position, centre));
-    const double far_off = 4.0 * (reach + w->radius);
-    dem__wall_edge e;
-    if (w->inside) return;
-    memset(&e, 0, sizeof e);
-    e.from = dem__plus(foot, -far_off, w->axis[2]), e.to = dem__plus(foot, far_off, w->axis[2]);
-    e.radius = w->radius;
-    e.key = DEM_CORNERS_MAX;
-    v->edge(v, &e);
-}
-
-static inline const dem__wall_kind *dem__cylinder(void) {
-    static const dem__wall_kind row = {
-        DEM_CYLINDER,             /* kind */
-        DEM__CONVEX,              /* flags */
-        dem__is_round,            /* is_sound */
-        dem__touch_cylinder,      /* touch */
-        NULL,                     /* touch_element */
-        NULL,                     /* other_elements */
-        dem__reach_cylinder,      /* reach_round */
-        dem__turn_at_cylinder,    /* normal_rate */
-        dem__is_along_cylinder,   /* is_endless */
-        dem__closing_at_cylinder, /* closing */
-        dem__cylinder_corners,    /* corners */
-        dem__cylinder_edges,      /* edges */
-        NULL                      /* crosses */
-};
-    return &row;
-}
-
-DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside) {
-    return dem__add_round(world, dem__cylinder(), material, point, axis, radius, inside);
-}
-
-/* ------------------------------------------------------------------------------------------------- >>walls/plane.h */
-/* Planes: half spaces, touched where the sphere is nearest. */
-
-static inline int dem__touch_plane(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
-                                   double *least) {
-    dem__touch_flat(w, d, radius, out);
-    *least = out[0].gap;
-    return out[0].gap < limit;
-}
-
-/* Returns whether a plane is the same all along an axis of the world. */
-static inline int dem__is_along_plane(const dem_wall *w, int axis) { return dem_axis(w->axis[2], axis) == 0.0; }
-
-static inline int dem__plane_corners(const dem_wall *w) {
-    (void)w;
-    return DEM__CORNERS_ALL;
-}
-
-static inline const dem__wall_kind *dem__plane(void) {
-    static const dem__wall_kind row = {
-        DEM_PLANE,                     /* kind */
-        DEM__HALF_SPACE | DEM__CONVEX, /* flags */
-        NULL,                          /* is_sound */
-        dem__touch_plane,              /* touch */
-        NULL,                          /* touch_element */
-        NULL,                          /* other_elements */
-        NULL,                          /* reach_round */
-        NULL,                          /* normal_rate */
-        dem__is_along_plane,           /* is_endless */
-        NULL,                          /* closing */
-        dem__plane_corners,            /* corners */
-        NULL,                          /* edges */
-        NULL                           /* crosses */
-};
-    return &row;
-}
-
-/* Adds a plane or an exit. */
-static inline int dem__add_flat(dem_world *w, const dem__wall_kind *kind, int material, dem_vec point, dem_vec normal) {
-    dem_wall wall;
-    const dem_status status = dem__may_add_wall(w, material);
-    memset(&wall, 0, sizeof wall);
-    if (status != DEM_OK) return -(int)status;
-    if (!dem__is_place(point) || !dem__finite_vec(normal) || !dem__frame(&wall, normal, dem_vec3(1, 0, 0)))
-        return -(int)DEM_BAD_ARGUMENT;
-    wall.asked.origin = point;
-    return dem__add_wall(w, kind, material, &wall);
-}
-
-DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal) {
-    return dem__add_flat(world, dem__plane(), material, point, normal);
-}
-
-/* -------------------------------------------------------------------------------------------------- >>walls/exit.h */
-/* Exits: planes without a surface. A particle leaves when its centre is beyond one. */
-
-static inline int dem__touch_exit(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
-                                  double *least) {
-    (void)radius;
-    return dem__touch_plane(w, d, 0.0, limit, out, least);
-}
-
-static inline const dem__wall_kind *dem__exit(void) {
-    static const dem__wall_kind row = {
-        DEM_EXIT,                      /* kind */
-        DEM__NO_SURFACE | DEM__CONVEX, /* flags */
-        NULL,                          /* is_sound */
-        dem__touch_exit,               /* touch */
-        NULL,                          /* touch_element */
-        NULL,                          /* other_elements */
-        NULL,                          /* reach_round */
-        NULL,                          /* normal_rate */
-        dem__is_along_plane,           /* is_endless */
-        NULL,                          /* closing */
-        NULL,                          /* corners */
-        NULL,                          /* edges */
-        NULL                           /* crosses */
-};
-    return &row;
-}
-
-DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) {
-    return dem__add_flat(world, dem__exit(), 0, point, normal);
-}
-
-/* ------------------------------------------------------------------------------------------------ >>walls/screen.h */
-/* Woven screens: two families of bars, round or half-round. Each bar is an element. */
-
-/* Computes the vector `from`, in (along, across, up), from the nearest point of the axis of bar `index` of a family, at
-   (index - 1/2) pitch, to a centre. along: the centre's coordinate parallel to the bars; across: in the deck,
-   perpendicular to them. Returns how far the surface is from that point [m]; < 0 if there is no such bar. */
-DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, double along, double across, double up,
-                                 dem_vec *from) {
-    const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire);
-    const double side = family ? w->half_x : w->half_y, length = family ? w->half_y : w->half_x;
-    const double end2 =
-        w->circular ? (w->half_x - bar) * (w->half_x + bar) : length * length; /* square of its half length */
-    const int beyond = !(along * along <= end2);
-    const double da = !beyond ? 0.0 : along < 0.0 ? along + sqrt(end2) : along - sqrt(end2), dc = across - bar;
-    *from = dem_vec3(da, dc, up);
-    if (w->circular ? !(fabs(bar) < w->half_x) : !(fabs(bar) <= side)) return -1.0;
-    if (w->profile == DEM_ROUND || !(up < 0.0)) return half;
-    /* the flat side is as wide as the wire; its ends are round, seen from below */
-    if (!beyond) {
-        from->y = dc - dem__clamp(dc, -half, half);
-        return 0.0;
-    }
-    const double out_by = sqrt(da * da + dc * dc), rest = out_by > half ? (out_by - half) / out_by : 0.0;
-    from->x = rest * da, from->y = rest * dc;
-    return 0.0;
-}
-
-/* Computes the touch with bar `index` of a family; its normal is in (along, across, up). Returns 0 if there is no such
-   bar. */
-DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up,
-                              double radius, dem__touch *out) {
-    dem_vec from;
-    const double inner = dem__reach_bar(w, family, index, along, across, up, &from);
-    if (!(inner >= 0.0)) return 0;
-    const double distance = dem__length(from);
-    out->gap = distance - inner - radius;
-    out->curvature =
-        1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on where it begins */
-    out->normal = dem__scale(1.0 / distance, from);
-    out->element = 2 * (int32_t)index + family;
-    return distance > 0.0;
-}
-
-/* Converts a vector from (along, across, up) of a family to the world's axes. */
-DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
-    const dem_vec a = dem__scale(v.x, w->axis[family]), c = dem__scale(v.y, w->axis[1 - family]),
-                  u = dem__scale(v.z, w->axis[2]);
-    return dem__add(dem__add(a, c), u);
-}
-
-/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck they
-   are the last two. */
-DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across) {
-    const double pitch = w->aperture + w->wire, half = family ? w->half_x : w->half_y,
-                 nearest = floor(across / pitch + 0.5);
-    if (fabs(across) < half - pitch) return nearest;
-    const double last = floor(half / pitch + 0.5);
-    return dem__clamp(nearest, 1.0 - last, last - 1.0);
-}
-
-/* Returns a lower limit of the gap of all other bars [m]. lowest: the smallest gap found, which counts where it is
-   negative. */
-DEM_INLINE double dem__third_bar(const dem_wall *w, double radius, double lowest) {
-    const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, near = lowest < 0.0 ? sum + lowest : sum;
-    return sqrt(near * near + 0.75 * pitch * pitch) - sum;
-}
-
-static inline int dem__touch_screen(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
-                                    double *least) {
-    const double up = dem__dot(d, w->axis[2]);
-    int n = 0;
-    *least = fabs(up) - radius - 0.5 * w->wire;
-    if (!(*least < limit)) return 0;
-    double bound = HUGE_VAL;
-    for (int family = 0; family < 2; family++) {
-        const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]);
-        const double nearest = dem__nearest_bar(w, family, across);
-        if (!(fabs(nearest) < 1e6)) continue;
-        for (int side = 0; side < 2; side++) {
-            if (!dem__touch_bar(w, family, nearest + side, along, across, up, radius, &out[n])) continue;
-            bound = out[n].gap < bound ? out[n].gap : bound;
-            if (!(out[n].gap < limit)) continue;
-            out[n].normal = dem__from_bar(w, family, out[n].normal);
-            n++;
-        }
-    }
-    const double third = dem__third_bar(w, radius, bound);
-    bound = third < bound ? third : bound;
-    *least = bound > *least ? bound : *least;
-    return n;
-}
-
-/* Finds the family and the index of a bar from the number of the element. */
-DEM_INLINE int dem__family_of(int32_t element) { return (int)((uint32_t)element & 1u); }
-DEM_INLINE double dem__index_of(int32_t element) { return (double)((element - dem__family_of(element)) / 2); }
-
-static inline void dem__touch_element_of_screen(const dem_wall *w, dem_vec d, double radius, int32_t element,
-                                                dem__touch *out) {
-    const int family = dem__family_of(element);
-    out->gap = HUGE_VAL, out->curvature = 0.0, out->normal = w->axis[2];
-    if (dem__touch_bar(w, family, dem__index_of(element), dem__dot(d, w->axis[family]),
-                       dem__dot(d, w->axis[1 - family]), dem__dot(d, w->axis[2]), radius, out))
-        out->normal = dem__from_bar(w, family, out->normal);
-}
-
-static inline double dem__reach_screen(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner) {
-    const int family = dem__family_of(element);
-    const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]),
-                 up = dem__dot(d, w->axis[2]);
-    *inner = dem__reach_bar(w, family, dem__index_of(element), along, across, up, from);
-    *from = dem__from_bar(w, family, *from);
-    return *inner >= 0.0 && dem__dot(*from, *from) > 0.0 ? 1.0 : 0.0;
-}
-
-static inline dem_vec dem__turn_at_screen(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
-                                          double inverse, dem_vec u) {
-    const dem_vec along = w->axis[dem__family_of(element)], side = dem__sub(u, dem__scale(dem__dot(u, n), n));
-    (void)d, (void)radius;
-    if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side); /* at a bar's end */
-    if (w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) <= 1e-12 - 1.0)
-        return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
-    return dem__scale(inverse, dem__plus(side, -dem__dot(side, along), along));
-}
-
-/* Finds the ends of a bar's axis, from the screen's origin. Returns 0 if there is no such bar. */
-static inline int dem__bar_ends(const dem_wall *w, int family, double index, dem_vec end[2]) {
-    const double bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
-    dem_vec from;
-    if (dem__reach_bar(w, family, index, 0.0, bar, 0.0, &from) < 0.0) return 0;
-    const double reach = w->circular ? sqrt((w->half_x - bar) * (w->half_x + bar)) : length;
-    for (int k = 0; k < 2; k++) end[k] = dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0));
-    return 1;
-}
-/* Finds the first and the last bar of a family near a polyhedron at d. reach: its own [m]. */
-DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double reach, double *first, double *last) {
-    const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]),
-                 half = family ? w->half_x : w->half_y;
-    const double low = dem__clamp(across - reach - 0.5 * w->wire, -half, half);
-    const double high = dem__clamp(across + reach + 0.5 * w->wire, -half, half);
-    *first = floor(low / pitch + 0.5), *last = floor(high / pitch + 0.5);
-}
-
-/* Shows the edges of a bar and its ends. A half-round bar is a capsule when touched from above, and two sharp edges
-   when touched from below. */
-static inline void dem__show_bar(const dem_wall *w, int family, double index, dem_vec d, dem__edge_visitor *v) {
-    const double half = 0.5 * w->wire;
-    const int32_t key = DEM__ELEMENT_KEYS * (2 * (int32_t)index + family + DEM__ELEMENTS_FROM) + DEM_CORNERS_MAX;
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
-    dem__wall_edge e, below;
-    dem_vec end[2];
-    if (!dem__bar_ends(w, family, index, end)) return;
-    for (int k = 0; k < 2; k++) end[k] = dem__sub(end[k], d);
-    for (int k = 0; k < 2; k++) v->corner(v, end[k], half, none, key + k);
-    memset(&e, 0, sizeof e);
-    e.from = end[0], e.to = end[1], e.radius = half, e.ends = 3, e.is_axis = 1, e.key = key + 2;
-    e.side = w->axis[2], e.sign = w->profile == DEM_ROUND ? 0.0 : 1.0;
-    v->edge(v, &e);
-    for (int side = -1; side < 2 && w->profile != DEM_ROUND; side += 2) {
-        const dem_vec off = dem__scale(side * half, w->axis[1 - family]);
-        memset(&below, 0, sizeof below);
-        below.from = dem__add(end[0], off), below.to = dem__add(end[1], off);
-        below.key = key + 2 + DEM__EDGE_KEYS * (side > 0 ? 2 : 1);
-        below.side = w->axis[2], below.sign = -1.0;
-        v->edge(v, &below);
-    }
-}
-static inline void dem__screen_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
-    const dem_vec d = dem__sub(centre, w->position);
-    double first, last;
-    for (int family = 0; family < 2; family++) {
-        dem__bars_near(w, family, d, reach, &first, &last);
-        for (double index = first; index <= last; index += 1.0) dem__show_bar(w, family, index, d, v);
-    }
-}
-
-/* Returns whether a screen has lengths, and no more bars and apertures than integers count. */
-static inline int dem__is_deck(const dem_wall *w) {
-    const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
-    return (w->profile == DEM_ROUND || w->profile == DEM_SEMICIRCLE) && dem__positive(w->aperture) &&
-           dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 && x * y < 2.5e8;
-}
-
-static inline const dem__wall_kind *dem__woven_screen(void) {
-    static const dem__wall_kind row = {
-        DEM_SCREEN,                   /* kind */
-        DEM__CONVEX,                  /* flags: of each bar */
-        dem__is_deck,                 /* is_sound */
-        dem__touch_screen,            /* touch */
-        dem__touch_element_of_screen, /* touch_element */
-        dem__third_bar,               /* other_elements */
-        dem__reach_screen,            /* reach_round */
-        dem__turn_at_screen,          /* normal_rate */
-        NULL,                         /* is_endless */
-        NULL,                         /* closing */
-        NULL,                         /* corners */
-        dem__screen_edges,            /* edges */
-        NULL                          /* crosses */
-};
-    return &row;
-}
-
-DEM_API dem_screen dem_default_screen(void) {
-    dem_screen s;
-    memset(&s, 0, sizeof s);
-    s.aperture = 8e-3;
-    s.wire = 2e-3;
-    s.profile = DEM_SEMICIRCLE;
-    s.circular = 1;
-    s.half_x = s.half_y = 0.095;
-    s.normal = dem_vec3(0, 0, 1);
-    s.direction = dem_vec3(1, 0, 0);
-    return s;
-}
-
-DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen) {
-    dem_wall wall;
-    const dem_status status = dem__may_add_wall(world, material);
-    memset(&wall, 0, sizeof wall);
-    if (status != DEM_OK) return -(int)status;
-    if (!screen || !dem__is_place(screen->centre) || !dem__finite_vec(screen->normal) ||
-        !dem__finite_vec(screen->direction) || !dem__frame(&wall, screen->normal, screen->direction))
-        return -(int)DEM_BAD_ARGUMENT;
-    wall.asked.origin = screen->centre;
-    wall.aperture = screen->aperture;
-    wall.wire = screen->wire;
-    wall.profile = (int)screen->profile;
-    wall.circular = screen->circular != 0;
-    wall.half_x = screen->half_x;
-    wall.half_y = screen->circular ? screen->half_x : screen->half_y;
-    if (!dem__is_deck(&wall)) return -(int)DEM_BAD_ARGUMENT;
-    return dem__add_wall(world, dem__woven_screen(), material, &wall);
-}
-
-/* ------------------------------------------------------------------------------------------------ >>walls/sphere.h */
-/* Spheres as walls: hollow, with particles inside, or solid ones with particles outside. */
-
-static inline int dem__touch_sphere(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
-                                    double *least) {
-    return dem__touch_round(w, d, 1.0, radius, limit, out, least);
-}
-
-static inline double dem__reach_sphere(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner) {
-    (void)element;
-    return dem__side_of_round(w, d, from, inner);
-}
-
-static inline dem_vec dem__turn_at_sphere(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
-                                          double inverse, dem_vec u) {
-    (void)w, (void)d, (void)radius, (void)element;
-    return dem__scale(inverse, dem__sub(u, dem__scale(dem__dot(u, n), n)));
-}
-
-/* A solid sphere touches a polyhedron as a corner of a wall does, with all of its surface. */
-static inline int dem__sphere_corners(const dem_wall *w) { return w->inside ? DEM__CORNERS_ALL : DEM__CORNERS_NONE; }
-static inline void dem__sphere_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
-    (void)reach;
-    if (!w->inside) v->corner(v, dem__sub(w->position, centre), w->radius, dem_vec3(0.0, 0.0, 0.0), 0);
-}
-
-static inline const dem__wall_kind *dem__sphere(void) {
-    static const dem__wall_kind row = {
-        DEM_SPHERE,          /* kind */
-        0,                   /* flags */
-        dem__is_round,       /* is_sound */
-        dem__touch_sphere,   /* touch */
-        NULL,                /* touch_element */
-        NULL,                /* other_elements */
-        dem__reach_sphere,   /* reach_round */
-        dem__turn_at_sphere, /* normal_rate */
-        NULL,                /* is_endless */
-        NULL,                /* closing */
-        dem__sphere_corners, /* corners */
-        dem__sphere_edges,   /* edges */
-        NULL                 /* crosses */
-};
-    return &row;
-}
-
-DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside) {
-    return dem__add_round(world, dem__sphere(), material, centre, dem_vec3(0, 0, 1), radius, inside);
-}
-
-/* ------------------------------------------------------------------------------------------------- >>walls/kinds.h */
-/* All kinds of walls. A new kind is a file like these and a row here; its name is in base/types.h. */
-
-/* Returns the row of a kind; NULL for an unknown kind. */
-static inline const dem__wall_kind *dem__find_kind(int kind) {
-    const dem__wall_kind *const row[] = {
-        dem__plane(), dem__cylinder(), dem__woven_screen(), dem__exit(), dem__sphere(), dem__cone(), dem__triangles(),
-    };
-    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
-        if (row[k]->kind == kind) return row[k];
-    }
-    return NULL;
-}
-
 /* --------------------------------------------------------------------------------------------------- >>save/load.h */
 /* Loading: makes a world from the records that save/save.h writes, and trusts none of them: every index, count and
    number that the engine relies on is checked here. */
-
-/* A file that is read: its bytes, and where its records begin and end. */
-typedef struct dem__file {
-    const unsigned char *bytes;
-    size_t first, end;
-} dem__file;
-
-/* Returns whether the bytes are a whole and unchanged saved world of this format. */
-static inline int dem__open_file(dem__file *file, const void *buffer, size_t size) {
-    uint64_t magic, version, check;
-    dem__stream s = {NULL, (const unsigned char *)buffer, 0};
-    if (size < 24) return 0;
-    dem__stream_u64(&s, &magic), dem__stream_u64(&s, &version);
-    file->bytes = s.from, file->first = s.at, file->end = s.at = size - 8;
-    dem__stream_u64(&s, &check);
-    return magic == DEM__MAGIC && version == DEM__FORMAT && check == dem__checksum(file->bytes, file->end) &&
-           dem__are_records(file->bytes, file->first, file->end);
-}
-
-/* Returns the number of entries of a group in a file: of its first field, which is required. */
-static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first) {
-    char name[DEM__NAME_BYTES];
-    dem__record r;
-    memset(name, 0, sizeof name);
-    memcpy(name, first, strlen(first));
-    return dem__find_record(file->bytes, file->first, file->end, name, &r) && r.count < INT32_MAX / 4
-               ? (ptrdiff_t)r.count
-               : 0;
-}
-
-/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of
-   another kind. */
-static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
-    const dem__saved_field *f = &g->field[field];
-    dem__record r;
-    if (!dem__find_record(file->bytes, file->first, file->end, f->name, &r)) return field < g->needed ? -1 : 0;
-    s->to = NULL, s->from = file->bytes, s->at = r.at;
-    return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
-}
-
-/* Reads entries first .. end-1 of a group of n into consecutive ones from `to` on. Returns 0 if the file is not valid.
- */
-static inline int dem__read_some(const dem__file *file, const dem__group *g, ptrdiff_t n, ptrdiff_t first,
-                                 ptrdiff_t end, ptrdiff_t to) {
-    for (int q = 0; q < g->fields && n > 0; q++) {
-        const dem__saved_field *f = &g->field[q];
-        dem__stream s;
-        const int found = dem__find_field(file, g, q, n, &s);
-        if (found < 0) return 0;
-        s.at += (size_t)first * (size_t)(f->numbers * f->width);
-        for (ptrdiff_t k = first; k < end && found; k++) dem__stream_entry(&s, f, to + k - first);
-    }
-    return 1;
-}
-
-/* Reads all n entries of a group. */
-static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
-    return dem__read_some(file, g, n, 0, n, 0);
-}
 
 /* Reads contacts into their slots. Returns 0 if the file is not valid. */
 static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__group *g) {
@@ -17303,8 +18264,6 @@ static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__g
 
 /* Steps that a run may owe: half a one, and more after a change of the time step. */
 #define DEM__OWED_STEPS 1e5
-
-static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
 
 /* Reads materials and their pairs. Files have as many as the world, older ones DEM_MATERIALS_MAX of the program that
    wrote them. Returns 0 if the file is not valid. */
@@ -17331,18 +18290,14 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
     }
-    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) ||
-        !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts) ||
-        !dem__is_flag(e->contacts.has_history))
-        return 0;
-    /* what a flag promises is there */
-    if ((e->ledger.started || e->ledger.counts) && !e->ledger.on) return 0;
-    if (e->links.on ? !dem__positive(e->links.interval) : dem__entries_of(file, "link.i") > 0) return 0;
-    if (!(fabs(w->owed) <= DEM__OWED_STEPS * w->def.dt)) return 0;
-    if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 ||
-        e->links.states > DEM_STATE_MAX)
-        return 0;
-    if (!dem__not_negative(e->links.near) || !dem__not_negative(e->links.interval)) return 0;
+    if (!dem__is_flag(e->contacts.has_history) || !(fabs(w->owed) <= DEM__OWED_STEPS * w->def.dt)) return 0;
+    if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX) return 0;
+    for (int k = e->features - 1; k >= 0; k--) {
+        const dem__feature *f = e->feature[k];
+        const int used = f->is_used(file, w);
+        if (used < 0) return 0;
+        if (!used) dem__drop_feature(w, f);
+    }
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
     if (!dem__is_thread_count(w->def.threads))
@@ -17401,7 +18356,7 @@ static inline dem_status dem__read_walls(const dem__file *file, dem_world *w, de
         const int is_mesh = dem__has(a, DEM__TRIANGULATED);
         const dem_status status = is_mesh ? dem__read_mesh(file, &w->def.allocator, w->walls, a, g) : DEM_OK;
         if (status != DEM_OK) return status;
-        if (is_mesh) dem__count_mesh(w);
+        if (is_mesh) dem__add_feature(w, dem__feature_meshes());
         walls->touch_keepers += dem__has(a, DEM__TRIANGULATED | DEM__KEEPS_CURVATURE);
         walls->controls |= a->asked.drive >= DEM_FORCE_CONTROLLED;
         dem__set_phase_sine(a);
@@ -17433,27 +18388,8 @@ static inline int dem__read_chunks(const dem__file *file, dem_world *w, dem__gro
     return left == 0;
 }
 
-/* Reads the shapes of polyhedra. */
-static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, dem__group *g) {
-    dem__convex_state *convex = &w->engine->convex;
-    const ptrdiff_t n = dem__entries_of(file, "shape.corners");
-    if (n == 0) return DEM_OK;
-    convex->shape =
-        (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
-    if (!convex->shape) return DEM_OUT_OF_MEMORY;
-    memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
-    convex->shapes = (int)n, convex->calls = dem__polyhedra();
-    w->engine->walls.touch_keepers++;
-    g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
-    if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
-    for (ptrdiff_t k = 0; k < n; k++) {
-        if (!dem__is_sound_shape(&convex->shape[k])) return DEM_BAD_DATA;
-    }
-    return DEM_OK;
-}
-
 /* Makes room for what a file contains, and sets the counts. Returns 0 when out of memory. */
-static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff_t links, ptrdiff_t passed) {
+static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff_t passed) {
     dem__engine *e = w->engine;
     dem__array list[DEM__ARRAYS_MAX];
     const ptrdiff_t live = e->contacts.count;
@@ -17462,9 +18398,6 @@ static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff
                          &e->bodies.capacity, present + 1))
         return 0;
     if (!dem__grow_contacts(w, dem__next_slot(w) + 1)) return 0;
-    if (links > 0 && !dem__grow_group(w, list, dem__link_arrays(w, list), &e->links.block, &e->links.bytes,
-                                      &e->links.capacity, links))
-        return 0;
     if (passed > 0) {
         w->passed =
             (dem_passed *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)passed * sizeof *w->passed);
@@ -17473,55 +18406,27 @@ static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff
         e->bodies.passed_capacity = passed;
     }
     w->count = present, w->passed_count = passed;
-    e->contacts.count = live, e->links.count = links;
-    return 1;
-}
-
-/* Reads rigid bodies, for which there is room, and assigns their particles to them. Returns 0 if the file is not valid.
- */
-static inline int dem__read_bodies(const dem__file *file, dem_world *w, dem__group *g, ptrdiff_t n) {
-    dem__bodies *bodies = &w->engine->bodies;
-    if (n == 0) return 1;
-    dem__body_fields(bodies->rigid, g);
-    memset(bodies->rigid, 0, (size_t)n * sizeof *bodies->rigid);
-    if (!dem__read_group(file, g, n)) return 0;
-    for (bodies->rigid_count = 0; bodies->rigid_count < n;) {
-        const dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
-        const dem_quaternion t = r->turn;
-        if (r->first < 0 || r->pieces < 1 || r->first > w->count - r->pieces) return 0;
-        if (!dem__positive(r->moments.x) || !dem__positive(r->moments.y) || !dem__positive(r->moments.z) ||
-            !dem__positive(r->mass))
-            return 0;
-        if (!(fabs(t.w * t.w + t.x * t.x + t.y * t.y + t.z * t.z - 1.0) < 1e-6)) return 0;
-        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-            if (dem__is_fixed(w, i) != dem__is_fixed(w, r->first)) return 0;
-            if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin ||
-                w->particle[i].mass != r->mass)
-                return 0;
-            bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
-        }
-    }
+    e->contacts.count = live;
     return 1;
 }
 
 /* Reads particles, contacts, links and records of exits. */
 static inline dem_status dem__read_state(const dem__file *file, dem_world *w, dem__group *g) {
-    const ptrdiff_t present = dem__entries_of(file, "particle.x"), links = dem__entries_of(file, "link.i"),
-                    bodies = dem__entries_of(file, "body.first");
+    const ptrdiff_t present = dem__entries_of(file, "particle.x");
     if (!dem__read_chunks(file, w, g, present)) return DEM_BAD_DATA;
-    if (!dem__make_loaded_room(w, present, links, dem__entries_of(file, "passed.time"))) return DEM_OUT_OF_MEMORY;
-    if (bodies > 0 && !dem__reserve_bodies(w, bodies, 0)) return DEM_OUT_OF_MEMORY;
+    if (!dem__make_loaded_room(w, present, dem__entries_of(file, "passed.time"))) return DEM_OUT_OF_MEMORY;
     dem__particle_fields(w, g);
     for (ptrdiff_t i = 0; i < present; i++) {
         w->alive[i] = 1;
         w->engine->bodies.number[i] = (int32_t)i;
-        w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
+        w->engine->walls.first_contact[i] = -1;
+        DEM__TELL(w, add_particle, (w, i));
     }
-    if (!dem__read_group(file, g, present) || !dem__read_bodies(file, w, g, bodies) || !dem__read_contacts(file, w, g))
-        return DEM_BAD_DATA;
-    if (links > 0) {
-        dem__link_fields(w, g);
-        if (!dem__read_group(file, g, links)) return DEM_BAD_DATA;
+    if (!dem__read_group(file, g, present) || !dem__read_contacts(file, w, g)) return DEM_BAD_DATA;
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        const dem_status status = f->load ? f->load(file, w, g) : DEM_OK;
+        if (status != DEM_OK) return status;
     }
     if (w->passed_count > 0) dem__passed_fields(w->passed, g);
     return w->passed_count == 0 || dem__read_group(file, g, w->passed_count) ? DEM_OK : DEM_BAD_DATA;
@@ -17532,20 +18437,13 @@ static inline int dem__are_sound_particles(const dem_world *w) {
         const dem_particle *p = &w->particle[i];
         if (!dem__positive(p->radius) || !dem__positive(p->mass) || p->origin > w->step || p->origin < 0) return 0;
         if (w->material[i] < 0 || w->material[i] >= w->def.materials || (i > 0 && w->id[i] <= w->id[i - 1])) return 0;
-        if (!dem__is_sound_polyhedron(w, i)) return 0;
     }
     return 1;
-}
-
-/* Returns whether i is a particle, and j another one or a wall. */
-static inline int dem__are_bodies(const dem_world *w, int32_t i, int32_t j) {
-    return i >= 0 && i < w->count && j < w->count && j >= -w->walls && i != j;
 }
 
 /* Returns whether the bodies and elements of contacts and links exist, and no contact is there twice. */
 static inline int dem__are_sound_contacts(const dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
-    const dem__links *links = &w->engine->links;
     ptrdiff_t n = 0;
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
@@ -17560,9 +18458,6 @@ static inline int dem__are_sound_contacts(const dem_world *w) {
     for (ptrdiff_t c = 1; c < n; c++) {
         if (!dem__before(w, contacts->slots[c - 1], contacts->slots[c])) return 0;
     }
-    for (ptrdiff_t k = 0; k < links->count; k++) {
-        if (!dem__are_bodies(w, links->i[k], links->j[k])) return 0;
-    }
     return 1;
 }
 
@@ -17571,9 +18466,7 @@ static inline void dem__derive_loaded(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *first = w->engine->walls.first_contact;
     w->engine->run.needs_lists = w->engine->run.keeps_wrenches = 1;
-    w->engine->bodies.loads_on |= w->engine->bodies.has_fixed;
-    dem__set_link_steps(w);
-    dem__find_links(w);
+    DEM__TELL(w, loaded, (w));
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
         contacts->near[c] = -1; /* until the list is built */
@@ -17591,12 +18484,25 @@ static inline void dem__derive_loaded(dem_world *w) {
     }
 }
 
+/* Adds every feature that a file may contain: a loaded world keeps those that it uses. */
+static inline void dem__expect_features(dem_world *w) {
+    dem__add_feature(w, dem__feature_ledger());
+    dem__add_feature(w, dem__feature_links());
+    dem__add_feature(w, dem__feature_field());
+    dem__add_feature(w, dem__feature_fixed());
+    dem__add_feature(w, dem__feature_bodies());
+    dem__add_feature(w, dem__feature_polyhedra());
+}
+
 /* Fills an empty world from a file. */
 static inline dem_status dem__read_file(const dem__file *file, dem_world *w) {
     dem__group g;
     if (!dem__read_world(file, w, &g)) return DEM_BAD_DATA;
     dem_status status = dem__read_walls(file, w, &g);
-    if (status == DEM_OK) status = dem__read_shapes(file, w, &g);
+    for (int k = 0; k < w->engine->features && status == DEM_OK; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->load_first) status = f->load_first(file, w, &g);
+    }
     if (status == DEM_OK) status = dem__read_state(file, w, &g);
     if (status != DEM_OK) return status;
     if (!dem__are_sound_particles(w) || !dem__are_sound_contacts(w)) return DEM_BAD_DATA;
@@ -17615,6 +18521,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
         memset(world, 0, sizeof *world);
         return DEM_OUT_OF_MEMORY;
     }
+    dem__expect_features(world);
     const dem_status status = dem__read_file(&file, world);
     if (status != DEM_OK) dem_free(world);
     return status;

@@ -457,6 +457,14 @@ typedef struct screen_separation {
 SCREEN_API screen_status screen_measure(int n, const double *diameters, const double *feed, const double *partition, double cut,
                                         screen_separation *out);
 
+/* Computes the 95 % range of each of these from the standard errors of the measured shares: measured value +- 1.96 deviations of 1000 drawn
+   sets (normal, cut at 0 and, of the partition, at 1). feed_sd [n] [as feed], >= 0, null: the feed is exact; partition_sd [n] [-], >= 0. A
+   field whose value more than 1 in 20 sets do not have is NaN. seed: any; memory may be null (the C library's). Statuses as screen_measure;
+   SCREEN_NO_MEMORY. */
+SCREEN_API screen_status screen_measure_range(int n, const double *diameters, const double *feed, const double *feed_sd,
+                                              const double *partition, const double *partition_sd, double cut, uint64_t seed,
+                                              const screen_memory *memory, screen_separation *low, screen_separation *high);
+
 /* ---- feed --------------------------------------------------------------------------------------------------------------------------- */
 
 /* Returns the mass share finer than d [m] of a Rosin-Rammler (1933) feed, 1 - exp(-(d/d63)^n), and of a lognormal one with median d50 and
@@ -3581,6 +3589,62 @@ SCREEN_API screen_status screen_measure(int n, const double *diameters, const do
     out->efficiency = out->recovery - out->oversize_loss;
     out->yield = passes / all;
     return out->imperfection == out->imperfection ? SCREEN_OK : SCREEN_NOT_REACHED;
+}
+
+/* Lists the numbers of a separation. */
+enum { SCREEN__SEPARATION = 11 };
+static inline void screen__list_separation(screen_separation *s, double *list[SCREEN__SEPARATION]) {
+    double *const all[SCREEN__SEPARATION] = {&s->d25,           &s->d50,
+                                             &s->d75,           &s->ecart,
+                                             &s->imperfection,  &s->recovery,
+                                             &s->oversize_loss, &s->misplaced_overflow,
+                                             &s->efficiency,    &s->misplaced_underflow,
+                                             &s->yield};
+    for (int k = 0; k < SCREEN__SEPARATION; k++) list[k] = all[k];
+}
+
+SCREEN_API screen_status screen_measure_range(int n, const double *diameters, const double *feed, const double *feed_sd,
+                                              const double *partition, const double *partition_sd, double cut, uint64_t seed,
+                                              const screen_memory *memory, screen_separation *low, screen_separation *high) {
+    enum { DRAWS = 1000 };
+    const screen_memory library = {NULL, NULL}, *hook = memory ? memory : &library;
+    screen_separation measured, drawn;
+    double *value[SCREEN__SEPARATION], *at[SCREEN__SEPARATION], *from[SCREEN__SEPARATION], *to[SCREEN__SEPARATION];
+    double number[SCREEN__SEPARATION] = {0.0}, sum[SCREEN__SEPARATION] = {0.0}, squares[SCREEN__SEPARATION] = {0.0};
+    if (!low || !high) return SCREEN_BAD_POINTER;
+    screen__list_separation(low, from), screen__list_separation(high, to);
+    screen__list_separation(&measured, value), screen__list_separation(&drawn, at);
+    for (int k = 0; k < SCREEN__SEPARATION; k++) *from[k] = *to[k] = (double)NAN;
+    if (!partition_sd) return SCREEN_BAD_POINTER;
+    const screen_status status = screen_measure(n, diameters, feed, partition, cut, &measured);
+    if (status != SCREEN_OK && status != SCREEN_NOT_REACHED) return status;
+    for (int i = 0; i < n; i++)
+        if (!(partition_sd[i] >= 0.0 && partition_sd[i] < HUGE_VAL && (!feed_sd || (feed_sd[i] >= 0.0 && feed_sd[i] < HUGE_VAL))))
+            return SCREEN_BAD_ARGUMENT;
+    double *sets = (double *)screen__take(hook, 2 * (size_t)n, sizeof(double));
+    if (!sets) return SCREEN_NO_MEMORY;
+    for (int draw = 0; draw < DRAWS; draw++) {
+        for (int i = 0; i < n; i++) {
+            const double f = feed[i] + (feed_sd ? feed_sd[i] * screen__normal(&seed) : 0.0),
+                         p = partition[i] + partition_sd[i] * screen__normal(&seed);
+            sets[i] = f > 0.0 ? f : 0.0;
+            sets[n + i] = screen__clip(p, 0.0, 1.0);
+        }
+        (void)screen_measure(n, diameters, sets, sets + n, cut, &drawn);
+        for (int k = 0; k < SCREEN__SEPARATION; k++) {
+            const double off = *at[k] - *value[k];
+            if (!(fabs(off) < HUGE_VAL)) continue;
+            number[k] += 1.0, sum[k] += off, squares[k] += off * off;
+        }
+    }
+    screen__release(hook, sets, 2 * (size_t)n, sizeof(double));
+    for (int k = 0; k < SCREEN__SEPARATION; k++) {
+        if (!(number[k] >= 0.95 * (int)DRAWS)) continue;
+        const double variance = (squares[k] - sum[k] * sum[k] / number[k]) / (number[k] - 1.0),
+                     reach = variance > 0.0 ? 1.959963984540054 * sqrt(variance) : 0.0;
+        *from[k] = *value[k] - reach, *to[k] = *value[k] + reach;
+    }
+    return status;
 }
 
 /* >>feed */

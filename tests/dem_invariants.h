@@ -90,7 +90,7 @@ static inline const char *invariants__links(const dem_world *w) {
         sides += j >= 0 ? 2 : 1;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        for (int32_t k = w->alive[i] ? w->engine->links.first_link[i] : -1; k >= 0; k = dem__next_link(w, k, i)) {
+        for (int32_t k = w->engine->links.on && w->alive[i] ? w->engine->links.first_link[i] : -1; k >= 0; k = dem__next_link(w, k, i)) {
             if (k >= w->engine->links.count || (w->engine->links.i[k] != i && w->engine->links.j[k] != i))
                 return "another's link in a particle's list";
             if (++listed > sides) return "a list of links is a ring";

@@ -1420,7 +1420,7 @@ static void test_records_of_a_save(void **state) {
                                            "skip",
                                            "skin",
                                            "passed_total",
-                                           "ledger.on",
+                                           "needs_forces",
                                            "wall.belt",
                                            "wall.motion_start",
                                            "particle.spin",

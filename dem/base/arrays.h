@@ -10,31 +10,6 @@ static inline void *dem__default_allocator(void *user, void *old, size_t old_siz
     return NULL;
 }
 
-/* An array of a group. Lists of them make growing, freeing and saving loops. */
-typedef struct dem__array {
-    void *address; /* of the pointer to it */
-    size_t size;   /* of an entry [bytes] */
-} dem__array;
-enum { DEM__ARRAYS_MAX = 64 + DEM_STATE_MAX + DEM_CONSTANTS_MAX, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
-
-/* Lists the arrays of particles in a force field. Returns their number. */
-static inline int dem__field_arrays(dem_world *w, dem__array *list) {
-    dem__field *field = &w->engine->field;
-    const dem__array arrays[] = {{&field->until, sizeof *field->until},
-                                 {&field->end_velocity, sizeof *field->end_velocity},
-                                 {&field->force, sizeof *field->force},
-                                 {&field->work, sizeof *field->work},
-                                 {&field->booked, sizeof *field->booked}};
-    const int n = (int)(sizeof arrays / sizeof *arrays);
-    memcpy(list, arrays, sizeof arrays);
-    return n;
-}
-
-/* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
-DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) {
-    return w->engine->bodies.has_fixed && w->engine->bodies.fixed[i].on != 0;
-}
-
 /* Returns the shape of particle i, or NULL if it is a sphere. */
 DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
     const dem__convex_state *convex = &w->engine->convex;
@@ -50,10 +25,9 @@ DEM_INLINE double dem__touching_radius(const dem_world *w, ptrdiff_t i) {
 /* Lists the arrays of particles. Returns their number. */
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     dem__bodies *bodies = &w->engine->bodies;
-    dem__links *links = &w->engine->links;
     int n = 0;
     double **doubles[] = {&bodies->wall_speed, &bodies->shifted, &bodies->mass_share};
-    dem__two_vec **sixes[] = {&bodies->load, &bodies->external, &links->evaluated_at};
+    dem__two_vec **sixes[] = {&bodies->load, &bodies->external};
     int32_t **integers[] = {&w->material,
                             &w->group,
                             &w->alive,
@@ -65,8 +39,6 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
                             &w->engine->scratch.index,
                             &bodies->activity,
                             &bodies->number,
-                            &links->first_link,
-                            &links->is_loaded,
                             &bodies->to_check};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
@@ -77,16 +49,6 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);
     }
-    if (bodies->rigid_capacity > 0) {
-        list[n].address = &bodies->rigid_of, list[n++].size = sizeof(int32_t);
-        list[n].address = &bodies->offset, list[n++].size = sizeof(dem_vec);
-        list[n].address = &bodies->arm, list[n++].size = sizeof(dem_vec);
-    }
-    if (bodies->has_fixed) list[n].address = &bodies->fixed, list[n++].size = sizeof(dem__fixed);
-    if (w->engine->convex.shapes > 0) {
-        list[n].address = &w->engine->convex.shape_of, list[n++].size = sizeof(int32_t);
-        list[n].address = &w->engine->convex.place, list[n++].size = sizeof(dem__placed);
-    }
     list[n].address = &w->particle, list[n++].size = sizeof(dem_particle);
     list[n].address = &w->spin_rate, list[n++].size = sizeof(dem_vec);
     list[n].address = &w->engine->pairs.listed_at, list[n++].size = sizeof(dem_vec);
@@ -94,7 +56,11 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
     list[n].address = &bodies->bound, list[n++].size = sizeof(dem__bound);
     list[n].address = &bodies->sum, list[n++].size = sizeof(dem__sum);
-    return w->engine->field.on ? n + dem__field_arrays(w, list + n) : n;
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->list_arrays) n += f->list_arrays(w, list + n);
+    }
+    return n;
 }
 
 static inline int dem__may_postpone(const dem_world *w) { return w->engine->contacts.postponed || w->def.threads > 1; }
@@ -115,10 +81,9 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) {
         list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
     }
-    if (w->engine->ledger.on) {
-        list[n].address = &contacts->elastic, list[n++].size = sizeof(double);
-        for (int k = 0; k < 3; k++, n++) list[n].address = &contacts->power[k], list[n].size = sizeof(double);
-        for (int k = 0; k < 4; k++, n++) list[n].address = &contacts->loss[k], list[n].size = sizeof(double);
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->list_contact_arrays) n += f->list_contact_arrays(w, list + n);
     }
     list[n].address = &contacts->ended, list[n++].size = 1;
     /* ... with constants of their own, ... */
@@ -177,20 +142,6 @@ static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, v
     return 1;
 }
 
-/* Lists the arrays of links. Returns their number. */
-static inline int dem__link_arrays(dem_world *w, dem__array *list) {
-    dem__links *links = &w->engine->links;
-    int n = 0;
-    int32_t **integers[] = {&links->i, &links->j, &links->element, &links->next_i, &links->next_j};
-    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++)
-        list[n].address = integers[k], list[n].size = sizeof(int32_t);
-    for (int k = 0; k < links->states; k++, n++) list[n].address = &links->state[k], list[n].size = sizeof(double);
-    for (int k = 0; k < 9; k++, n++) list[n].address = &links->wrench[k], list[n].size = sizeof(double);
-    list[n].address = &links->gap, list[n++].size = sizeof(double);
-    list[n].address = &links->ended, list[n++].size = 1;
-    return n;
-}
-
 /* Makes room for `count` timers, and for `bytes` beside each in another array. Returns 0 when out of memory. */
 static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count, void *other, size_t bytes) {
     const dem__array list[] = {{&t->due, DEM__LINE * sizeof *t->due},
@@ -234,4 +185,21 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
     *array = fresh;
     *capacity = larger;
     return 1;
+}
+
+/* Adds a feature to a world and makes room for its numbers of particles. DEM_BAD_ARGUMENT: another feature excludes it.
+   After a failure nothing has changed. */
+static inline dem_status dem__take_feature(dem_world *w, const dem__feature *feature) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__array list[DEM__ARRAYS_MAX];
+    for (int k = 0; k < w->engine->features; k++) {
+        if (w->engine->feature[k]->place == feature->place) return DEM_OK;
+        if (w->engine->feature[k]->exclusive && feature->exclusive) return DEM_BAD_ARGUMENT;
+    }
+    dem__add_feature(w, feature);
+    if (bodies->capacity == 0 || dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes,
+                                                 &bodies->capacity, bodies->capacity))
+        return DEM_OK;
+    dem__drop_feature(w, feature);
+    return DEM_OUT_OF_MEMORY;
 }

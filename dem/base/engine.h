@@ -1,6 +1,7 @@
 /* The private state behind a world, in structs. Their comments say where most of it happens, not who writes each field:
    ask grep. */
 #pragma once
+#include "feature.h"
 #include "polyhedra_state.h"
 
 /* Bound on a particle's motion, in the frame in free fall since the list was built. At t [s] after that, its surface
@@ -117,14 +118,10 @@ typedef struct dem__body_calls {
                                                                                          bodies to the end of a step */
     void (*kick)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h); /* moves velocities of active bodies
                                                                                       to the end of a step */
-    void (*push)(dem_world *w, int32_t c, int has_friction);      /* applies impulses of the edge step in slot c */
-    void (*shift)(dem_world *w, int32_t c);                       /* applies its shift, after all impulses */
-    void (*kick_links)(dem_world *w, dem__rigid *r, double half); /* applies the change of the links' forces */
-    double (*swing)(const dem__rigid *r, double arm);             /* greatest speed in flight of what is an arm [m]
+    void (*push)(dem_world *w, int32_t c, int has_friction); /* applies impulses of the edge step in slot c */
+    void (*shift)(dem_world *w, int32_t c);                  /* applies its shift, after all impulses */
+    double (*swing)(const dem__rigid *r, double arm);        /* greatest speed in flight of what is an arm [m]
                                                                      from the centre, about it [m/s] */
-    double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i); /* estimated change of i's velocity by
-                                                                                   links [m/s] */
-    void (*note_strides)(dem_world *w); /* stores how far flights are integrated */
 } dem__body_calls;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */
@@ -178,8 +175,9 @@ typedef struct dem__fixed {
 typedef struct dem__bodies {
     ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
-    int loads_on,
-        has_fixed; /* has_fixed: a particle has been fixed since the world was made; then loads_on is set, too */
+    int adds_loads; /* in a run: loads are to be added to the forces of contacts */
+    int loads_on;   /* a particle has had a load of the caller's, or has been fixed */
+    int has_fixed;  /* a particle has been fixed since the world was made */
     void *block;
     size_t bytes;
     dem__sum *sum;
@@ -208,11 +206,10 @@ typedef struct dem__bodies {
    search/bounds.h set its timers. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
-    int meshes, touch_keepers, controls; /* number of meshes; of walls whose contacts keep a touch (meshes, cones);
-                                            whether forces drive any wall */
-    void (*follow_meshes)(dem_world *w,
-                          int64_t step); /* takes contacts with meshes to a step; set with the first mesh */
-    dem__timers timers;                  /* of particle i and wall k: number i * walls + k */
+    int touch_keepers,
+        controls;           /* number of walls whose contacts keep a touch (meshes, cones); whether forces drive any
+                                    wall */
+    dem__timers timers;     /* of particle i and wall k: number i * walls + k */
     uint32_t *sure;         /* step, modulo 2^32, before which no test is needed, whatever the particle's bound */
     int32_t *first_contact; /* of a particle: its first contact with a wall; contacts.wall_next leads on */
 } dem__wall_state;
@@ -231,6 +228,7 @@ typedef struct dem__pairs {
     double steps_per_second;
     double margin, margin_factor;               /* gap up to which pairs are listed [m]; its factor, 1 .. 3 */
     double least_tolerance;                     /* of bounds [m/s] */
+    double touch_gap;                           /* gap below which a contact may begin [m]: 0, but for linked pairs */
     double wall_reach;                          /* gap up to which walls are searched for [m] */
     double position_tolerance;                  /* how far corrections may shift a particle from its bound [m] */
     double gravity_size;                        /* [m/s2] */
@@ -258,8 +256,7 @@ typedef struct dem__contacts {
                                                     contact of a polyhedron (dem__is_convex_contact) */
     int32_t *type;                               /* index in types; -1: constants of its own */
     int32_t *slots;                              /* a list of slots, or one in each chunk */
-    uint8_t
-        *edge;      /* its edge step is to be corrected: written by the kernel for the contacts that it lists;
+    uint8_t *edge;  /* its edge step is to be corrected: written by the kernel for the contacts that it lists;
                       free before it, when dem__follow_meshes notes meshes with places left */
     uint8_t *ended; /* has ended */
     double *gap, *force;
@@ -280,7 +277,6 @@ typedef struct dem__contacts {
 typedef struct dem__links {
     const dem_law *law;
     dem_loop_fn loop;
-    void (*step)(dem_world *w); /* takes their step; set with their law */
     double interval, near;
     int on, every, states; /* every: steps between two evaluations */
     uint64_t mark;         /* dem__law_mark of the law that made the states; 0: unknown */
@@ -314,9 +310,10 @@ typedef struct dem__field {
 
 /* The energy ledger. step/step.h begins, pauses and resumes it; energy/ledger.h books. */
 typedef struct dem__ledger {
-    int on, started;     /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
-    int counts;          /* whether the last run had DEM_ENERGY */
-    double paused_error; /* error of the balance when a run without DEM_ENERGY began [J] */
+    int on, started;      /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
+    int counts;           /* whether the last run had DEM_ENERGY */
+    double stored_before; /* in contacts, before forces are found anew [J] */
+    double paused_error;  /* error of the balance when a run without DEM_ENERGY began [J] */
     dem_energy_ledger sums;
 } dem__ledger;
 
@@ -337,6 +334,8 @@ typedef struct dem__pace {
 } dem__pace;
 
 typedef struct dem__engine {
+    const dem__feature *feature[DEM__FEATURES_MAX]; /* those that the world has, in the order of `place` */
+    int features;
     dem__run run;
     dem__bodies bodies;
     dem__wall_state walls;
@@ -355,3 +354,37 @@ typedef struct dem__engine {
     for (const dem__chunk *in_##c = (w)->engine->contacts.chunk;                                                       \
          in_##c < (w)->engine->contacts.chunk + (w)->engine->contacts.chunk_count; in_##c++)                           \
         for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->count; c++)
+
+/* Calls a member of every feature that has it: DEM__TELL(w, add_particle, (w, i)). */
+#define DEM__TELL(w, member, arguments)                                                                                \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
+            if ((w)->engine->feature[f_]->member) (w)->engine->feature[f_]->member arguments;                          \
+        }                                                                                                              \
+    } while (0)
+/* The same for a member that returns 0 after a failure: does nothing from then on. ok: an int, 1 at first. */
+#define DEM__ASK(w, ok, member, arguments)                                                                             \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features && (ok); f_++) {                                                   \
+            if ((w)->engine->feature[f_]->member) (ok) = (w)->engine->feature[f_]->member arguments;                   \
+        }                                                                                                              \
+    } while (0)
+
+/* Adds a feature to a world that may have it already. */
+static inline void dem__add_feature(dem_world *w, const dem__feature *feature) {
+    dem__engine *e = w->engine;
+    int k = e->features;
+    for (int q = 0; q < e->features; q++) {
+        if (e->feature[q]->place == feature->place) return; /* another file has a table of its own */
+    }
+    for (e->features++; k > 0 && e->feature[k - 1]->place > feature->place; k--) e->feature[k] = e->feature[k - 1];
+    e->feature[k] = feature;
+}
+static inline void dem__drop_feature(dem_world *w, const dem__feature *feature) {
+    dem__engine *e = w->engine;
+    int left = 0;
+    for (int q = 0; q < e->features; q++) {
+        if (e->feature[q]->place != feature->place) e->feature[left++] = e->feature[q];
+    }
+    e->features = left;
+}

@@ -42,8 +42,6 @@ struct dem__wall_row;
 struct dem__columns;
 struct dem__chunk;
 typedef struct dem__convex_calls {
-    int (*list_pairs)(dem_world *w);            /* lists pairs for a new list of near pairs; 0: out of memory */
-    void (*follow)(dem_world *w, int64_t step); /* finds points of contact at a step; moves and begins contacts */
     void (*prepare)(const dem_world *w, ptrdiff_t c, dem_birth *b); /* sets sizes and mass of the contact in slot c */
     void (*fill_rows)(const dem_world *w, struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n,
                       double half, struct dem__wall_row *wall); /* fills rows of a block before the law */

@@ -12,8 +12,9 @@
     X(DEM_TOO_FAST, "a particle moves more than half its radius, or a body turns by a hundred radians, in one step")   \
     X(DEM_TOO_MANY, "more walls, materials or particles than this header counts, or more mass than a region can hold") \
     X(DEM_BAD_DATA, "neither a whole saved world of this version nor an STL file with triangles")                      \
-    X(DEM_LAW_MISMATCH, "the contacts or links present are of a law with another name, version or number of states, or "\
-                        "links have no law: call dem_set_links after dem_load")                                        \
+    X(DEM_LAW_MISMATCH,                                                                                                \
+      "the contacts or links present are of a law with another name, version or number of states, or "                 \
+      "links have no law: call dem_set_links after dem_load")                                                          \
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")               \
     X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")      \
     X(DEM_BUSY,                                                                                                        \
@@ -161,6 +162,15 @@ typedef struct dem_cone {
     double high_radius; /* at high [m] >= 0, not both 0; default 0.1 */
 } dem_cone;
 
+/* A flat disc, with or without a round hole in its middle: a thin sheet, touched from both sides and at its rims. Made by
+   dem_default_disc(). */
+typedef struct dem_disc {
+    dem_vec centre;     /* [m]; default 0 */
+    dem_vec normal;     /* of any length but 0; default (0, 0, 1) */
+    double radius;      /* [m] > 0; default 0.1 */
+    double hole_radius; /* of the hole [m] >= 0, less than radius; default 0: no hole */
+} dem_disc;
+
 typedef enum dem_wall_kind {
     DEM_PLANE,
     DEM_CYLINDER,
@@ -168,7 +178,8 @@ typedef enum dem_wall_kind {
     DEM_EXIT,
     DEM_SPHERE,
     DEM_CONE,
-    DEM_MESH
+    DEM_MESH,
+    DEM_DISC
 } dem_wall_kind;
 
 /* Triangles, your own or read by dem_read_stl(). For your own arrays, set the first four fields; the rest is 0. */
@@ -245,8 +256,8 @@ typedef struct dem_wall_motion {
 /* A wall: its shape, the motion that was set, and its state now. Read only; functions change it. */
 typedef struct dem_wall {
     int kind, material, enabled;
-    double radius;              /* cylinder, sphere; cone: at its low end, which is the origin [m] */
-    double high_radius, length; /* cone: radius at the other end; distance of the ends [m] */
+    double radius;              /* cylinder, sphere; cone: at its low end, which is the origin; disc: of its hole [m] */
+    double high_radius, length; /* cone: radius at the other end; distance of the ends; disc: radius; 0 [m] */
     int inside;                 /* cylinder, sphere: 1 if particles are inside, 0 if outside */
     double aperture, wire;      /* screen [m] */
     int profile, circular;      /* screen */

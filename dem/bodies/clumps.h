@@ -1,6 +1,6 @@
 /* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body. */
 #pragma once
-#include "rigid.h"
+#include "add.h"
 
 static inline int dem__is_clump(const dem_clump *c) {
     dem_quaternion unit;

@@ -3,7 +3,7 @@
    components are closed forms. Between the latitudes at which an arc begins or ends they are smooth but for square roots
    at both ends, which a substitution takes away, so that Gauss's rule with 16 points finds them to rounding. */
 #pragma once
-#include "../base/rotation.h"
+#include "../motion/rotation.h"
 #include "../../base/portable_math.h"
 
 /* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */

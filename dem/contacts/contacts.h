@@ -1,9 +1,23 @@
 /* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and
    timers. Promises: the order depends only on the history of the scene, never on threads. */
 #pragma once
+#include "../walls/kinds.h"
 #include "laws.h"
 #include "kernel.h"
-#include "../particles/detach.h"
+
+/* Calls the law's hook for a contact or a link that has ended. */
+static inline void dem__report_end(dem_world *w, const dem_law *law, int32_t k) {
+    if (!law || !law->ended) return;
+    w->engine->run.ending = 1;
+    law->ended(w, k, w->user);
+    w->engine->run.ending = 0;
+}
+
+/* Returns whether the caller ended the contact of i and j: by changing the wall, or by fixing particles. */
+static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
+    if (j < 0) return !dem__is_at_wall(w, i, -1 - (int)j) || dem__is_fixed(w, i);
+    return dem__is_fixed(w, i) && dem__is_fixed(w, j);
+}
 
 /* Returns whether contact a comes before b: by i, the last first, then by j (walls last), then by element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
@@ -251,10 +265,6 @@ static inline void dem__commit_begun(dem_world *w, double gap) {
         contacts->gap[c] = gap;
         contacts->force[c] = 0.0;
         contacts->edge[c] = contacts->ended[c] = 0;
-        if (w->engine->ledger.on) {
-            contacts->elastic[c] = 0.0;
-            for (int a = 0; a < 3; a++) contacts->power[a][c] = 0.0;
-        }
     }
     contacts->begun = 0;
 }
@@ -297,7 +307,7 @@ static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32
     dem__report_end(w, w->engine->run.law, dem__number_of(w, c));
     dem__count_contact(w, i, -1);
     dem__mark_to_check(w, i);
-    dem__book_contact_end(w, c);
+    DEM__TELL(w, end_contact, (w, c));
     if (j >= 0) {
         dem__count_contact(w, j, -1);
         dem__mark_to_check(w, j);

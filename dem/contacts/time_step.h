@@ -1,7 +1,7 @@
 /* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. */
 #pragma once
 #include "laws.h"
-#include "../particles/free_flight.h"
+#include "../motion/motion.h"
 #include "../walls/kind.h"
 
 /* Returns half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007), in one form for any damping.

@@ -5,41 +5,19 @@
 #include "../search/timers.h"
 #include "../particles/exits.h"
 
-/* Tasks of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none
-   of it. */
+/* Tasks of the kernel of a field, which DEM_FORCE_FIELD makes of a law. */
 enum {
-    DEM__FIND_FLIGHTS,    /* of particles: begins flights now */
-    DEM__RENEW_FLIGHTS,   /* of particles: keeps the flights that the law still gives, begins the others anew */
-    DEM__END_FLIGHTS,     /* of particles: ends flights now; from here on they take steps */
-    DEM__ADD_FIELD_FORCE, /* on particles: at the end of the present step, of length h */
-    DEM__PREPARE_FIELD,   /* before a run: dem__prepare_flights */
-    DEM__FIELD_CONTACTS,  /* n contacts have begun: dem__end_flights */
-    DEM__FIELD_FORCES,    /* on all particles that take steps: dem__add_field_forces */
-    DEM__FIELD_FLIGHTS,   /* after a step: dem__begin_flights */
-    DEM__FIELD_BOOKS,     /* the ledger begins: dem__begin_books */
-    DEM__RUN_IN_FIELD     /* n steps */
+    DEM__FIND_FLIGHTS,   /* of particles: begins flights now */
+    DEM__RENEW_FLIGHTS,  /* of particles: keeps the flights that the law still gives, begins the others anew */
+    DEM__END_FLIGHTS,    /* of particles: ends flights now; from here on they take steps */
+    DEM__ADD_FIELD_FORCE /* on particles: at the end of the present step, of length h */
 };
 typedef struct dem__field_task {
     int task;
     const int32_t *particle;
     ptrdiff_t n;
-    double h;                 /* [s] */
-    const dem_kernel *kernel; /* of contacts */
+    double h; /* [s] */
 } dem__field_task;
-
-/* Runs one of the tasks that need only a number. Returns 0 after a failure. */
-static inline int dem__ask_field(dem_world *w, int task, ptrdiff_t n) {
-    dem__field_task q;
-    memset(&q, 0, sizeof q);
-    q.task = task, q.n = n;
-    return w->engine->field.def.kernel(w, &q);
-}
-static inline int dem__ask_field_to_run(dem_world *w, ptrdiff_t steps, const dem_kernel *kernel) {
-    dem__field_task q;
-    memset(&q, 0, sizeof q);
-    q.task = DEM__RUN_IN_FIELD, q.n = steps, q.kernel = kernel;
-    return w->engine->field.def.kernel(w, &q);
-}
 
 DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
     return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
@@ -271,3 +249,9 @@ DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_ve
         else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law);
     }
 }
+
+#define DEM_FORCE_FIELD(name, law)                                                                                     \
+    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                    \
+        dem__field_kernel(world, task, law);                                                                           \
+        return 1;                                                                                                      \
+    }

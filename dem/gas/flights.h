@@ -1,6 +1,7 @@
 /* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. */
 #pragma once
 #include "../step/integrate.h"
+#include "../records/groups.h"
 #include "field.h"
 
 /* Runs a task of the kernel for a part of a list of particles. */
@@ -249,6 +250,145 @@ static inline int dem__begin_flights(dem_world *w) {
     return dem__follow_flights(w, list, n);
 }
 
+/* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at
+   both ends, but not the right velocities; the error at its end shows how the acceleration changes. */
+static inline dem_vec dem__velocity_error_in_field(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__field *field = &w->engine->field;
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const ptrdiff_t first = r ? r->first : i; /* has the flight */
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    if (w->engine->bodies.activity[i] || field->until[first] == DEM__NO_FLIGHT) return none;
+    const double whole = (double)(field->until[first] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
+    if (!(share >= 0.0 && share <= 1.0)) return none;
+    return dem__scale(share * (3.0 * share - 2.0), dem__sub(field->end_velocity[first], dem__drift_at(w, i, whole)));
+}
+
+/* Gives particle i, or its body, the most accurate velocity that is known, at an origin that has just been set. */
+static inline void dem__correct_velocity_in_field(dem_world *w, ptrdiff_t i, dem_vec error) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem__book_field_work(w, -dem__motion_energy(w, i));
+    if (r) {
+        r->v = dem__add(r->v, error);
+        w->engine->bodies.calls->place(w, r);
+    } else w->particle[i].v = dem__add(w->particle[i].v, error);
+    dem__book_field_work(w, dem__motion_energy(w, i));
+}
+
+/* ---- the feature ---- */
+
+/* Lists the arrays of particles in a force field. Returns their number. */
+static inline int dem__list_arrays_of_field(dem_world *w, dem__array *list) {
+    dem__field *field = &w->engine->field;
+    const dem__array arrays[] = {{&field->until, sizeof *field->until},
+                                 {&field->end_velocity, sizeof *field->end_velocity},
+                                 {&field->force, sizeof *field->force},
+                                 {&field->work, sizeof *field->work},
+                                 {&field->booked, sizeof *field->booked}};
+    const int n = (int)(sizeof arrays / sizeof *arrays);
+    memcpy(list, arrays, sizeof arrays);
+    return n;
+}
+
+static inline void dem__release_field(dem_world *w) {
+    dem__release(&w->def.allocator, w->engine->field.timers.block, w->engine->field.timers.bytes);
+}
+
+static inline void dem__add_unflown(dem_world *w, ptrdiff_t i) {
+    w->engine->field.until[i] = DEM__NO_FLIGHT;
+    w->engine->field.force[i] = dem_vec3(0.0, 0.0, 0.0);
+}
+
+/* A field without a law: after loading dem_set_force_field comes first. */
+static inline dem_status dem__check_field(const dem_world *w, const dem_kernel *kernel) {
+    (void)kernel;
+    return w->engine->field.def.kernel ? DEM_OK : DEM_NO_FIELD;
+}
+
+/* Continues flights that are over, so that a caller who changes particles finds none. */
+static inline int dem__end_run_in_field(dem_world *w, int going) {
+    if (going) going = dem__continue_flights(w);
+    dem__book_flights(w, 0);
+    return going;
+}
+
+static inline void dem__leave_field(dem_world *w) { dem__book_flights(w, 1); }
+
+static inline void dem__world_fields_of_field(dem_world *w, dem__group *g) {
+    const dem__saved_field fields[] = {DEM__INTEGER("field.on", w->engine->field.on, 0)};
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline void dem__particle_fields_of_field(dem_world *w, dem__group *g) {
+    dem__field *field = &w->engine->field;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("particle.until", field->until[0], sizeof *field->until),
+        DEM__DOUBLES("particle.end_velocity", field->end_velocity[0], sizeof *field->end_velocity),
+        DEM__DOUBLES("particle.field_force", field->force[0], sizeof *field->force),
+        DEM__DOUBLES("particle.field_work", field->work[0], sizeof *field->work),
+    };
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline int dem__has_field(const dem__file *file, const dem_world *w) {
+    (void)file;
+    return dem__is_flag(w->engine->field.on) ? w->engine->field.on : -1;
+}
+
+static inline const dem__feature *dem__feature_field(void) {
+    static const dem__feature row = {
+        3,                              /* place */
+        0,                              /* adds_loads */
+        1,                              /* exclusive */
+        dem__list_arrays_of_field,      /* list_arrays */
+        NULL,                           /* list_contact_arrays */
+        dem__release_field,             /* release */
+        dem__add_unflown,               /* add_particle */
+        NULL,                           /* begin_change */
+        NULL,                           /* end_change */
+        NULL,                           /* set_time_step */
+        NULL,                           /* remove_particle */
+        NULL,                           /* renumber */
+        dem__check_field,               /* check_run */
+        dem__prepare_flights,           /* prepare_run */
+        NULL,                           /* set_law */
+        NULL,                           /* find_forces */
+        NULL,                           /* forces_found */
+        NULL,                           /* begin_run */
+        dem__begin_books,               /* begin_ledger */
+        dem__end_run_in_field,          /* end_run */
+        NULL,                           /* keep_up */
+        NULL,                           /* listed */
+        NULL,                           /* drift */
+        NULL,                           /* begins_early */
+        dem__continue_flights,          /* begin_step */
+        NULL,                           /* follow */
+        NULL,                           /* detect */
+        dem__end_flights,               /* contacts_begun */
+        dem__add_field_forces,          /* add_forces */
+        NULL,                           /* end_contact */
+        dem__leave_field,               /* leave */
+        dem__begin_flights,             /* begin_flights */
+        NULL,                           /* end_step */
+        NULL,                           /* forces */
+        NULL,                           /* force */
+        dem__velocity_error_in_field,   /* velocity_error */
+        dem__correct_velocity_in_field, /* correct_velocity */
+        NULL,                           /* open_books */
+        dem__world_fields_of_field,     /* world_fields */
+        dem__particle_fields_of_field,  /* particle_fields */
+        NULL,                           /* contact_fields */
+        NULL,                           /* save */
+        dem__has_field,                 /* is_used */
+        NULL,                           /* load_first */
+        NULL,                           /* load */
+        NULL,                           /* loaded */
+        NULL,                           /* hash_particle */
+        NULL,                           /* hash_before_contacts */
+        NULL,                           /* hash */
+    };
+    return &row;
+}
+
 DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user) {
     dem_force_field field;
     field.kernel = kernel;
@@ -268,12 +408,12 @@ static inline void dem__drop_field(dem_world *w) {
     }
     dem__release(&w->def.allocator, field->timers.block, field->timers.bytes);
     memset(field, 0, sizeof *field);
+    dem__drop_feature(w, dem__feature_field());
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
 }
 
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field) {
     dem_world *w = world;
-    dem__array list[DEM__ARRAYS_MAX];
     if (dem__is_running(w)) return DEM_BUSY;
     if (!w || !w->def.allocator.fn) return DEM_BAD_ARGUMENT;
     if (!field) {
@@ -282,16 +422,12 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
     }
     const int was_loaded = w->engine->field.on && !w->engine->field.def.kernel;
     if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) ||
-        !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) || w->engine->links.on)
+        !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4))
         return DEM_BAD_ARGUMENT;
     if (!w->engine->field.on) {
+        const dem_status status = dem__take_feature(w, dem__feature_field());
+        if (status != DEM_OK) return status;
         w->engine->field.on = 1;
-        if (w->engine->bodies.capacity > 0 &&
-            !dem__grow_group(w, list, dem__particle_arrays(w, list), &w->engine->bodies.block, &w->engine->bodies.bytes,
-                             &w->engine->bodies.capacity, w->engine->bodies.capacity)) {
-            w->engine->field.on = 0;
-            return DEM_OUT_OF_MEMORY;
-        }
     }
     if (!was_loaded) w->engine->run.needs_forces = 1; /* otherwise the accelerations are those of the field already */
     w->engine->field.def = *field;

@@ -1,8 +1,12 @@
 /* Links, which have a step of their own: setting them and adding one, and their step. Reads bodies and the law of
-   links; writes links, the loads and velocities of bodies. The engine calls links.step, which dem_set_links sets: a
-   program without links compiles none of it. */
+   links; writes links, the loads and velocities of bodies. dem_set_links adds the feature to a
+   world. */
 #pragma once
-#include "../step/integrate.h"
+#include "../bodies/rigid.h"
+#include "getters.h"
+#include "kernel.h"
+#include "list.h"
+#include "save.h"
 
 /* Runs the links' loop on blocks first .. end - 1. */
 static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -18,6 +22,50 @@ static inline void dem__evaluate_links(dem_world *w) {
 /* Returns whether particle i has links, or its load contains forces of links. */
 DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
     return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
+}
+
+/* Applies half of the change of its links' forces to a body; the old forces are in the sums. In flight, the old torque
+   is that of the place where it was computed; for a body that takes steps, both are taken at the present place. */
+static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
+    dem__sum_on_body(w, r, 0, 1, &force, &torque);
+    if (w->touching[r->first] == 0) {
+        more = dem__sub(dem__plus(dem__free_fall(w), 1.0 / r->mass, force), r->a),
+        turning = dem__sub(torque, r->torque);
+    } else {
+        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+            if (!dem__is_linked(w, i)) continue;
+            const dem_vec change = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->sum[i].load));
+            more = dem__plus(more, 1.0 / r->mass, change);
+            turning =
+                dem__add(turning, dem__add(dem__sub(dem__second(bodies->load[i]), dem__second(bodies->sum[i].load)),
+                                           dem__cross(bodies->arm[i], change)));
+        }
+    }
+    r->v = dem__flushed_vec(dem__plus(r->v, half, more)), r->a = dem__add(r->a, more);
+    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, turning)), r->torque = dem__add(r->torque, turning);
+    dem__place_pieces(w, r);
+}
+
+/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from
+   their present forces. */
+static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
+    const dem_vec m = r->moments;
+    const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
+    dem_vec force, torque;
+    dem__sum_on_body(w, r, 0, 1, &force, &torque);
+    return (double)w->engine->links.every * w->engine->run.dt *
+           (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
+}
+
+/* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present
+   forces. */
+DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (r) return dem__body_link_drift(w, r, i);
+    return (double)w->engine->links.every * w->engine->run.dt / w->particle[i].mass *
+           dem__length(dem__first(w->engine->bodies.load[i]));
 }
 
 /* Returns the kinetic energy of a sphere whose origin is the present step [J]. */
@@ -57,7 +105,7 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
             if (dem__is_linked(w, k)) return;
         }
         dem__book_link_work(w, -dem__motion_energy(w, r->first));
-        w->engine->bodies.calls->kick_links(w, r, half);
+        dem__kick_linked_body(w, r, half);
         dem__book_link_work(w, dem__motion_energy(w, r->first));
         return;
     }
@@ -117,24 +165,152 @@ static inline void dem__step_links(dem_world *w) {
     }
 }
 
+static inline int dem__end_step_with_links(dem_world *w) {
+    dem__links *links = &w->engine->links;
+    if (links->every > 0 && w->step % links->every == 0) dem__step_links(w);
+    return w->status == DEM_OK;
+}
+
+static inline int dem__list_arrays_of_links(dem_world *w, dem__array *list) {
+    dem__links *links = &w->engine->links;
+    const dem__array arrays[] = {{&links->first_link, sizeof *links->first_link},
+                                 {&links->is_loaded, sizeof *links->is_loaded},
+                                 {&links->evaluated_at, sizeof *links->evaluated_at}};
+    memcpy(list, arrays, sizeof arrays);
+    return (int)(sizeof arrays / sizeof *arrays);
+}
+
+static inline void dem__release_links(dem_world *w) {
+    dem__release(&w->def.allocator, w->engine->links.block, w->engine->links.bytes);
+}
+
+static inline void dem__add_unlinked(dem_world *w, ptrdiff_t i) {
+    w->engine->links.first_link[i] = -1;
+    w->engine->links.is_loaded[i] = 0;
+}
+
+/* Ends the links of a particle that leaves, from the highest slot on: the order of its list depends on the history. */
+static inline void dem__cut_links_of(dem_world *w, ptrdiff_t i) {
+    dem__book_link_work(w, dem__link_work(w, i));
+    while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
+    w->engine->links.is_loaded[i] = 0; /* the work of its links has been booked */
+}
+
+static inline void dem__renumber_links(dem_world *w, const int32_t *number) {
+    dem__links *links = &w->engine->links;
+    for (ptrdiff_t k = 0; k < links->count; k++) {
+        links->i[k] = number[links->i[k]];
+        if (links->j[k] >= 0) links->j[k] = number[links->j[k]];
+    }
+}
+
+/* Links without a law: after loading dem_set_links comes first. */
+static inline dem_status dem__check_links(const dem_world *w, const dem_kernel *kernel) {
+    (void)kernel;
+    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK;
+}
+
+static inline void dem__begin_books_of_links(dem_world *w) { dem__resume_link_work(w, dem__all_particles(w)); }
+
+/* Finds the links of each particle for a new list, whose margin must be far larger than their reach. */
+static inline dem_status dem__relist_links(dem_world *w) {
+    const dem__links *links = &w->engine->links;
+    if (!(links->near <= 0.01 * w->engine->pairs.margin) && links->count > 0) return DEM_BAD_DEFINITION;
+    dem__find_links(w);
+    return DEM_OK;
+}
+
+static inline double dem__drift_by_links(const dem_world *w, ptrdiff_t i) {
+    const int linked = w->engine->links.first_link[i] >= 0 || dem__rigid_of(w, i);
+    return linked ? 2.0 * dem__link_drift(w, i) : 0.0;
+}
+
+static inline int dem__is_linked_with(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element) {
+    return dem__link_of(w, i, j, element) >= 0;
+}
+
+static inline void dem__open_books_of_links(const dem_world *w, ptrdiff_t i, dem_energy_ledger *sums) {
+    sums->link_work += dem__link_work(w, i);
+}
+
+static inline const dem__feature *dem__feature_links(void) {
+    static const dem__feature row = {
+        2,                             /* place */
+        1,                             /* adds_loads */
+        1,                             /* exclusive */
+        dem__list_arrays_of_links,     /* list_arrays */
+        NULL,                          /* list_contact_arrays */
+        dem__release_links,            /* release */
+        dem__add_unlinked,             /* add_particle */
+        dem__stop_link_work,           /* begin_change */
+        dem__resume_link_work,         /* end_change */
+        dem__set_link_steps,           /* set_time_step */
+        dem__cut_links_of,             /* remove_particle */
+        dem__renumber_links,           /* renumber */
+        dem__check_links,              /* check_run */
+        NULL,                          /* prepare_run */
+        NULL,                          /* set_law */
+        NULL,                          /* find_forces */
+        NULL,                          /* forces_found */
+        NULL,                          /* begin_run */
+        dem__begin_books_of_links,     /* begin_ledger */
+        NULL,                          /* end_run */
+        NULL,                          /* keep_up */
+        dem__relist_links,             /* listed */
+        dem__drift_by_links,           /* drift */
+        dem__is_linked_with,           /* begins_early */
+        NULL,                          /* begin_step */
+        NULL,                          /* follow */
+        NULL,                          /* detect */
+        NULL,                          /* contacts_begun */
+        NULL,                          /* add_forces */
+        NULL,                          /* end_contact */
+        NULL,                          /* leave */
+        NULL,                          /* begin_flights */
+        dem__end_step_with_links,      /* end_step */
+        dem_link_count,                /* forces */
+        dem_get_link,                  /* force */
+        NULL,                          /* velocity_error */
+        NULL,                          /* correct_velocity */
+        dem__open_books_of_links,      /* open_books */
+        dem__world_fields_of_links,    /* world_fields */
+        dem__particle_fields_of_links, /* particle_fields */
+        NULL,                          /* contact_fields */
+        dem__save_links,               /* save */
+        dem__has_links,                /* is_used */
+        NULL,                          /* load_first */
+        dem__load_links,               /* load */
+        dem__derive_links,             /* loaded */
+        dem__hash_linked,              /* hash_particle */
+        dem__hash_links,               /* hash_before_contacts */
+        NULL,                          /* hash */
+    };
+    return &row;
+}
+
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) ||
-        !dem__positive(interval) || !dem__not_negative(near) || w->engine->field.on)
+        !dem__positive(interval) || !dem__not_negative(near))
         return DEM_BAD_ARGUMENT;
     dem__links *links = &w->engine->links;
     const dem_law *law = kernel->law;
     if (links->count > 0 && (law->states != links->states || !dem__is_of_law(links->mark, law)))
         return DEM_LAW_MISMATCH;
+    if (!links->on) {
+        const dem_status status = dem__take_feature(w, dem__feature_links());
+        if (status != DEM_OK) return status;
+        for (ptrdiff_t i = 0; i < w->count; i++) dem__add_unlinked(w, i);
+    }
     dem__pieces others = dem__all_particles(w); /* whose work is counted with another interval from now on */
     if (links->on && links->interval == interval) others.end = others.first; /* a loaded world whose law is set again */
     links->on = 1;
     links->law = law, links->mark = dem__law_mark(law);
-    links->loop = kernel->loop, links->step = dem__step_links;
+    links->loop = kernel->loop;
     links->interval = interval;
     if (links->near != near) w->engine->run.needs_lists = 1;
-    links->near = near;
+    links->near = w->engine->pairs.touch_gap = near;
     if (law->states != links->states) { /* other arrays: dem_add_link allocates them */
         dem__release(&w->def.allocator, links->block, links->bytes);
         links->block = NULL;

@@ -24,14 +24,6 @@ DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
     return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
 }
 
-/* Returns the rotation from the principal axes of the body of particle i to the frame in which its shape was given. */
-static inline dem_quaternion dem__given_frame(const dem_world *w, ptrdiff_t i, const dem__rigid *r) {
-    const dem_convex *s = dem__shape_of(w, i);
-    if (!s) return r->frame;
-    const dem_quaternion own = dem__turn_of_shape(s);
-    return own.w != 1.0 ? dem__turns(own, r->frame) : r->frame;
-}
-
 DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count)
         return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
@@ -39,12 +31,6 @@ DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
     if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
     return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn,
                       dem__opposite_turn(dem__given_frame(world, i, r)));
-}
-
-/* Returns the position of a rigid body now, within the periodic box. */
-static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
-    const double tau = dem__now(w, r->first);
-    return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
 }
 
 DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
@@ -68,26 +54,6 @@ DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
     return body;
 }
 
-DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    dem_quaternion q;
-    if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
-    dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) return DEM_BAD_ARGUMENT;
-    dem__stop_link_work(w, dem__pieces_of(w, i));
-    dem__restart(w, i);
-    dem__book_motion(w, -dem__rotational(w, r->first));
-    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    r->turn = dem__turns(q, dem__given_frame(w, i, r));
-    w->engine->bodies.calls->set_motion(w, r, r->v, spin);
-    dem__book_motion(w, dem__rotational(w, r->first));
-    if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
-    dem__resume_link_work(w, dem__pieces_of(w, i));
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return DEM_OK;
-}
-
 DEM_API dem_vec dem_momentum(const dem_world *world) {
     dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t i = 0; world && i < world->count; i++) {
@@ -97,34 +63,6 @@ DEM_API dem_vec dem_momentum(const dem_world *world) {
             sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
     }
     return sum;
-}
-
-/* Returns the remainder of the energy balance [J]. */
-static inline double dem__ledger_error(const dem_energy_ledger *l) {
-    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss +
-           l->removed - l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
-}
-
-DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
-    dem_energy_ledger l;
-    memset(&l, 0, sizeof l);
-    if (!world || !world->engine) return l;
-    const dem__ledger *ledger = &world->engine->ledger;
-    l = ledger->sums;
-    l.kinetic = l.rotational = l.potential = 0.0;
-    for (ptrdiff_t i = 0; i < world->count; i++) {
-        if (!world->alive[i]) continue;
-        l.kinetic += dem__kinetic(world, i);
-        l.rotational += dem__rotational(world, i);
-        l.potential += dem__potential(world, i);
-        if (ledger->on) l.link_work += dem__link_work(world, i);
-    }
-    l.elastic = dem__stored_energy(world);
-    if (!ledger->started) return l;
-    l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
-    l.released = l.released > 0.0 ? l.released : 0.0;
-    l.error = ledger->counts ? dem__ledger_error(&l) : ledger->paused_error;
-    return l;
 }
 
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world) {
@@ -170,30 +108,6 @@ DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *
         world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
     if (!dem__is_running(world))
         world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
-}
-
-DEM_API ptrdiff_t dem_link_count(const dem_world *world) {
-    return world && world->engine ? world->engine->links.count : 0;
-}
-
-DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
-    dem_contact_info info;
-    memset(&info, 0, sizeof info);
-    info.gap = (double)NAN;
-    if (!world || !world->engine || k < 0 || k >= world->engine->links.count) return info;
-    info.i = world->engine->links.i[k];
-    info.j = world->engine->links.j[k];
-    info.element = world->engine->links.element[k];
-    info.gap = world->engine->links.gap[k];
-    info.force = dem_vec3(world->engine->links.wrench[0][k], world->engine->links.wrench[1][k],
-                          world->engine->links.wrench[2][k]);
-    for (int a = 0; a < world->engine->links.states; a++) info.state[a] = world->engine->links.state[a][k];
-    dem__find_point(world, -1, &info);
-    return info;
-}
-
-DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element) {
-    return world && i >= 0 && i < world->count ? dem__link_of(world, i, j, element) : -1;
 }
 
 DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {

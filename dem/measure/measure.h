@@ -1,5 +1,6 @@
 /* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. */
 #pragma once
+#include "branches.h"
 #include "getters.h"
 #include "../feed/sources.h"
 
@@ -207,38 +208,6 @@ static inline double dem__filled(const dem_world *w, ptrdiff_t i) {
     return r ? r->mass / sum : 1.0;
 }
 
-/* Returns the vector from the centre of particle i's body to the particle; 0 for a sphere. */
-static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? dem__to_lab(dem__posture_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i])
-             : dem_vec3(0.0, 0.0, 0.0);
-}
-
-/* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's
-   point, to i's centre; of bodies, to their centres of mass. Returns 0 if it carries no force. */
-static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, dem_vec *to, dem_vec *force) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const dem_contact_info c = k < contacts->count ? dem_get_contact(w, k) : dem_get_link(w, k - contacts->count);
-    *to = dem_position(w, c.i);
-    *force = c.force;
-    if (c.j >= 0) *from = dem__sub(*to, dem__nearest_image(w, dem__sub(*to, dem_position(w, c.j))));
-    else if (k < contacts->count && dem__shape_of(w, c.i)) {
-        const ptrdiff_t slot = dem__slot_of(w, k);
-        *from = dem__add(
-            *to, dem__plus(dem__place_arm(w, slot), -dem__touching_radius(w, c.i) - c.gap, dem__place_normal(w, slot)));
-    } else {
-        dem__touch touch;
-        dem__touch_place(w, k < contacts->count ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to,
-                         w->particle[c.i].radius, c.element, &touch);
-        *from = dem__sub(*to, dem__scale(w->particle[c.i].radius + touch.gap, touch.normal));
-    }
-    if (w->engine->bodies.rigid) {
-        *to = dem__sub(*to, dem__arm_now(w, c.i));
-        if (c.j >= 0) *from = dem__sub(*from, dem__arm_now(w, c.j));
-    }
-    return dem__dot(c.force, c.force) > 0.0;
-}
-
 DEM_INLINE void dem__add_stress(double (*stress)[3], double weight, dem_vec f, dem_vec l) {
     for (int a = 0; a < 3; a++) {
         for (int b = 0; b < 3; b++) stress[a][b] += weight * dem_axis(f, a) * dem_axis(l, b);
@@ -313,7 +282,7 @@ static inline void dem__measure_fluctuations(const dem_world *w, const dem__meas
 
 /* Measures the stress by forces of contacts and links. */
 static inline void dem__measure_contacts(const dem_world *w, const dem__measured *q, dem_measure *m) {
-    for (ptrdiff_t k = 0; k < w->engine->contacts.count + w->engine->links.count; k++) {
+    for (ptrdiff_t k = 0; k < dem__forces(w); k++) {
         dem_vec from, to, force;
         if (!dem__branch(w, k, &from, &to, &force)) continue;
         for (int image = 0; image < q->images; image++) {
@@ -436,7 +405,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         if (dem__counts(w, i, &at, &load.velocity)) dem__smear(w, c, field, at, &load);
     }
     memset(&load, 0, sizeof load);
-    for (ptrdiff_t k = 0; k < w->engine->contacts.count + w->engine->links.count; k++) {
+    for (ptrdiff_t k = 0; k < dem__forces(w); k++) {
         dem_vec from, to;
         if (!dem__branch(w, k, &from, &to, &load.force)) continue;
         load.along = dem__sub(to, from);

@@ -2,10 +2,59 @@
 #pragma once
 #include "follow.h"
 
-/* Counts one mesh more. */
-static inline void dem__count_mesh(dem_world *w) {
-    w->engine->walls.meshes++;
-    w->engine->walls.follow_meshes = dem__follow_meshes;
+static inline const dem__feature *dem__feature_meshes(void) {
+    static const dem__feature row = {
+        4,                  /* place */
+        0,                  /* adds_loads */
+        0,                  /* exclusive */
+        NULL,               /* list_arrays */
+        NULL,               /* list_contact_arrays */
+        NULL,               /* release */
+        NULL,               /* add_particle */
+        NULL,               /* begin_change */
+        NULL,               /* end_change */
+        NULL,               /* set_time_step */
+        NULL,               /* remove_particle */
+        NULL,               /* renumber */
+        NULL,               /* check_run */
+        NULL,               /* prepare_run */
+        NULL,               /* set_law */
+        NULL,               /* find_forces */
+        NULL,               /* forces_found */
+        NULL,               /* begin_run */
+        NULL,               /* begin_ledger */
+        NULL,               /* end_run */
+        NULL,               /* keep_up */
+        NULL,               /* listed */
+        NULL,               /* drift */
+        NULL,               /* begins_early */
+        NULL,               /* begin_step */
+        dem__follow_meshes, /* follow */
+        NULL,               /* detect */
+        NULL,               /* contacts_begun */
+        NULL,               /* add_forces */
+        NULL,               /* end_contact */
+        NULL,               /* leave */
+        NULL,               /* begin_flights */
+        NULL,               /* end_step */
+        NULL,               /* forces */
+        NULL,               /* force */
+        NULL,               /* velocity_error */
+        NULL,               /* correct_velocity */
+        NULL,               /* open_books */
+        NULL,               /* world_fields */
+        NULL,               /* particle_fields */
+        NULL,               /* contact_fields */
+        NULL,               /* save */
+        NULL,               /* is_used */
+        NULL,               /* load_first */
+        NULL,               /* load */
+        NULL,               /* loaded */
+        NULL,               /* hash_particle */
+        NULL,               /* hash_before_contacts */
+        NULL,               /* hash */
+    };
+    return &row;
 }
 
 DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
@@ -32,7 +81,7 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
     if (!wall.tree) return -(int)status;
     const int index = dem__add_wall(world, dem__triangles(), material, &wall);
     if (index < 0) dem__release(a, wall.tree, wall.tree->bytes);
-    else dem__count_mesh(world);
+    else dem__add_feature(world, dem__feature_meshes());
     return index;
 }
 

@@ -46,7 +46,7 @@ static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int
     const dem_vec x = dem__at(w, i, tau), d = dem__sub(x, wall->position);
     const double speed =
         dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
-    const double radius = w->particle[i].radius, near = w->engine->links.near,
+    const double radius = w->particle[i].radius, near = w->engine->pairs.touch_gap,
                  leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact opens in a step */
         deep = leaves > near ? leaves : near;
     dem__footing footing = dem__footing_of(w, slot[0]);

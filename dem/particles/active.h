@@ -49,26 +49,9 @@ static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
     return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);
 }
 
-/* Renumbers rigid bodies and their first particles after dropped particles have been removed. Bodies are in the order
-   of their particles. */
-static inline void dem__compact_bodies(dem_world *w) {
-    dem__bodies *bodies = &w->engine->bodies;
-    ptrdiff_t n = 0;
-    for (ptrdiff_t i = 0; i < w->count && bodies->rigid; i++) {
-        if (bodies->rigid_of[i] == 0) continue;
-        dem__rigid *r = &bodies->rigid[n++];
-        *r = bodies->rigid[bodies->rigid_of[i] - 1];
-        r->first = (int32_t)i;
-        for (ptrdiff_t end = i + r->pieces; i < end; i++) bodies->rigid_of[i] = (int32_t)n;
-        i--;
-    }
-    if (bodies->rigid) bodies->rigid_count = n;
-}
-
 /* Removes dropped particles from the arrays; the others keep their order. */
 static inline void dem__compact(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
-    dem__links *links = &w->engine->links;
     if (!w->engine->bodies.dropped) return;
     ptrdiff_t to = 0;
     dem__array list[DEM__ARRAYS_MAX];
@@ -92,11 +75,7 @@ static inline void dem__compact(dem_world *w) {
     }
     for (int q = 0; q < contacts->chunk_count; q++)
         contacts->chunk[q].first_particle = dem__remapped(w, contacts->chunk[q].first_particle);
-    for (ptrdiff_t k = 0; k < links->count; k++) {
-        links->i[k] = remap[links->i[k]];
-        if (links->j[k] >= 0) links->j[k] = remap[links->j[k]];
-    }
     w->count = to;
     w->engine->bodies.dropped = 0;
-    dem__compact_bodies(w);
+    DEM__TELL(w, renumber, (w, remap));
 }

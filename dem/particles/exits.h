@@ -1,7 +1,7 @@
 /* The records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises:
    the order of records does not depend on the order of tests. */
 #pragma once
-#include "free_flight.h"
+#include "../motion/motion.h"
 
 /* Returns the diameter of a sphere with a body's mass and the material of its first particle [m]. */
 static inline double dem__equal_diameter(const dem_world *w, const dem__rigid *r) {

@@ -1,14 +1,14 @@
 /* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them
    (dem__convex_calls). Reads shapes; writes the world through dem__add_body. */
 #pragma once
-#include "../bodies/rigid.h"
+#include "../bodies/add.h"
+#include "save.h"
 #include "pairs.h"
 #include "block.h"
 
 static inline const dem__convex_calls *dem__polyhedra(void) {
-    static const dem__convex_calls row = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
-                                                     dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
-                                                     dem__leave_convex_edges};
+    static const dem__convex_calls row = {dem__prepare_convex, dem__fill_convex_rows, dem__finish_convex_rows,
+                                          dem_add_convex, dem__leave_convex_edges};
     return &row;
 }
 
@@ -30,13 +30,144 @@ static inline int dem__is_sound_shape(const dem_convex *c) {
     return sound;
 }
 
+/* ---- the feature ---- */
+
+static inline int dem__list_arrays_of_polyhedra(dem_world *w, dem__array *list) {
+    dem__convex_state *convex = &w->engine->convex;
+    const dem__array arrays[] = {{&convex->shape_of, sizeof *convex->shape_of},
+                                 {&convex->place, sizeof *convex->place}};
+    memcpy(list, arrays, sizeof arrays);
+    return (int)(sizeof arrays / sizeof *arrays);
+}
+
+static inline void dem__release_polyhedra(dem_world *w) {
+    const dem__convex_state *convex = &w->engine->convex;
+    const dem_allocator *a = &w->def.allocator;
+    dem__release(a, convex->shape, (size_t)convex->shapes * sizeof *convex->shape);
+    dem__release(a, convex->pair, (size_t)convex->pair_capacity * sizeof *convex->pair);
+    dem__release(a, convex->point, (size_t)convex->point_capacity * sizeof *convex->point);
+}
+
+/* A polyhedron that has gone may have had this entry. */
+static inline void dem__add_shapeless(dem_world *w, ptrdiff_t i) { w->engine->convex.shape_of[i] = 0; }
+
+/* Kernels without friction compute no torques. */
+static inline dem_status dem__check_polyhedra(const dem_world *w, const dem_kernel *kernel) {
+    (void)w;
+    return kernel->features & DEM_FRICTION ? DEM_OK : DEM_POLYHEDRON;
+}
+
+static inline dem_status dem__relist_polyhedra(dem_world *w) {
+    return dem__list_convex_pairs(w) ? DEM_OK : DEM_OUT_OF_MEMORY;
+}
+
+static inline void dem__particle_fields_of_polyhedra(dem_world *w, dem__group *g) {
+    const dem__saved_field shape[] = {DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
+    dem__add_optional(g, shape, sizeof shape);
+}
+
+static inline void dem__save_shapes(dem__stream *s, dem_world *w, dem__group *g) {
+    g->needed = g->fields = dem__shape_fields(w->engine->convex.shape, g->field);
+    dem__write_group(s, w, g, w->engine->convex.shapes, 0);
+}
+
+static inline int dem__has_shapes(const dem__file *file, const dem_world *w) {
+    (void)w;
+    return dem__entries_of(file, "shape.corners") > 0;
+}
+
+/* Reads the shapes of polyhedra. */
+static inline dem_status dem__load_shapes(const dem__file *file, dem_world *w, dem__group *g) {
+    dem__convex_state *convex = &w->engine->convex;
+    const ptrdiff_t n = dem__entries_of(file, "shape.corners");
+    convex->shape =
+        (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
+    if (!convex->shape) return DEM_OUT_OF_MEMORY;
+    memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
+    convex->shapes = (int)n, convex->calls = dem__polyhedra();
+    w->engine->walls.touch_keepers++;
+    g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
+    if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        if (!dem__is_sound_shape(&convex->shape[k])) return DEM_BAD_DATA;
+    }
+    return DEM_OK;
+}
+
+/* Checks the bodies whose shapes are polyhedra: rigid bodies come before them. */
+static inline dem_status dem__load_polyhedra(const dem__file *file, dem_world *w, dem__group *g) {
+    const dem__convex_state *convex = &w->engine->convex;
+    (void)file, (void)g;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (convex->shape_of[i] == 0) continue;
+        if (convex->shape_of[i] < 0 || convex->shape_of[i] > convex->shapes || !r || r->pieces != 1)
+            return DEM_BAD_DATA;
+    }
+    return DEM_OK;
+}
+
+static inline const dem__feature *dem__feature_polyhedra(void) {
+    static const dem__feature row = {
+        6,                                 /* place */
+        0,                                 /* adds_loads */
+        0,                                 /* exclusive */
+        dem__list_arrays_of_polyhedra,     /* list_arrays */
+        NULL,                              /* list_contact_arrays */
+        dem__release_polyhedra,            /* release */
+        dem__add_shapeless,                /* add_particle */
+        NULL,                              /* begin_change */
+        NULL,                              /* end_change */
+        NULL,                              /* set_time_step */
+        NULL,                              /* remove_particle */
+        NULL,                              /* renumber */
+        dem__check_polyhedra,              /* check_run */
+        NULL,                              /* prepare_run */
+        NULL,                              /* set_law */
+        NULL,                              /* find_forces */
+        NULL,                              /* forces_found */
+        NULL,                              /* begin_run */
+        NULL,                              /* begin_ledger */
+        NULL,                              /* end_run */
+        NULL,                              /* keep_up */
+        dem__relist_polyhedra,             /* listed */
+        NULL,                              /* drift */
+        NULL,                              /* begins_early */
+        NULL,                              /* begin_step */
+        NULL,                              /* follow */
+        dem__follow_polyhedra,             /* detect */
+        NULL,                              /* contacts_begun */
+        NULL,                              /* add_forces */
+        NULL,                              /* end_contact */
+        NULL,                              /* leave */
+        NULL,                              /* begin_flights */
+        NULL,                              /* end_step */
+        NULL,                              /* forces */
+        NULL,                              /* force */
+        NULL,                              /* velocity_error */
+        NULL,                              /* correct_velocity */
+        NULL,                              /* open_books */
+        NULL,                              /* world_fields */
+        dem__particle_fields_of_polyhedra, /* particle_fields */
+        NULL,                              /* contact_fields */
+        dem__save_shapes,                  /* save */
+        dem__has_shapes,                   /* is_used */
+        dem__load_shapes,                  /* load_first */
+        dem__load_polyhedra,               /* load */
+        NULL,                              /* loaded */
+        NULL,                              /* hash_particle */
+        NULL,                              /* hash_before_contacts */
+        NULL,                              /* hash */
+    };
+    return &row;
+}
+
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !shape || !dem__is_sound_shape(shape)) return -(int)DEM_BAD_ARGUMENT;
     if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;
-    dem__array list[DEM__ARRAYS_MAX];
     const size_t size = sizeof *convex->shape, old = (size_t)convex->shapes * size;
     if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
     dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
@@ -44,10 +175,7 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     convex->shape = fresh, convex->calls = dem__polyhedra();
     convex->shape[convex->shapes++] = *shape;
     if (convex->shapes > 1) return convex->shapes - 1;
-    dem__bodies *bodies = &w->engine->bodies;
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity,
-                        w->count + 1))
-        return 0;
+    if (dem__take_feature(w, dem__feature_polyhedra()) == DEM_OK) return 0;
     dem__release(a, convex->shape, size);
     convex->shape = NULL, convex->shapes = 0, convex->calls = NULL;
     return -(int)DEM_OUT_OF_MEMORY;

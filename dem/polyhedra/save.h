@@ -1,7 +1,6 @@
 /* Shapes in a saved world: their fields, and whether loaded ones are sound. */
 #pragma once
-#include "../particles/free_flight.h"
-#include "../save/records.h"
+#include "../records/groups.h"
 
 static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     const size_t s = sizeof *c;
@@ -27,12 +26,4 @@ static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     };
     memcpy(field, fields, sizeof fields);
     return (int)(sizeof fields / sizeof *fields);
-}
-
-/* Returns whether particle i is what its shape, if it has one, needs. */
-static inline int dem__is_sound_polyhedron(const dem_world *w, ptrdiff_t i) {
-    const dem__convex_state *convex = &w->engine->convex;
-    if (convex->shapes == 0 || convex->shape_of[i] == 0) return 1;
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return convex->shape_of[i] > 0 && convex->shape_of[i] <= convex->shapes && r && r->pieces == 1;
 }

@@ -1,39 +1,11 @@
 /* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none. */
 #pragma once
-#include "../base/engine.h"
-#include "records.h"
-
-enum { DEM__FIELDS_MAX = 64 + DEM_STATE_MAX };
-
-/* Fields with the same number of entries. */
-typedef struct dem__group {
-    int fields, needed; /* the first `needed` of them are required */
-    dem__saved_field field[DEM__FIELDS_MAX];
-} dem__group;
-
-static inline void dem__set_fields(dem__group *g, const dem__saved_field *field, size_t bytes, int needed) {
-    memcpy(g->field, field, bytes);
-    g->fields = (int)(bytes / sizeof *field), g->needed = needed;
-}
-
-/* Adds arrays of doubles, numbered: contact.wrench0, contact.wrench1 .. */
-static inline void dem__add_fields(dem__group *g, const char *name, double *const *array, int n) {
-    for (int k = 0; k < n; k++) {
-        dem__saved_field *f = &g->field[g->fields++];
-        const size_t length = strlen(name);
-        memset(f, 0, sizeof *f);
-        memcpy(f->name, name, length);
-        if (k > 9) f->name[length] = (char)('0' + k / 10);
-        f->name[length + (k > 9)] = (char)('0' + k % 10);
-        f->data = array[k], f->stride = sizeof(double), f->numbers = 1, f->width = sizeof(double);
-    }
-}
+#include "../records/groups.h"
 
 /* Lists single numbers of the world. */
 static inline void dem__world_fields(dem_world *w, dem__group *g) {
     dem__engine *e = w->engine;
     dem_def *d = &w->def;
-    dem_energy_ledger *l = &e->ledger.sums;
     const dem__saved_field fields[] = {
         DEM__DOUBLES("dt", d->dt, 0),
         DEM__INTEGER("step", w->step, 0),
@@ -59,35 +31,12 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("rebuilds", w->rebuilds, 0),
         DEM__INTEGER("needs_forces", e->run.needs_forces, 0),
         DEM__INTEGER("loads_on", e->bodies.loads_on, 0),
-        DEM__INTEGER("has_fixed", e->bodies.has_fixed, 0),
         DEM__INTEGER("contact.states", e->contacts.states, 0),
         DEM__INTEGER("contact.has_history", e->contacts.has_history, 0),
         DEM__INTEGER("contact.law", e->contacts.law, 0),
-        DEM__INTEGER("link.law", e->links.mark, 0),
-        DEM__INTEGER("link.on", e->links.on, 0),
-        DEM__INTEGER("link.states", e->links.states, 0),
-        DEM__DOUBLES("link.interval", e->links.interval, 0),
-        DEM__DOUBLES("link.near", e->links.near, 0),
-        DEM__INTEGER("field.on", e->field.on, 0),
-        DEM__INTEGER("ledger.on", e->ledger.on, 0),
-        DEM__INTEGER("ledger.started", e->ledger.started, 0),
-        DEM__INTEGER("ledger.counts", e->ledger.counts, 0),
-        DEM__DOUBLES("ledger.paused_error", e->ledger.paused_error, 0),
-        DEM__DOUBLES("ledger.normal_loss", l->normal_loss, 0),
-        DEM__DOUBLES("ledger.sliding_loss", l->sliding_loss, 0),
-        DEM__DOUBLES("ledger.rolling_loss", l->rolling_loss, 0),
-        DEM__DOUBLES("ledger.wall_work", l->wall_work, 0),
-        DEM__DOUBLES("ledger.link_work", l->link_work, 0),
-        DEM__DOUBLES("ledger.field_work", l->field_work, 0),
-        DEM__DOUBLES("ledger.external_work", l->external_work, 0),
-        DEM__DOUBLES("ledger.added", l->added, 0),
-        DEM__DOUBLES("ledger.removed", l->removed, 0),
-        DEM__DOUBLES("ledger.start", l->start, 0),
-        DEM__DOUBLES("ledger.start_pot", l->start_potential, 0),
-        DEM__DOUBLES("ledger.added_pot", l->added_potential, 0),
-        DEM__DOUBLES("ledger.removed_pot", l->removed_potential, 0),
     };
     dem__set_fields(g, fields, sizeof fields, 8);
+    DEM__TELL(w, world_fields, (w, g));
 }
 
 static inline void dem__material_fields(dem_material *m, dem__group *g) {
@@ -173,7 +122,6 @@ static inline void dem__wall_fields(dem_wall *a, dem__group *g) {
 /* Lists the fields of particles present. */
 static inline void dem__particle_fields(dem_world *w, dem__group *g) {
     dem__bodies *bodies = &w->engine->bodies;
-    dem__links *links = &w->engine->links;
     dem_particle *p = w->particle;
     const size_t s = sizeof *p;
     const dem__saved_field fields[] = {
@@ -190,68 +138,9 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("particle.group", w->group[0], sizeof *w->group),
         DEM__DOUBLES("particle.load", bodies->load[0], sizeof *bodies->load),
         DEM__DOUBLES("particle.external", bodies->external[0], sizeof *bodies->external),
-        DEM__INTEGER("particle.is_loaded", links->is_loaded[0], sizeof *links->is_loaded),
-        DEM__DOUBLES("particle.evaluated_at", links->evaluated_at[0], sizeof *links->evaluated_at),
     };
     dem__set_fields(g, fields, sizeof fields, 8);
-    if (!links->on) g->fields -= 2; /* without links: not their fields */
-    if (w->engine->field.on) {
-        dem__field *field = &w->engine->field;
-        const dem__saved_field flights[] = {
-            DEM__INTEGER("particle.until", field->until[0], sizeof *field->until),
-            DEM__DOUBLES("particle.end_velocity", field->end_velocity[0], sizeof *field->end_velocity),
-            DEM__DOUBLES("particle.field_force", field->force[0], sizeof *field->force),
-            DEM__DOUBLES("particle.field_work", field->work[0], sizeof *field->work),
-        };
-        memcpy(&g->field[g->fields], flights, sizeof flights);
-        g->fields += 4;
-    }
-    if (bodies->has_fixed) {
-        const size_t f = sizeof *bodies->fixed;
-        const dem__saved_field fixed[] = {DEM__INTEGER("particle.fixed", bodies->fixed->on, f),
-                                          DEM__DOUBLES("particle.fixed_load", bodies->fixed->load, f),
-                                          DEM__DOUBLES("particle.fixed_impulse", bodies->fixed->impulse, f)};
-        memcpy(&g->field[g->fields], fixed, sizeof fixed);
-        g->fields += 3;
-    }
-    if (w->engine->convex.shapes > 0) {
-        const dem__saved_field shape[] = {
-            DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
-        g->field[g->fields++] = shape[0];
-    }
-    if (!bodies->rigid) return;
-    const dem__saved_field pieces[] = {
-        DEM__DOUBLES("particle.offset", bodies->offset[0], sizeof *bodies->offset),
-        DEM__DOUBLES("particle.arm", bodies->arm[0], sizeof *bodies->arm),
-    };
-    memcpy(&g->field[g->fields], pieces, sizeof pieces);
-    g->fields += 2;
-}
-
-/* Lists the fields of rigid bodies present. bodies.rigid_of follows from `first` and `pieces`. */
-static inline void dem__body_fields(dem__rigid *r, dem__group *g) {
-    const size_t s = sizeof *r;
-    const dem__saved_field fields[] = {
-        DEM__INTEGER("body.first", r->first, s),   DEM__INTEGER("body.pieces", r->pieces, s),
-        DEM__DOUBLES("body.x", r->x, s),           DEM__DOUBLES("body.v", r->v, s),
-        DEM__DOUBLES("body.a", r->a, s),           DEM__DOUBLES("body.momentum", r->momentum, s),
-        DEM__DOUBLES("body.torque", r->torque, s), DEM__DOUBLES("body.turn", r->turn, s),
-        DEM__DOUBLES("body.frame", r->frame, s),   DEM__DOUBLES("body.moments", r->moments, s),
-        DEM__DOUBLES("body.mass", r->mass, s),
-    };
-    dem__set_fields(g, fields, sizeof fields, 11);
-}
-
-static inline void dem__link_fields(dem_world *w, dem__group *g) {
-    dem__links *links = &w->engine->links;
-    const dem__saved_field fields[] = {
-        DEM__INTEGER("link.i", links->i[0], sizeof *links->i),
-        DEM__INTEGER("link.j", links->j[0], sizeof *links->j),
-        DEM__INTEGER("link.element", links->element[0], sizeof *links->element),
-    };
-    dem__set_fields(g, fields, sizeof fields, 3);
-    dem__add_fields(g, "link.state", links->state, links->states);
-    g->needed = g->fields;
+    DEM__TELL(w, particle_fields, (w, g));
 }
 
 static inline void dem__contact_fields(dem_world *w, dem__group *g) {
@@ -270,10 +159,7 @@ static inline void dem__contact_fields(dem_world *w, dem__group *g) {
         w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_FOOTING; /* a footing is found anew */
     if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, places);
     dem__add_fields(g, "contact.wrench", contacts->wrench, 9);
-    if (w->engine->ledger.on) {
-        dem__add_fields(g, "contact.elastic", &contacts->elastic, 1);
-        dem__add_fields(g, "contact.power", contacts->power, 3);
-    }
+    DEM__TELL(w, contact_fields, (w, g));
 }
 
 static inline void dem__passed_fields(dem_passed *p, dem__group *g) {

@@ -1,70 +1,13 @@
 /* Loading: makes a world from the records that save/save.h writes, and trusts none of them: every index, count and
    number that the engine relies on is checked here. */
 #pragma once
+#include "../gas/flights.h"
+#include "../ledger/ledger.h"
+#include "../links/links.h"
 #include "../meshes/add.h"
 #include "../polyhedra/add.h"
-#include "../polyhedra/save.h"
 #include "../walls/kinds.h"
 #include "fields.h"
-
-/* A file that is read: its bytes, and where its records begin and end. */
-typedef struct dem__file {
-    const unsigned char *bytes;
-    size_t first, end;
-} dem__file;
-
-/* Returns whether the bytes are a whole and unchanged saved world of this format. */
-static inline int dem__open_file(dem__file *file, const void *buffer, size_t size) {
-    uint64_t magic, version, check;
-    dem__stream s = {NULL, (const unsigned char *)buffer, 0};
-    if (size < 24) return 0;
-    dem__stream_u64(&s, &magic), dem__stream_u64(&s, &version);
-    file->bytes = s.from, file->first = s.at, file->end = s.at = size - 8;
-    dem__stream_u64(&s, &check);
-    return magic == DEM__MAGIC && version == DEM__FORMAT && check == dem__checksum(file->bytes, file->end) &&
-           dem__are_records(file->bytes, file->first, file->end);
-}
-
-/* Returns the number of entries of a group in a file: of its first field, which is required. */
-static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first) {
-    char name[DEM__NAME_BYTES];
-    dem__record r;
-    memset(name, 0, sizeof name);
-    memcpy(name, first, strlen(first));
-    return dem__find_record(file->bytes, file->first, file->end, name, &r) && r.count < INT32_MAX / 4
-               ? (ptrdiff_t)r.count
-               : 0;
-}
-
-/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of
-   another kind. */
-static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
-    const dem__saved_field *f = &g->field[field];
-    dem__record r;
-    if (!dem__find_record(file->bytes, file->first, file->end, f->name, &r)) return field < g->needed ? -1 : 0;
-    s->to = NULL, s->from = file->bytes, s->at = r.at;
-    return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
-}
-
-/* Reads entries first .. end-1 of a group of n into consecutive ones from `to` on. Returns 0 if the file is not valid.
- */
-static inline int dem__read_some(const dem__file *file, const dem__group *g, ptrdiff_t n, ptrdiff_t first,
-                                 ptrdiff_t end, ptrdiff_t to) {
-    for (int q = 0; q < g->fields && n > 0; q++) {
-        const dem__saved_field *f = &g->field[q];
-        dem__stream s;
-        const int found = dem__find_field(file, g, q, n, &s);
-        if (found < 0) return 0;
-        s.at += (size_t)first * (size_t)(f->numbers * f->width);
-        for (ptrdiff_t k = first; k < end && found; k++) dem__stream_entry(&s, f, to + k - first);
-    }
-    return 1;
-}
-
-/* Reads all n entries of a group. */
-static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
-    return dem__read_some(file, g, n, 0, n, 0);
-}
 
 /* Reads contacts into their slots. Returns 0 if the file is not valid. */
 static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__group *g) {
@@ -82,8 +25,6 @@ static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__g
 
 /* Steps that a run may owe: half a one, and more after a change of the time step. */
 #define DEM__OWED_STEPS 1e5
-
-static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
 
 /* Reads materials and their pairs. Files have as many as the world, older ones DEM_MATERIALS_MAX of the program that
    wrote them. Returns 0 if the file is not valid. */
@@ -110,18 +51,14 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
     }
-    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) ||
-        !dem__is_flag(e->bodies.has_fixed) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts) ||
-        !dem__is_flag(e->contacts.has_history))
-        return 0;
-    /* what a flag promises is there */
-    if ((e->ledger.started || e->ledger.counts) && !e->ledger.on) return 0;
-    if (e->links.on ? !dem__positive(e->links.interval) : dem__entries_of(file, "link.i") > 0) return 0;
-    if (!(fabs(w->owed) <= DEM__OWED_STEPS * w->def.dt)) return 0;
-    if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 ||
-        e->links.states > DEM_STATE_MAX)
-        return 0;
-    if (!dem__not_negative(e->links.near) || !dem__not_negative(e->links.interval)) return 0;
+    if (!dem__is_flag(e->contacts.has_history) || !(fabs(w->owed) <= DEM__OWED_STEPS * w->def.dt)) return 0;
+    if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX) return 0;
+    for (int k = e->features - 1; k >= 0; k--) {
+        const dem__feature *f = e->feature[k];
+        const int used = f->is_used(file, w);
+        if (used < 0) return 0;
+        if (!used) dem__drop_feature(w, f);
+    }
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
     if (!dem__is_thread_count(w->def.threads))
@@ -180,7 +117,7 @@ static inline dem_status dem__read_walls(const dem__file *file, dem_world *w, de
         const int is_mesh = dem__has(a, DEM__TRIANGULATED);
         const dem_status status = is_mesh ? dem__read_mesh(file, &w->def.allocator, w->walls, a, g) : DEM_OK;
         if (status != DEM_OK) return status;
-        if (is_mesh) dem__count_mesh(w);
+        if (is_mesh) dem__add_feature(w, dem__feature_meshes());
         walls->touch_keepers += dem__has(a, DEM__TRIANGULATED | DEM__KEEPS_CURVATURE);
         walls->controls |= a->asked.drive >= DEM_FORCE_CONTROLLED;
         dem__set_phase_sine(a);
@@ -212,27 +149,8 @@ static inline int dem__read_chunks(const dem__file *file, dem_world *w, dem__gro
     return left == 0;
 }
 
-/* Reads the shapes of polyhedra. */
-static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, dem__group *g) {
-    dem__convex_state *convex = &w->engine->convex;
-    const ptrdiff_t n = dem__entries_of(file, "shape.corners");
-    if (n == 0) return DEM_OK;
-    convex->shape =
-        (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
-    if (!convex->shape) return DEM_OUT_OF_MEMORY;
-    memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
-    convex->shapes = (int)n, convex->calls = dem__polyhedra();
-    w->engine->walls.touch_keepers++;
-    g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
-    if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
-    for (ptrdiff_t k = 0; k < n; k++) {
-        if (!dem__is_sound_shape(&convex->shape[k])) return DEM_BAD_DATA;
-    }
-    return DEM_OK;
-}
-
 /* Makes room for what a file contains, and sets the counts. Returns 0 when out of memory. */
-static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff_t links, ptrdiff_t passed) {
+static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff_t passed) {
     dem__engine *e = w->engine;
     dem__array list[DEM__ARRAYS_MAX];
     const ptrdiff_t live = e->contacts.count;
@@ -241,9 +159,6 @@ static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff
                          &e->bodies.capacity, present + 1))
         return 0;
     if (!dem__grow_contacts(w, dem__next_slot(w) + 1)) return 0;
-    if (links > 0 && !dem__grow_group(w, list, dem__link_arrays(w, list), &e->links.block, &e->links.bytes,
-                                      &e->links.capacity, links))
-        return 0;
     if (passed > 0) {
         w->passed =
             (dem_passed *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)passed * sizeof *w->passed);
@@ -252,55 +167,27 @@ static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff
         e->bodies.passed_capacity = passed;
     }
     w->count = present, w->passed_count = passed;
-    e->contacts.count = live, e->links.count = links;
-    return 1;
-}
-
-/* Reads rigid bodies, for which there is room, and assigns their particles to them. Returns 0 if the file is not valid.
- */
-static inline int dem__read_bodies(const dem__file *file, dem_world *w, dem__group *g, ptrdiff_t n) {
-    dem__bodies *bodies = &w->engine->bodies;
-    if (n == 0) return 1;
-    dem__body_fields(bodies->rigid, g);
-    memset(bodies->rigid, 0, (size_t)n * sizeof *bodies->rigid);
-    if (!dem__read_group(file, g, n)) return 0;
-    for (bodies->rigid_count = 0; bodies->rigid_count < n;) {
-        const dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
-        const dem_quaternion t = r->turn;
-        if (r->first < 0 || r->pieces < 1 || r->first > w->count - r->pieces) return 0;
-        if (!dem__positive(r->moments.x) || !dem__positive(r->moments.y) || !dem__positive(r->moments.z) ||
-            !dem__positive(r->mass))
-            return 0;
-        if (!(fabs(t.w * t.w + t.x * t.x + t.y * t.y + t.z * t.z - 1.0) < 1e-6)) return 0;
-        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-            if (dem__is_fixed(w, i) != dem__is_fixed(w, r->first)) return 0;
-            if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin ||
-                w->particle[i].mass != r->mass)
-                return 0;
-            bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
-        }
-    }
+    e->contacts.count = live;
     return 1;
 }
 
 /* Reads particles, contacts, links and records of exits. */
 static inline dem_status dem__read_state(const dem__file *file, dem_world *w, dem__group *g) {
-    const ptrdiff_t present = dem__entries_of(file, "particle.x"), links = dem__entries_of(file, "link.i"),
-                    bodies = dem__entries_of(file, "body.first");
+    const ptrdiff_t present = dem__entries_of(file, "particle.x");
     if (!dem__read_chunks(file, w, g, present)) return DEM_BAD_DATA;
-    if (!dem__make_loaded_room(w, present, links, dem__entries_of(file, "passed.time"))) return DEM_OUT_OF_MEMORY;
-    if (bodies > 0 && !dem__reserve_bodies(w, bodies, 0)) return DEM_OUT_OF_MEMORY;
+    if (!dem__make_loaded_room(w, present, dem__entries_of(file, "passed.time"))) return DEM_OUT_OF_MEMORY;
     dem__particle_fields(w, g);
     for (ptrdiff_t i = 0; i < present; i++) {
         w->alive[i] = 1;
         w->engine->bodies.number[i] = (int32_t)i;
-        w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
+        w->engine->walls.first_contact[i] = -1;
+        DEM__TELL(w, add_particle, (w, i));
     }
-    if (!dem__read_group(file, g, present) || !dem__read_bodies(file, w, g, bodies) || !dem__read_contacts(file, w, g))
-        return DEM_BAD_DATA;
-    if (links > 0) {
-        dem__link_fields(w, g);
-        if (!dem__read_group(file, g, links)) return DEM_BAD_DATA;
+    if (!dem__read_group(file, g, present) || !dem__read_contacts(file, w, g)) return DEM_BAD_DATA;
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        const dem_status status = f->load ? f->load(file, w, g) : DEM_OK;
+        if (status != DEM_OK) return status;
     }
     if (w->passed_count > 0) dem__passed_fields(w->passed, g);
     return w->passed_count == 0 || dem__read_group(file, g, w->passed_count) ? DEM_OK : DEM_BAD_DATA;
@@ -311,20 +198,13 @@ static inline int dem__are_sound_particles(const dem_world *w) {
         const dem_particle *p = &w->particle[i];
         if (!dem__positive(p->radius) || !dem__positive(p->mass) || p->origin > w->step || p->origin < 0) return 0;
         if (w->material[i] < 0 || w->material[i] >= w->def.materials || (i > 0 && w->id[i] <= w->id[i - 1])) return 0;
-        if (!dem__is_sound_polyhedron(w, i)) return 0;
     }
     return 1;
-}
-
-/* Returns whether i is a particle, and j another one or a wall. */
-static inline int dem__are_bodies(const dem_world *w, int32_t i, int32_t j) {
-    return i >= 0 && i < w->count && j < w->count && j >= -w->walls && i != j;
 }
 
 /* Returns whether the bodies and elements of contacts and links exist, and no contact is there twice. */
 static inline int dem__are_sound_contacts(const dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
-    const dem__links *links = &w->engine->links;
     ptrdiff_t n = 0;
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
@@ -339,9 +219,6 @@ static inline int dem__are_sound_contacts(const dem_world *w) {
     for (ptrdiff_t c = 1; c < n; c++) {
         if (!dem__before(w, contacts->slots[c - 1], contacts->slots[c])) return 0;
     }
-    for (ptrdiff_t k = 0; k < links->count; k++) {
-        if (!dem__are_bodies(w, links->i[k], links->j[k])) return 0;
-    }
     return 1;
 }
 
@@ -350,9 +227,7 @@ static inline void dem__derive_loaded(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *first = w->engine->walls.first_contact;
     w->engine->run.needs_lists = w->engine->run.keeps_wrenches = 1;
-    w->engine->bodies.loads_on |= w->engine->bodies.has_fixed;
-    dem__set_link_steps(w);
-    dem__find_links(w);
+    DEM__TELL(w, loaded, (w));
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
         contacts->near[c] = -1; /* until the list is built */
@@ -370,12 +245,25 @@ static inline void dem__derive_loaded(dem_world *w) {
     }
 }
 
+/* Adds every feature that a file may contain: a loaded world keeps those that it uses. */
+static inline void dem__expect_features(dem_world *w) {
+    dem__add_feature(w, dem__feature_ledger());
+    dem__add_feature(w, dem__feature_links());
+    dem__add_feature(w, dem__feature_field());
+    dem__add_feature(w, dem__feature_fixed());
+    dem__add_feature(w, dem__feature_bodies());
+    dem__add_feature(w, dem__feature_polyhedra());
+}
+
 /* Fills an empty world from a file. */
 static inline dem_status dem__read_file(const dem__file *file, dem_world *w) {
     dem__group g;
     if (!dem__read_world(file, w, &g)) return DEM_BAD_DATA;
     dem_status status = dem__read_walls(file, w, &g);
-    if (status == DEM_OK) status = dem__read_shapes(file, w, &g);
+    for (int k = 0; k < w->engine->features && status == DEM_OK; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->load_first) status = f->load_first(file, w, &g);
+    }
     if (status == DEM_OK) status = dem__read_state(file, w, &g);
     if (status != DEM_OK) return status;
     if (!dem__are_sound_particles(w) || !dem__are_sound_contacts(w)) return DEM_BAD_DATA;
@@ -394,6 +282,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
         memset(world, 0, sizeof *world);
         return DEM_OUT_OF_MEMORY;
     }
+    dem__expect_features(world);
     const dem_status status = dem__read_file(&file, world);
     if (status != DEM_OK) dem_free(world);
     return status;

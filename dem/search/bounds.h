@@ -4,13 +4,17 @@
 #include "../base/parallel.h"
 #include "timers.h"
 
-/* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present
-   forces. */
-DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (r) return w->engine->bodies.calls->link_drift(w, r, i);
-    return (double)w->engine->links.every * w->engine->run.dt / w->particle[i].mass *
-           dem__length(dem__first(w->engine->bodies.load[i]));
+/* Marks an active particle for dem__check_bounds. */
+DEM_INLINE void dem__mark_one(dem_world *w, ptrdiff_t i) {
+    dem__bodies *bodies = &w->engine->bodies;
+    if (bodies->activity[i] != 1) return;
+    bodies->activity[i] = 2;
+    bodies->to_check[bodies->to_check_count++] = (int32_t)i;
+}
+/* Marks particle i, or all particles of its rigid body. */
+DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
+    const dem__pieces own = dem__pieces_of(w, i);
+    for (ptrdiff_t k = own.first; k < own.end; k++) dem__mark_one(w, k);
 }
 
 /* Returns a limit of the change of velocity by an acceleration in one step [m/s]; the sum of components needs no root.
@@ -35,7 +39,6 @@ DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double straye
 DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec x, dem_vec v) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__pairs *pairs = &w->engine->pairs;
-    const dem__links *links = &w->engine->links;
     const double t = dem__since_listed(w, step);
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem__rigid *body =
@@ -54,8 +57,10 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
         c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
     c->tolerance += swing;
-    if (links->on && (links->first_link[i] >= 0 || dem__rigid_of(w, i))) c->tolerance += 2.0 * dem__link_drift(w, i);
-    c->reach = w->particle[i].radius + 0.5 * links->near + pairs->position_tolerance - t * c->tolerance;
+    for (int k = 0; k < w->engine->features; k++) {
+        if (w->engine->feature[k]->drift) c->tolerance += w->engine->feature[k]->drift(w, i);
+    }
+    c->reach = w->particle[i].radius + 0.5 * pairs->touch_gap + pairs->position_tolerance - t * c->tolerance;
     dem__set_tolerance_left(w, i, turn);
 }
 

@@ -295,30 +295,6 @@ static inline void dem__find_contacts(dem_world *w) {
     }
 }
 
-/* Sets the distance at which near pair p is in contact, which is larger for linked particles. p = -1: does nothing. */
-DEM_INLINE void dem__mark_link(dem_world *w, int32_t p, int linked) {
-    if (p < 0) return;
-    dem__near *q = &w->engine->pairs.near[p];
-    q->distance = w->particle[q->i].radius + w->particle[q->j].radius + (linked ? w->engine->links.near : 0.0);
-}
-
-DEM_INLINE void dem__list_link(dem_world *w, int32_t k) {
-    dem__links *links = &w->engine->links;
-    const int32_t i = links->i[k], j = links->j[k];
-    links->next_i[k] = links->first_link[i];
-    links->first_link[i] = k;
-    if (j < 0) return;
-    const int32_t p = dem__near_pair(w, i, j);
-    links->next_j[k] = links->first_link[j];
-    links->first_link[j] = k;
-    dem__mark_link(w, p, 1);
-}
-
-static inline void dem__find_links(dem_world *w) {
-    for (ptrdiff_t i = 0; i < w->count; i++) w->engine->links.first_link[i] = -1;
-    for (int32_t k = 0; k < (int32_t)w->engine->links.count; k++) dem__list_link(w, k);
-}
-
 /* Sets the timers of all near pairs in pages first .. end-1 that do not touch. */
 DEM_INLINE void dem__set_new_timers(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     const dem__pairs *pairs = &w->engine->pairs;
@@ -394,7 +370,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__pairs *pairs = &w->engine->pairs;
     const int keeps = !run->needs_lists;
-    if (bodies->rigid) bodies->calls->note_strides(w);
+    DEM__TELL(w, keep_up, (w));
     if (w->status != DEM_OK) return 0;
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     if (!keeps) dem__release_unloaded(w);
@@ -404,16 +380,16 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__choose_frame(w);
     dem__choose_margin(w, keeps, smallest, largest);
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
-    if (!(w->engine->links.near <= 0.01 * pairs->margin) && w->engine->links.count > 0)
-        return dem__fail_to_list(w, DEM_BAD_DEFINITION);
     if (pairs->count > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) return dem__fail_to_list(w, DEM_TOO_MANY);
     if (!dem__make_timers(w, keeps)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
-    if (w->engine->convex.calls && !w->engine->convex.calls->list_pairs(w))
-        return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
-    dem__find_links(w);
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        const dem_status status = f->listed ? f->listed(w) : DEM_OK;
+        if (status != DEM_OK) return dem__fail_to_list(w, status);
+    }
     pairs->next_check = w->step + DEM__STEPS_MAX;
     pairs->listed_step = w->step;
     w->rebuilds++;
@@ -434,7 +410,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
     const int64_t least = 1 + (w->step - w->engine->pairs.listed_step) / 40;
-    if (w->engine->bodies.rigid) w->engine->bodies.calls->note_strides(w);
+    DEM__TELL(w, keep_up, (w));
     int64_t due = w->engine->pairs.listed_step + DEM__STEPS_MAX;
     if (w->step >= due) return dem__rebuild(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {

@@ -1,6 +1,7 @@
 /* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the
    last chunk. */
 #pragma once
+#include "../walls/kinds.h"
 #include "../base/parallel.h"
 #include "timers.h"
 #include "../particles/exits.h"
@@ -78,24 +79,6 @@ static inline int dem__touches_element(const dem_world *w, ptrdiff_t i, int wall
         if (contacts->j[c] == -1 - wall && contacts->element[c] == element) return 1;
     }
     return 0;
-}
-
-/* Returns the link after k in particle i's list; -1 at its end. */
-DEM_INLINE int32_t dem__next_link(const dem_world *w, int32_t k, ptrdiff_t i) {
-    const dem__links *links = &w->engine->links;
-    return links->i[k] == i ? links->next_i[k] : links->next_j[k];
-}
-
-/* Returns the link of particle i with body j (a wall: -1 - index) at an element of it, or -1. */
-static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element) {
-    const dem__links *links = &w->engine->links;
-    int32_t k = links->first_link[i];
-    while (k >= 0) {
-        const int first = links->i[k] == i;
-        if ((first ? links->j[k] : links->i[k]) == j && (j >= 0 || links->element[k] == element)) return k;
-        k = dem__next_link(w, k, i);
-    }
-    return -1;
 }
 
 /* Returns an arm [m]: no point of a wall at x is faster than speed_bound + arm * spin_bound. */
@@ -206,7 +189,8 @@ typedef struct dem__wall_test {
 static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test *t) {
     const dem_wall *wall = t->wall;
     const double stray = 2.0 * w->engine->bodies.bound[t->i].tolerance,
-                 near = w->engine->links.near + w->engine->pairs.position_tolerance, radius = w->particle[t->i].radius;
+                 near = w->engine->pairs.touch_gap + w->engine->pairs.position_tolerance,
+                 radius = w->particle[t->i].radius;
     const dem_vec u = dem__sub(t->v, wall->velocity), g = dem__free_fall(w);
     double a = w->engine->pairs.gravity_size + wall->acceleration_bound, least = HUGE_VAL;
     if (t->found == 0 || wall->asked.drive != DEM_KINEMATIC || !dem__has(wall, DEM__CONVEX) || wall->spin != 0.0 ||
@@ -230,10 +214,20 @@ static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t
     else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
 }
 
+/* Returns whether a feature wants a contact of particle i with an element of a wall before they touch. */
+static inline int dem__begins_early(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
+    int early = 0;
+    for (int k = 0; k < w->engine->features && !early; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->begins_early) early = f->begins_early(w, i, -1 - wall, element);
+    }
+    return early;
+}
+
 /* Begins contacts at the places found, and sets what is clear of them. Returns 0 if the wall needs no other test: it is
    touched at its only place, or memory ran out. */
 static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
-    const double near = w->engine->links.near;
+    const double near = w->engine->pairs.touch_gap;
     int touches = 0;
     if (dem__has_elements(t->wall))
         t->others = dem__other_elements(w, t->wall, w->particle[t->i].radius, t->touch, t->found);
@@ -241,8 +235,8 @@ static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
     for (int q = 0; q < t->found; q++) {
         const dem__touch *place = &t->touch[q];
         if (dem__touches_element(w, t->i, t->k, place->element)) continue;
-        const int linked = place->gap < near && dem__link_of(w, t->i, -1 - t->k, place->element) >= 0;
-        if (place->gap < (linked ? near : 0.0)) {
+        const int early = place->gap < near && dem__begins_early(w, t->i, t->k, place->element);
+        if (place->gap < (early ? near : 0.0)) {
             if (!dem__new_wall_contact(w, t->i, t->k, place, place->element)) return 0;
             touches = 1;
         } else t->clear = place->gap - near < t->clear ? place->gap - near : t->clear;
@@ -294,7 +288,7 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     if (w->engine->run.has_periodic)
         t.x = dem__in_box(w, t.x); /* where the step will put it: bars are told apart by their place */
     t.others = w->engine->pairs.wall_reach;
-    t.found = dem__touch_wall(t.wall, t.x, radius, skips ? t.others : w->engine->links.near, t.touch, &t.clear);
+    t.found = dem__touch_wall(t.wall, t.x, radius, skips ? t.others : w->engine->pairs.touch_gap, t.touch, &t.clear);
     if (!dem__has_surface(t.wall) && t.clear < 0.0) {
         dem__test_exit(w, &t, e, step);
         return;

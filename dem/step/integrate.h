@@ -1,7 +1,7 @@
 /* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies
    and timers. Promises: a particle whose velocity left its bound has a new one before the next step. */
 #pragma once
-#include "../particles/fixed.h"
+#include "../motion/fixed.h"
 #include "../contacts/contacts.h"
 
 /* Returns where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far
@@ -117,7 +117,7 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
 /* Does so without loads where there are none: whether there are any is a constant of the loop. */
 DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
                                         ptrdiff_t *strays) {
-    if (w->engine->bodies.loads_on || w->engine->links.on) dem__kick_all(w, h, first, end, check, strays, 1);
+    if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, strays, 1);
     else dem__kick_all(w, h, first, end, check, strays, 0);
 }
 DEM__AVX2_CLONE(dem__kick_part,

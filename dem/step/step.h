@@ -1,10 +1,12 @@
 /* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world
    can be read, saved and freed. */
 #pragma once
-#include "../particles/remove.h"
+#include "../removal/remove.h"
 #include "../contacts/forces.h"
-#include "../search/due_tests.h"
-#include "../gas/flights.h"
+#include "../ledger/ledger.h"
+#include "integrate.h"
+#include "detect.h"
+#include "../particles/active.h"
 
 /* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip,
    and set none if it is 0. */
@@ -12,7 +14,7 @@ static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
     w->def.skip = 0;
     dem__test_all_pairs(w, w->step);
-    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, w->step);
+    DEM__TELL(w, detect, (w, w->step));
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls; k++) {
             if (dem__has_surface(&w->wall[k]) && dem__needs_test(w, i, k))
@@ -32,8 +34,9 @@ static inline int dem__prepare_lists(dem_world *w) {
     }
     dem__remove_ended(w, w->step, 1);
     if (!dem__rebuild(w)) return 0;
-    if (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0)) return 1;
-    return dem__fail_to_list(w, w->status);
+    int going = 1;
+    DEM__ASK(w, going, prepare_run, (w));
+    return going || dem__fail_to_list(w, w->status);
 }
 
 /* Computes the damping ratios of all pairs of materials, and whether all were set. */
@@ -61,7 +64,7 @@ static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     }
     const ptrdiff_t begun = contacts->begun;
     dem__commit_begun(w, 0.0);
-    if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_CONTACTS, begun);
+    DEM__TELL(w, contacts_begun, (w, begun));
     dem__list_active(w);
     for (ptrdiff_t k = 0; k < begun; k++) {
         const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
@@ -88,52 +91,35 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
     dem__report_begun(w, kernel->law, begun);
     dem__advance(w, 0.0); /* before anything that may run out of memory: a world that fails there can be saved */
     if (!dem__reorder_contacts(w)) return 0;
-    const double stored = dem__stored_energy(w);
+    DEM__TELL(w, find_forces, (w));
     dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
-    dem__book_callers_contacts(w, stored);
-    if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_FORCES, 0);
+    DEM__TELL(w, forces_found, (w));
+    DEM__TELL(w, add_forces, (w, 0.0));
     if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
     dem__kick_walls(w, 0.0);
     dem__remove_ended(w, w->step, 0);
     dem__check_bounds(w);
-    return w->status == DEM_OK && (!w->engine->field.on || dem__ask_field(w, DEM__FIELD_FLIGHTS, 0));
-}
-
-/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error
-   either. */
-static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
-    dem__ledger *ledger = &w->engine->ledger;
-    const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
-    if (ledger->counts == counts) return;
-    if (!counts) ledger->paused_error = dem_energy(w).error;
-    else dem__find_stored(w, loop);
-    ledger->counts = counts;
-    if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
+    int going = w->status == DEM_OK;
+    DEM__ASK(w, going, begin_flights, (w));
+    return going;
 }
 
 /* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a
    failure. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
     dem__run *run = &w->engine->run;
-    dem__ledger *ledger = &w->engine->ledger;
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    w->engine->bodies.adds_loads = w->engine->bodies.loads_on;
+    for (int k = 0; k < w->engine->features; k++) w->engine->bodies.adds_loads |= w->engine->feature[k]->adds_loads;
     dem__prepare_pairs(w);
     const ptrdiff_t begun = run->needs_forces ? dem__begin_contacts_present(w) : 0;
     if (begun < 0) return 0;
     dem__set_law(w, kernel->law, features);
-    dem__switch_ledger(w, kernel->loop);
+    DEM__TELL(w, set_law, (w, kernel));
     if (run->needs_forces && !dem__find_forces(w, kernel, begun)) return 0;
     run->needs_forces = 0;
-    if ((features & DEM_ENERGY) && !ledger->started) {
-        ledger->started = 1;
-        memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked */
-        dem__resume_link_work(w, dem__all_particles(w));
-        if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_BOOKS, 0);
-        dem_energy_ledger now = dem_energy(w);
-        ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
-        ledger->sums.start_potential = now.potential;
-    }
+    DEM__TELL(w, begin_run, (w));
     return 1;
 }
 
@@ -188,70 +174,38 @@ static inline int dem__remove_leaving(dem_world *w) {
     return 1;
 }
 
-/* Advances the world by one step. keep: keeps the forces of contacts for readers; in_field: a constant at compile time.
-   Returns 0 after a failure. */
-DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, int in_field) {
+/* Advances the world by one step. keep: keeps the forces of contacts for readers. Returns 0 after a failure. */
+static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
     const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
     const double h = w->engine->run.dt;
+    int going = 1;
     if (w->step % DEM__REORDER_STEPS == 0 && !dem__reorder_contacts(w)) return 0;
     if (w->step >= w->engine->pairs.next_check && !dem__check_list(w)) return 0;
-    if (in_field && !dem__continue_flights(w)) return 0;
+    DEM__ASK(w, going, begin_step, (w));
+    if (!going) return 0;
     if (!dem__find_contacts_that_begin(w)) return dem__undo_detection(w);
     const ptrdiff_t begun = w->engine->contacts.begun;
     dem__commit_begun(w, 1.0);
-    if (begun > 0 && w->engine->ledger.on)
-        dem__list_active(w); /* books are sums in the order of memory, whenever lists were built */
-    if (in_field) dem__end_flights(w, begun);
+    DEM__TELL(w, contacts_begun, (w, begun));
     dem__advance(w, h);
     dem__prepare_begun(w, kernel->law, begun, features);
     dem__evaluate(w, kernel->loop, h, has_friction, keep);
-    if (in_field) dem__add_field_forces(w, h);
-    if (features & DEM_ENERGY) dem__book_losses(w);
+    DEM__TELL(w, add_forces, (w, h));
     const int finite = dem__kick(w, h);
     dem__kick_walls(w, h);
     dem__apply_corrections(w, has_friction);
     dem__count_step(w);
     if (!finite || (w->engine->run.leaving && !dem__leave_with_numbers(w))) return dem__fail(w, DEM_NOT_FINITE);
-    if (in_field && w->engine->run.leaving) dem__book_flights(w, 1);
+    if (w->engine->run.leaving) DEM__TELL(w, leave, (w));
     const int leaving = dem__remove_leaving(w);
     dem__remove_ended(w, w->step, leaving);
     if (leaving) dem__free_untouched(w);
     dem__check_bounds(w);
-    if (in_field && w->status == DEM_OK && !dem__begin_flights(w)) return 0;
-    if (w->engine->links.every > 0 && w->step % w->engine->links.every == 0) w->engine->links.step(w);
-    return w->status == DEM_OK;
-}
-
-static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
-    return dem__step_of(w, kernel, keep, 0);
-}
-
-/* Runs the steps of a task in a force field. At the end it continues flights that are over, so that a caller who
-   changes particles finds none. */
-static inline int dem__run_in_field(dem_world *w, const dem__field_task *q) {
-    int going = 1;
-    for (ptrdiff_t n = q->n; n > 0 && going; n--) going = dem__step_of(w, q->kernel, n == 1, 1);
-    if (going) going = dem__continue_flights(w);
-    dem__book_flights(w, 0);
+    going = w->status == DEM_OK;
+    DEM__ASK(w, going, begin_flights, (w));
+    DEM__ASK(w, going, end_step, (w));
     return going;
 }
-static inline int dem__field_hook(dem_world *w, const dem__field_task *q) {
-    switch (q->task) {
-    case DEM__PREPARE_FIELD: return dem__prepare_flights(w);
-    case DEM__FIELD_CONTACTS: dem__end_flights(w, q->n); return 1;
-    case DEM__FIELD_FORCES: dem__add_field_forces(w, 0.0); return 1;
-    case DEM__FIELD_FLIGHTS: return dem__begin_flights(w);
-    case DEM__FIELD_BOOKS: dem__begin_books(w); return 1;
-    default: return dem__run_in_field(w, q);
-    }
-}
-
-#define DEM_FORCE_FIELD(name, law)                                                                                     \
-    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                    \
-        if (task->task > DEM__ADD_FIELD_FORCE) return dem__field_hook(world, task);                                    \
-        dem__field_kernel(world, task, law);                                                                           \
-        return 1;                                                                                                      \
-    }
 
 /* Returns whether a kernel computes friction that the run leaves out. Then its history stays zero. */
 static inline int dem__has_void_history(const dem_kernel *kernel, int features) {
@@ -272,35 +226,40 @@ static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, 
 static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *kernel, int features) {
     if (!dem__is_thread_count(w->def.threads)) return DEM_BAD_DEFINITION;
     if (w->status == DEM_NOT_FINITE || w->status == DEM_TOO_FAST) return w->status;
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        const dem_status status = f->check_run ? f->check_run(w, kernel) : DEM_OK;
+        if (status != DEM_OK) return status;
+    }
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
     }
-    if (w->engine->field.on && !w->engine->field.def.kernel) return DEM_NO_FIELD;
     const double narrowest = dem__narrowest(w);
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
     }
-    if (w->engine->convex.shapes > 0 && !(kernel->features & DEM_FRICTION))
-        return DEM_POLYHEDRON; /* others compute no torques */
     if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
-    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH
-                                                               : DEM_OK; /* after loading dem_set_links comes first */
+    return DEM_OK;
 }
 
 /* Makes the arrays of contacts fit law, ledger and threads. Returns 0 when out of memory; nothing has changed then. */
-static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int ledger) {
+static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int features) {
     dem__contacts *contacts = &w->engine->contacts;
-    const int states = contacts->states, constants = contacts->constants, had_ledger = w->engine->ledger.on;
+    const int states = contacts->states, constants = contacts->constants;
     const int postpones = dem__may_postpone(w) && !contacts->postponed;
+    const int books = (features & DEM_ENERGY) && !w->engine->ledger.on;
     dem__array list[DEM__ARRAYS_MAX];
-    if (law->states == states && law->constants <= constants && ledger == had_ledger && !postpones) return 1;
-    contacts->states = law->states, w->engine->ledger.on = ledger;
+    if (law->states == states && law->constants <= constants && !books && !postpones) return 1;
+    if (books) dem__add_feature(w, dem__feature_ledger());
+    contacts->states = law->states;
     contacts->constants = law->constants > constants ? law->constants : constants;
     if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
                          dem__next_slot(w) + 1)) {
-        contacts->states = states, contacts->constants = constants, w->engine->ledger.on = had_ledger;
+        contacts->states = states, contacts->constants = constants;
+        if (books) dem__drop_feature(w, dem__feature_ledger());
         return 0;
     }
+    w->engine->ledger.on |= books;
     for (int a = contacts->states; a < DEM_STATE_MAX; a++) contacts->state[a] = NULL; /* not in the block */
     return 1;
 }
@@ -328,8 +287,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     const dem_status status = dem__check_run(w, kernel, features);
     if (status != DEM_OK) return status;
     w->status = DEM_OK; /* the caller may have mended any other failure */
-    if (!dem__make_work(w, w->def.threads) ||
-        !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
+    if (!dem__make_work(w, w->def.threads) || !dem__fit_contact_arrays(w, kernel->law, features))
         return DEM_OUT_OF_MEMORY;
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     w->engine->contacts.law = dem__law_mark(kernel->law);
@@ -338,9 +296,10 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);
     w->engine->run.running = 1;
     int going = dem__prepare_run(w, kernel, features);
-    if (going && w->engine->field.on) going = dem__ask_field_to_run(w, (ptrdiff_t)steps, kernel);
-    else
-        for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
+    for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
+    for (int k = 0; k < w->engine->features; k++) {
+        if (w->engine->feature[k]->end_run) going = w->engine->feature[k]->end_run(w, going);
+    }
     w->engine->run.running = 0;
     const double met = 0.5 * sqrt(w->engine->run.stiffest); /* of the contacts that have begun */
     if (met > w->step_ratio) w->step_ratio = met;

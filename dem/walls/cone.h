@@ -86,7 +86,7 @@ static inline const dem__wall_kind *dem__cone(void) {
         NULL,                                     /* corners */
         dem__cone_edges,                          /* edges */
         dem__crosses_cone                         /* crosses */
-};
+    };
     return &row;
 }
 

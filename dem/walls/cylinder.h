@@ -68,7 +68,7 @@ static inline const dem__wall_kind *dem__cylinder(void) {
         dem__cylinder_corners,    /* corners */
         dem__cylinder_edges,      /* edges */
         NULL                      /* crosses */
-};
+    };
     return &row;
 }
 

@@ -23,7 +23,7 @@ static inline const dem__wall_kind *dem__exit(void) {
         NULL,                          /* corners */
         NULL,                          /* edges */
         NULL                           /* crosses */
-};
+    };
     return &row;
 }
 

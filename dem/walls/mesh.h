@@ -64,6 +64,6 @@ static inline const dem__wall_kind *dem__triangles(void) {
         NULL,                 /* corners */
         dem__mesh_edges_near, /* edges */
         NULL                  /* crosses */
-};
+    };
     return &row;
 }

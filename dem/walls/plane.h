@@ -32,7 +32,7 @@ static inline const dem__wall_kind *dem__plane(void) {
         dem__plane_corners,            /* corners */
         NULL,                          /* edges */
         NULL                           /* crosses */
-};
+    };
     return &row;
 }
 

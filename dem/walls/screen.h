@@ -196,7 +196,7 @@ static inline const dem__wall_kind *dem__woven_screen(void) {
         NULL,                         /* corners */
         dem__screen_edges,            /* edges */
         NULL                          /* crosses */
-};
+    };
     return &row;
 }
 

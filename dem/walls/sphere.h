@@ -40,7 +40,7 @@ static inline const dem__wall_kind *dem__sphere(void) {
         dem__sphere_corners, /* corners */
         dem__sphere_edges,   /* edges */
         NULL                 /* crosses */
-};
+    };
     return &row;
 }
 

@@ -7,7 +7,17 @@
    flight use dem__at and its like, never the parabola. */
 #pragma once
 #include "../base/arrays.h"
-#include "../base/rotation.h"
+#include "rotation.h"
+
+/* Returns the first of two vectors: the force of a wrench. */
+DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
+/* Returns the second one: the torque of a wrench. */
+DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
+
+/* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
+DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) {
+    return w->engine->bodies.has_fixed && w->engine->bodies.fixed[i].on != 0;
+}
 
 /* Returns the acceleration of a particle in flight without loads [m/s2]. Bounds and the list rely on its being the same
    for all. */
@@ -37,10 +47,6 @@ DEM_INLINE dem__rigid *dem__rigid_of(const dem_world *w, ptrdiff_t i) {
     return bodies->rigid && bodies->rigid_of[i] > 0 ? &bodies->rigid[bodies->rigid_of[i] - 1] : NULL;
 }
 
-/* Particles first .. end-1 that move as one. */
-typedef struct dem__pieces {
-    ptrdiff_t first, end;
-} dem__pieces;
 /* Returns the particles of particle i's rigid body, or i alone. */
 DEM_INLINE dem__pieces dem__pieces_of(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
@@ -103,17 +109,15 @@ DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? r->a : w->particle[i].a;
 }
-/* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at
-   both ends, but not the right velocities; the error at its end shows how the acceleration changes. */
+/* Returns what velocities on the parabola lack [m/s]: in a force field the parabola has the right places at both ends of
+   a flight, but not the right velocities. */
 static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
-    const dem__field *field = &w->engine->field;
-    const dem__rigid *r = dem__rigid_of(w, i);
-    const ptrdiff_t first = r ? r->first : i; /* has the flight */
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
-    if (!field->on || w->engine->bodies.activity[i] || field->until[first] == DEM__NO_FLIGHT) return none;
-    const double whole = (double)(field->until[first] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
-    if (!(share >= 0.0 && share <= 1.0)) return none;
-    return dem__scale(share * (3.0 * share - 2.0), dem__sub(field->end_velocity[first], dem__drift_at(w, i, whole)));
+    dem_vec error = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 0; k < w->engine->features; k++) {
+        const dem__feature *f = w->engine->feature[k];
+        if (f->velocity_error) error = f->velocity_error(w, i, tau);
+    }
+    return error;
 }
 /* Returns the velocity as accurately as it is known. */
 static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {

@@ -72,8 +72,8 @@ static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
 /* Tests everything that is due at a step. */
 static inline void dem__detect(dem_world *w, int64_t step) {
     dem__wall_state *walls = &w->engine->walls;
-    if (walls->meshes) walls->follow_meshes(w, step);
-    if (w->engine->convex.calls) w->engine->convex.calls->follow(w, step);
+    DEM__TELL(w, follow, (w, step));
+    DEM__TELL(w, detect, (w, step));
     if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__test_all_pairs(w, step);
     if (!(w->def.skip & DEM_SKIP_SPACE)) {
         for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {

@@ -1,8 +1,8 @@
 /* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns the body's frame into the
    lab's; its scalar part comes first. */
 #pragma once
-#include "vectors.h"
-#include "polyhedron.h"
+#include "../base/vectors.h"
+#include "../base/polyhedron.h"
 
 DEM_INLINE dem_quaternion dem__quaternion(double w, dem_vec v) {
     dem_quaternion q;

@@ -1,0 +1,132 @@
+/* Rigid bodies as a feature of a world, and adding one. */
+#pragma once
+#include "save.h"
+
+static inline int dem__list_arrays_of_bodies(dem_world *w, dem__array *list) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__array arrays[] = {{&bodies->rigid_of, sizeof *bodies->rigid_of},
+                                 {&bodies->offset, sizeof *bodies->offset},
+                                 {&bodies->arm, sizeof *bodies->arm}};
+    memcpy(list, arrays, sizeof arrays);
+    return (int)(sizeof arrays / sizeof *arrays);
+}
+
+static inline void dem__release_bodies(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__release(&w->def.allocator, bodies->rigid, (size_t)bodies->rigid_capacity * sizeof *bodies->rigid);
+}
+
+static inline void dem__add_unattached(dem_world *w, ptrdiff_t i) { w->engine->bodies.rigid_of[i] = 0; }
+
+/* Renumbers rigid bodies and their first particles after dropped particles have been removed. Bodies are in the order
+   of their particles. */
+static inline void dem__renumber_bodies(dem_world *w, const int32_t *number) {
+    dem__bodies *bodies = &w->engine->bodies;
+    ptrdiff_t n = 0;
+    (void)number;
+    for (ptrdiff_t i = 0; i < w->count && bodies->rigid; i++) {
+        if (bodies->rigid_of[i] == 0) continue;
+        dem__rigid *r = &bodies->rigid[n++];
+        *r = bodies->rigid[bodies->rigid_of[i] - 1];
+        r->first = (int32_t)i;
+        for (ptrdiff_t end = i + r->pieces; i < end; i++) bodies->rigid_of[i] = (int32_t)n;
+        i--;
+    }
+    if (bodies->rigid) bodies->rigid_count = n;
+}
+
+static inline const dem__feature *dem__feature_bodies(void) {
+    static const dem__feature row = {
+        5,                              /* place */
+        0,                              /* adds_loads */
+        0,                              /* exclusive */
+        dem__list_arrays_of_bodies,     /* list_arrays */
+        NULL,                           /* list_contact_arrays */
+        dem__release_bodies,            /* release */
+        dem__add_unattached,            /* add_particle */
+        NULL,                           /* begin_change */
+        NULL,                           /* end_change */
+        NULL,                           /* set_time_step */
+        NULL,                           /* remove_particle */
+        dem__renumber_bodies,           /* renumber */
+        NULL,                           /* check_run */
+        NULL,                           /* prepare_run */
+        NULL,                           /* set_law */
+        NULL,                           /* find_forces */
+        NULL,                           /* forces_found */
+        NULL,                           /* begin_run */
+        NULL,                           /* begin_ledger */
+        NULL,                           /* end_run */
+        dem__note_strides,              /* keep_up */
+        NULL,                           /* listed */
+        NULL,                           /* drift */
+        NULL,                           /* begins_early */
+        NULL,                           /* begin_step */
+        NULL,                           /* follow */
+        NULL,                           /* detect */
+        NULL,                           /* contacts_begun */
+        NULL,                           /* add_forces */
+        NULL,                           /* end_contact */
+        NULL,                           /* leave */
+        NULL,                           /* begin_flights */
+        NULL,                           /* end_step */
+        NULL,                           /* forces */
+        NULL,                           /* force */
+        NULL,                           /* velocity_error */
+        NULL,                           /* correct_velocity */
+        NULL,                           /* open_books */
+        NULL,                           /* world_fields */
+        dem__particle_fields_of_bodies, /* particle_fields */
+        NULL,                           /* contact_fields */
+        dem__save_bodies,               /* save */
+        dem__has_bodies,                /* is_used */
+        NULL,                           /* load_first */
+        dem__load_bodies,               /* load */
+        NULL,                           /* loaded */
+        NULL,                           /* hash_particle */
+        NULL,                           /* hash_before_contacts */
+        dem__hash_rigids,               /* hash */
+    };
+    return &row;
+}
+
+/* Definition of a rigid body: see bodies/rigid.h. */
+typedef struct dem__body_def {
+    dem_vec x;             /* centre of mass [m] */
+    double mass;           /* [kg] */
+    dem_vec moments;       /* about the principal axes [kg m2] */
+    dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
+    dem_quaternion turn;   /* from that frame to the lab's axes */
+    ptrdiff_t pieces;      /* number of its particles */
+    const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
+    const double *radius;  /* [m] */
+    int material, group;
+} dem__body_def;
+
+/* Makes room for n more bodies with `pieces` particles in all. Returns 0 when out of memory. */
+static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
+    return dem__grow_bodies(w, n) && dem__take_feature(w, dem__feature_bodies()) == DEM_OK &&
+           dem__reserve_particles(w, pieces);
+}
+
+/* Adds a body at rest, for which dem__reserve_bodies has made room. Returns the number of its first particle. */
+static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
+    int order[3];
+    memset(r, 0, sizeof *r);
+    r->first = (int32_t)w->count, r->pieces = (int32_t)def->pieces;
+    r->x = dem__in_box(w, def->x), r->mass = def->mass, r->moments = def->moments, r->frame = def->frame;
+    dem__order_moments(&r->moments, &r->frame, order);
+    r->turn = dem__kept_unit(dem__turns(def->turn, r->frame));
+    for (ptrdiff_t k = 0; k < def->pieces; k++) {
+        const ptrdiff_t i = dem__put_particle(w, r->x, def->radius[k], def->mass, def->material, def->group);
+        const dem_vec from = def->offset[k];
+        bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
+        bodies->offset[i] = dem_vec3(dem_axis(from, order[0]), dem_axis(from, order[1]), dem_axis(from, order[2]));
+    }
+    dem__free_body(w, r);
+    dem__book_added(w, dem__potential(w, r->first));
+    w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
+    return r->first;
+}
