@@ -26,7 +26,7 @@
              resistance with a lever arm in metres, relative and capped. A law of your own: dem_law and DEM_KERNEL below.
    Bodies    spheres, clumps of them (dem_add_clumps, docs/dem_bodies.md), and convex polyhedra with rounded edges (dem_add_convex,
              docs/dem_convex.md).
-   Walls     plane, cylinder, wire screen, cone, sphere, box, triangle mesh (STL); each at rest, vibrating, rotating, moving, prescribed
+   Walls     plane, cylinder, wire screen, cone, disc, sphere, box, triangle mesh (STL); each at rest, vibrating, turning, moving, prescribed
              or driven by a force or torque. A wall supplies geometry (normal, gap, surface velocity, inverse mass 0); everything after
              that is the pair's kernel.
    Time      A particle is on a parabola from the step at which its last force ended; only particles that touch something take steps.
@@ -46,7 +46,8 @@
              and clang sqrt in a file that includes this does not set errno. A law of yours takes part if declared DEM_INLINE.
    Linking   one shared copy: #define DEM_API extern everywhere, DEM_IMPLEMENTATION as well in one file; laws of yours stand there.
    Fields    a force on every particle, in flight by steps of its own, by a law of yours (DEM_FORCE_FIELD); drag in a gas, at rest or on a
-             Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer & Sommerfeld, Di Felice.
+             Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer & Sommerfeld; with a porosity Di Felice,
+             Gidaspow, Beetstra, Koch & Hill.
    Not here  the flow of fluids, heat, files, printing. */
 #ifndef DEM_H
 #define DEM_H
@@ -382,6 +383,15 @@ typedef struct dem_cone {
     double high_radius; /* at high [m] >= 0, not both 0; default 0.1 */
 } dem_cone;
 
+/* A flat disc, with or without a round hole in its middle: a thin sheet, touched from both sides and at its rims. Made by
+   dem_default_disc(). */
+typedef struct dem_disc {
+    dem_vec centre;     /* [m]; default 0 */
+    dem_vec normal;     /* of any length but 0; default (0, 0, 1) */
+    double radius;      /* [m] > 0; default 0.1 */
+    double hole_radius; /* of the hole [m] >= 0, less than radius; default 0: no hole */
+} dem_disc;
+
 typedef enum dem_wall_kind {
     DEM_PLANE,
     DEM_CYLINDER,
@@ -389,7 +399,8 @@ typedef enum dem_wall_kind {
     DEM_EXIT,
     DEM_SPHERE,
     DEM_CONE,
-    DEM_MESH
+    DEM_MESH,
+    DEM_DISC
 } dem_wall_kind;
 
 /* Triangles, your own or read by dem_read_stl(). For your own arrays, set the first four fields; the rest is 0. */
@@ -466,8 +477,8 @@ typedef struct dem_wall_motion {
 /* A wall: its shape, the motion that was set, and its state now. Read only; functions change it. */
 typedef struct dem_wall {
     int kind, material, enabled;
-    double radius;              /* cylinder, sphere; cone: at its low end, which is the origin [m] */
-    double high_radius, length; /* cone: radius at the other end; distance of the ends [m] */
+    double radius;              /* cylinder, sphere; cone: at its low end, which is the origin; disc: of its hole [m] */
+    double high_radius, length; /* cone: radius at the other end; distance of the ends; disc: radius; 0 [m] */
     int inside;                 /* cylinder, sphere: 1 if particles are inside, 0 if outside */
     double aperture, wire;      /* screen [m] */
     int profile, circular;      /* screen */
@@ -962,6 +973,8 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
 DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside);
 DEM_API dem_cone dem_default_cone(void);
 DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone);
+DEM_API dem_disc dem_default_disc(void);
+DEM_API int dem_add_disc(dem_world *world, int material, const dem_disc *disc);
 /* Adds triangles, which are copied, as one wall: a thin sheet that particles touch from both sides, at faces, edges and
    corners. How it is oriented, welded or cut into triangles does not matter. Places whose normals differ by less than
    26 degrees are one contact, at the deepest of them (its friction goes with it from triangle to triangle); a sharper
@@ -1661,45 +1674,6 @@ DEM__FORCE(dem_force_hertz, dem__hertz, DEM_HERTZ)
 DEM__FORCE(dem_force_hertz_friction, dem__hertz, DEM_FRICTION)
 DEM__FORCE(dem_force_hertz_rolling, dem__hertz, DEM_FRICTION | DEM_ROLLING)
 
-/* ---------------------------------------------------------------------------------------------- >>base/triangles.h */
-/* The triangles of a mesh, in a tree of boxes. walls/mesh_tree.h makes it, walls/mesh_touch.h searches it. */
-
-/* A node of the tree. */
-typedef struct dem__node {
-    double low[3], high[3];
-    int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
-} dem__node;
-enum { DEM__LEAF = 4 };
-
-/* Flags of entry `at` of dem__mesh_edges: of an edge, and of the corner at which it begins. */
-enum {
-    DEM__EDGE = 1,     /* a sharp edge, which protrudes on one side, or a rim */
-    DEM__RIM = 2,      /* edge of one triangle, or of more than two: can be touched from all around */
-    DEM__CORNER = 4,   /* the corner is sharp, and this is its entry */
-    DEM__FROM_END = 8, /* the edge begins at a sharp corner */
-    DEM__TO_END = 16   /* the edge ends at one */
-};
-
-/* Sharp edges and corners of a mesh. Entry 3 k + c is the edge of triangle k from its corner c, and that corner. Edges
-   and corners that triangles share have one entry. */
-typedef struct dem__mesh_edges {
-    size_t bytes;
-    dem_vec *outward; /* of an edge: direction away from both of its faces; 0 for a rim */
-    dem_vec *tip;     /* of a corner: direction away from all of its edges; 0 at a rim */
-    uint8_t *kind;    /* DEM__EDGE, .. */
-} dem__mesh_edges;
-
-/* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in
-   depth-first order; `skip` is the next node that is not below this one. */
-typedef struct dem__tree {
-    size_t bytes;
-    dem__mesh_edges *edges; /* sharp edges and corners; NULL until there are polyhedra */
-    int32_t vertices, triangles, nodes;
-    dem_vec *vertex, *normal;
-    int32_t *corner; /* [triangles][3] */
-    dem__node *node;
-} dem__tree;
-
 /* ------------------------------------------------------------------------------------------------ >>base/vectors.h */
 /* Vectors: pure functions. */
 
@@ -1742,372 +1716,245 @@ static DEM__NOINLINE dem_vec dem__rotated(dem_vec v, dem_vec axis, double angle)
 
 DEM_INLINE double dem__clamp(double v, double low, double high) { return v < low ? low : (v > high ? high : v); }
 
-/* -------------------------------------------------------------------------------------------------- >>walls/kind.h */
-/* What a kind of wall is: one row of flags and functions, in the file of that kind. The engine asks the row of a wall
-   (wall->kind__), which the function that adds the wall sets, so that a program compiles only the kinds that it adds.
-   walls/kinds.h lists all rows. Functions get the place of a centre from the wall's origin, in the world's axes. */
+/* ---------------------------------------------------------------------------------------------------- >>gas/laws.h */
+/* Laws of drag: pure functions of scalars. */
 
-/* A place where a sphere is near a wall. */
-typedef struct dem__touch {
-    double gap, curvature;
-    dem_vec normal; /* from the wall to the sphere */
-    int32_t element;
-    int32_t face; /* mesh: the triangle that has the nearest point inside its edges; -1: none */
-} dem__touch;
+/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], of a particle among others. For Re
+   = density porosity |slip| d/viscosity, d the diameter of the sphere of equal volume, slip the velocity of the gas
+   between the particles minus the particle's. The force is (pi/8) viscosity d (c_D Re) slip, apart from the pressure
+   gradient: finite, and right, at rest. porosity: 0 < .. <= 1. NaN outside: Re < 0, another porosity. */
+typedef double (*dem_drag_fn)(double reynolds, double porosity, const dem_gas *gas);
 
-enum {
-    DEM__TOUCHES = 4, /* places of a wall that a sphere touches, at most */
-    DEM__NUMBERS = 16 /* contacts of a particle with a mesh, at most, including those that end in this step */
-};
-
-/* An edge of a wall that edges of polyhedra can cross: a line, or a capsule about one. */
-typedef struct dem__wall_edge {
-    dem_vec from, to; /* [m] */
-    double radius;    /* 0: sharp */
-    int32_t key;
-    int ends;     /* bit 0, bit 1: it ends at a corner of the wall there */
-    int is_sided; /* 1: it protrudes along `outward` only; 0: it can be touched from all around */
-    int is_axis;  /* 1: the axis of a bar, into which no core may pass */
-    double sign;  /* 1, -1: it is touched where the normal is on this side of `side`; 0: everywhere */
-    dem_vec outward, side;
-} dem__wall_edge;
-
-/* Gets the edges and corners of a wall. A corner is a ball about x; tip: its outward direction, 0: it can be touched
-   from all sides. */
-typedef struct dem__edge_visitor dem__edge_visitor;
-struct dem__edge_visitor {
-    void (*corner)(dem__edge_visitor *v, dem_vec x, double radius, dem_vec tip, int32_t key);
-    void (*edge)(dem__edge_visitor *v, const dem__wall_edge *e);
-};
-
-/* Keys tell the points of a polyhedron at a wall apart: first those of its corners, DEM_CORNERS_MAX for each place of
-   the wall that has keys of its own; then one for each corner of the wall, and DEM__EDGE_KEYS for each of its edges. */
-enum {
-    DEM__CROSSINGS_MAX = 4,                                       /* of an edge with a curved sheet, at most */
-    DEM__EDGE_KEYS = 5 * DEM_EDGES_MAX,                           /* of an edge of a wall */
-    DEM__SEARCH_KEYS = 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX,    /* of a curved sheet */
-    DEM__ELEMENT_KEYS = DEM_CORNERS_MAX + 2 + 3 * DEM__EDGE_KEYS, /* of a bar: all of its keys */
-    DEM__ELEMENTS_FROM = 1 << 18, /* added to the number of an element, which may be negative */
-    DEM__PLACE_DIRECTIONS = 54    /* directions of normals at a mesh, as places of corners */
-};
-
-/* Flags of a kind. */
-enum {
-    DEM__NO_SURFACE = 1, /* nothing touches it: particles beyond it leave */
-    DEM__HALF_SPACE = 2, /* a half space: dem__touch_flat finds where it is touched */
-    DEM__CONVEX = 4,     /* seen from where particles are, so that a gap shrinks no faster than along its normal, but
-                            for `closing` */
-    DEM__KEEPS_CURVATURE = 8, /* a contact keeps the curvature with which it began */
-    DEM__TRIANGULATED = 16,   /* made of the triangles in wall->tree: a contact keeps the place that it follows */
-    DEM__CURVED_SHEET = 32    /* where it touches the edges of a polyhedron must be searched along them */
-};
-
-/* How corners of a convex body tell its gap to a wall: some other part may be nearer, none is, or they say nothing. */
-enum { DEM__CORNERS_SOME, DEM__CORNERS_ALL, DEM__CORNERS_NONE };
-
-/* A kind of wall. NULL where nothing is said. */
-typedef struct dem__wall_kind {
-    int kind, flags;                    /* dem_wall_kind; DEM__HALF_SPACE and others */
-    int (*is_sound)(const dem_wall *w); /* returns whether its lengths, from a file, are those of such a wall */
-    /* Finds the places where a sphere's gap is below `limit`, at most DEM__TOUCHES: gap, normal, and what is not 0 of
-       curvature and element. Returns their number; least: a lower limit of the gap. */
-    int (*touch)(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out, double *least);
-    /* With several elements that are touched by themselves: computes the touch at one of them, whose number is set, at
-       any gap; and returns a lower limit of the gap to those that `touch` does not return. NULL: one element. */
-    void (*touch_element)(const dem_wall *w, dem_vec d, double radius, int32_t element, dem__touch *out);
-    double (*other_elements)(const dem_wall *w, double radius, double lowest);
-    /* Round walls: computes the vector from the axis or centre to the sphere's centre, and how far from there the
-       surface is. Returns 1 if the sphere is outside, -1 if inside, 0 if the place is not round or has no normal. */
-    double (*reach_round)(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner);
-    /* Returns the rate of change of the normal n [1/s] for a sphere that moves at u in the wall's own frame. inverse: 1
-       / distance from the axis of a round wall, with the sign of the side. NULL: 0. */
-    dem_vec (*normal_rate)(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n, double inverse,
-                           dem_vec u);
-    int (*is_endless)(const dem_wall *w, int axis); /* returns whether it is the same all along an axis of the world */
-    /* Returns a limit of the acceleration with which the gap of a place shrinks for a sphere in free fall, at u [m/s]
-       from the wall. NULL: that of gravity and of the wall. */
-    double (*closing)(const dem_wall *w, const dem__touch *touch, double radius, dem_vec gravity, dem_vec u);
-    /* For polyhedra. */
-    int (*corners)(const dem_wall *w); /* returns DEM__CORNERS_.. */
-    /* Shows a visitor the edges and corners that may be within `reach` of a centre, from which their places are. */
-    void (*edges)(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v);
-    int (*crosses)(const dem_wall *w, dem_vec p, dem_vec q); /* sheet: returns whether the line from p to q cuts it */
-} dem__wall_kind;
-
-/* Returns whether the kind of a wall has one of some flags. */
-DEM_INLINE int dem__has(const dem_wall *w, int flags) { return (w->kind__->flags & flags) != 0; }
-DEM_INLINE int dem__has_surface(const dem_wall *w) { return !dem__has(w, DEM__NO_SURFACE); }
-/* Returns whether a wall has several elements, which are touched by themselves. */
-DEM_INLINE int dem__has_elements(const dem_wall *w) { return w->kind__->touch_element != NULL; }
-
-/* Returns whether a wall acts on particles of a group. */
-DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) {
-    return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u);
-}
-/* Returns whether a wall is enabled and acts on particle i. */
-DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
-    return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
+/* Returns x^power of x > 0. */
+DEM_INLINE double dem__drag_power(double x, double power) { return riddle_exp(power * riddle_log(x)); }
+DEM_INLINE int dem__is_drag(double reynolds, double porosity) {
+    return reynolds >= 0.0 && porosity > 0.0 && porosity <= 1.0;
 }
 
-/* Converts a vector to a wall's own frame, and back. */
-DEM_INLINE dem_vec dem__to_frame(const dem_wall *w, dem_vec d) {
-    return dem_vec3(dem__dot(d, w->axis[0]), dem__dot(d, w->axis[1]), dem__dot(d, w->axis[2]));
+/* Returns the exponent chi of the porosity (Di Felice 1994). reynolds: at the superficial slip [-] >= 0. */
+DEM_INLINE double dem_di_felice(double reynolds) {
+    if (!(reynolds >= 0.0)) return (double)NAN;
+    const double off = 1.5 - riddle_log(reynolds) / 2.302585092994045684; /* infinite at rest, where chi is 3.7 */
+    return reynolds > 0.0 ? 3.7 - 0.65 * riddle_exp(-0.5 * off * off) : 3.7;
 }
-DEM_INLINE dem_vec dem__from_frame(const dem_wall *w, dem_vec v) {
-    return dem__add(dem__add(dem__scale(v.x, w->axis[0]), dem__scale(v.y, w->axis[1])), dem__scale(v.z, w->axis[2]));
-}
-
-DEM_INLINE void dem__touch_flat(const dem_wall *w, dem_vec d, double radius, dem__touch *out) {
-    out->element = 0;
-    out->gap = dem__dot(d, w->axis[2]) - radius;
-    out->normal = w->axis[2], out->curvature = 0.0;
-}
-
-/* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and
-   those that overlap). Returns their number; least: a lower limit of the gap. */
-DEM_INLINE int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out,
-                               double *least) {
-    out[0].element = 0;
-    out[0].curvature = 0.0;
-    return w->kind__->touch(w, dem__sub(centre, w->position), radius, limit, out, least);
+/* Returns by what other particles raise c_D Re of a single one (Di Felice 1994): porosity^(1 - chi), where both have the
+   superficial slip, and the force counts on the slip between the particles; 1 alone. A law for single particles is
+   multiplied by it. */
+DEM_INLINE double dem_hindrance_di_felice(double reynolds, double porosity) {
+    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
+    return porosity < 1.0 ? dem__drag_power(porosity, 1.0 - dem_di_felice(reynolds)) : 1.0;
 }
 
-/* Finds the one place where an element of a wall is touched, at any gap. */
-static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double radius, int32_t element,
-                                      dem__touch *out) {
-    double least;
-    if (dem__has_elements(w)) {
-        w->kind__->touch_element(w, dem__sub(centre, w->position), radius, element, out);
-        return;
+/* Returns c_D Re of single spheres by Schiller & Naumann 1933; beyond Re = 1000 by Newton's 0.44. */
+DEM_INLINE double dem__drag_of_sphere(double reynolds) {
+    if (reynolds > 1000.0) return 0.44 * reynolds;
+    return reynolds > 0.0 ? 24.0 + 3.6 * dem__drag_power(reynolds, 0.687) : 24.0;
+}
+
+/* Returns c_D Re by Stokes 1851, among others by Di Felice. */
+DEM_INLINE double dem_drag_stokes(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    return 24.0 * dem_hindrance_di_felice(reynolds, porosity);
+}
+
+/* Returns c_D Re by Schiller & Naumann 1933, for spheres, beyond Re = 1000 by Newton's 0.44; among others by Di Felice.
+ */
+DEM_INLINE double dem_drag_schiller_naumann(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    const double hindrance = dem_hindrance_di_felice(reynolds, porosity); /* NaN outside the domain */
+    return dem__drag_of_sphere(reynolds) * hindrance;
+}
+
+/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets; among others by Di
+   Felice. */
+DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, double porosity, const dem_gas *gas) {
+    const double alone = gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
+    return alone * dem_hindrance_di_felice(reynolds, porosity);
+}
+
+/* Returns c_D Re by Gidaspow 1994, for spheres: below a porosity of 0.8 by Ergun 1952, from there on by Wen & Yu 1966.
+   It jumps there. */
+DEM_INLINE double dem_drag_gidaspow(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
+    if (porosity < 0.8) return (200.0 * (1.0 - porosity) + 7.0 / 3.0 * reynolds) / porosity;
+    const double alone = dem__drag_of_sphere(reynolds);
+    return porosity < 1.0 ? alone * dem__drag_power(porosity, -2.65) : alone;
+}
+
+/* Returns c_D Re by Beetstra, van der Hoef & Kuipers 2007, eq. 16, for spheres: from lattice-Boltzmann simulations with
+   porosities of 0.4 and more, Re up to 1000. */
+DEM_INLINE double dem_drag_beetstra(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
+    const double solid = 1.0 - porosity, square = porosity * porosity;
+    double force = 10.0 * solid / square + square * (1.0 + 1.5 * sqrt(solid)); /* over 3 pi viscosity d (superficial) */
+    if (reynolds > 0.0) {
+        const double ten = 2.302585092994045684, log_re = riddle_log(reynolds);
+        const double sum = 1.0 / porosity + 3.0 * porosity * solid + 8.4 * riddle_exp(-0.343 * log_re);
+        const double fade = 1.0 + riddle_exp(3.0 * ten * solid - 0.5 * (1.0 + 4.0 * solid) * log_re);
+        force += 0.413 / 24.0 * reynolds / square * sum / fade;
     }
-    dem__touch touch[DEM__TOUCHES]; /* a mesh can be touched in several places */
-    touch[0].gap = HUGE_VAL, touch[0].normal = w->axis[2];
-    dem__touch_wall(w, centre, radius, HUGE_VAL, touch, &least);
-    *out = touch[0];
+    return 24.0 * porosity * force;
 }
 
-/* As dem__wall_kind.reach_round; 0 if the wall is not round. */
-DEM_INLINE double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t element, dem_vec *from, double *inner) {
-    return w->kind__->reach_round ? w->kind__->reach_round(w, dem__sub(centre, w->position), element, from, inner)
-                                  : 0.0;
-}
-/* As dem__wall_kind.normal_rate. */
-DEM_INLINE dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n,
-                                    double inverse, dem_vec u) {
-    return w->kind__->normal_rate
-               ? w->kind__->normal_rate(w, dem__sub(centre, w->position), radius, element, n, inverse, u)
-               : dem_vec3(0.0, 0.0, 0.0);
-}
-
-/* Returns the velocity of a wall's surface at a point whose normal is n. */
-DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
-    const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
-    return dem__add(dem__add(w->velocity, turning), dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n)));
-}
-/* Returns the acceleration of a wall's surface at a point. */
-DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
-    const dem_vec omega = dem__scale(w->spin, w->spin_axis), arm = dem__sub(point, w->position);
-    const dem_vec inward = dem__cross(omega, dem__cross(omega, arm));
-    return dem__add(w->acceleration, dem__add(inward, dem__scale(w->spin_rate, dem__cross(w->spin_axis, arm))));
+/* Returns c_D Re by Hill, Koch & Ladd 2001 (Koch & Hill 2001), for spheres: F0 + F3 Re/2, from lattice-Boltzmann
+   simulations with porosities of 0.36 and more, Re up to 240. Their F contains the pressure gradient's part, 1 -
+   porosity of it. In dilute gas it is only right at small Re. */
+DEM_INLINE double dem_drag_koch_hill(double reynolds, double porosity, const dem_gas *gas) {
+    (void)gas;
+    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
+    const double solid = 1.0 - porosity, square = porosity * porosity;
+    const double logarithm = solid > 0.0 ? 135.0 / 64.0 * solid * riddle_log(solid) : 0.0;
+    const double slow = solid < 0.4 ? (1.0 + 3.0 * sqrt(0.5 * solid) + logarithm + 16.14 * solid) /
+                                          (1.0 + solid * (0.681 + solid * (-8.48 + solid * 8.16)))
+                                    : 10.0 * solid / (square * porosity);
+    const double fast = 0.0673 + 0.212 * solid + 0.0232 / (square * square * porosity);
+    return 24.0 * square * (slow + 0.5 * fast * reynolds);
 }
 
-/* -------------------------------------------------------------------------------------------- >>walls/mesh_touch.h */
-/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by
-   a search. */
-
-/* The face on which a contact with a mesh rests. It is the only place touched as long as the centre is within `slack`
-   of `at`, and a contact opens by less than that in a step. */
-typedef struct dem__footing {
-    dem_vec at;   /* in the wall's own frame */
-    double slack; /* [m]; 0: search */
-    int32_t face;
-} dem__footing;
-#define DEM__SMOOTH 0.9 /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides is round */
-
-/* Returns the vector from the plane of a triangle to p; distance: its length. All triangles of one plane give the same
-   vector. */
-DEM_INLINE dem_vec dem__above_face(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
-    const double up = dem__dot(dem__sub(p, t->vertex[t->corner[3 * k]]), t->normal[k]);
-    *distance = fabs(up);
-    return dem__scale(up, t->normal[k]);
-}
-
-/* Returns the vector from the nearest point of a triangle to p (Ericson 2005, Real-Time Collision Detection, 5.1.5).
-   distance: its length; inside: whether the point is not on an edge or a corner. */
-static inline dem_vec dem__from_triangle(const dem__tree *t, int32_t k, dem_vec p, double *distance, int *inside) {
-    const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]],
-                  c = t->vertex[t->corner[3 * k + 2]];
-    const dem_vec ab = dem__sub(b, a), ac = dem__sub(c, a), ap = dem__sub(p, a), bp = dem__sub(p, b),
-                  cp = dem__sub(p, c);
-    const double a1 = dem__dot(ab, ap), a2 = dem__dot(ac, ap), b1 = dem__dot(ab, bp), b2 = dem__dot(ac, bp),
-                 c1 = dem__dot(ab, cp), c2 = dem__dot(ac, cp);
-    const double to_ab = a1 * b2 - b1 * a2, to_ac = c1 * a2 - a1 * c2, to_bc = b1 * c2 - c1 * b2;
-    dem_vec v;
-    *inside = 0;
-    if (a1 <= 0.0 && a2 <= 0.0) v = ap;
-    else if (b1 >= 0.0 && b2 <= b1) v = bp;
-    else if (c2 >= 0.0 && c1 <= c2) v = cp;
-    else if (to_ab <= 0.0 && a1 >= 0.0 && b1 <= 0.0) v = dem__sub(ap, dem__scale(a1 / (a1 - b1), ab));
-    else if (to_ac <= 0.0 && a2 >= 0.0 && c2 <= 0.0) v = dem__sub(ap, dem__scale(a2 / (a2 - c2), ac));
-    else if (to_bc <= 0.0 && b2 >= b1 && c1 >= c2)
-        v = dem__sub(bp, dem__scale((b2 - b1) / ((b2 - b1) + (c1 - c2)), dem__sub(c, b)));
-    else {
-        *inside = 1;
-        return dem__above_face(t, k, p, distance);
+/* The frame of a gas at a time: its centre and its rotation. */
+typedef struct dem__gas_frame {
+    dem_vec centre;
+    double s, c; /* sine and cosine of the angle of rotation */
+} dem__gas_frame;
+DEM_INLINE dem__gas_frame dem__gas_frame_at(const dem_gas *gas, double time) {
+    const double t = time - gas->start;
+    dem__gas_frame f;
+    f.centre = dem__plus(gas->centre, t, gas->drift);
+    f.s = 0.0, f.c = 1.0;
+    if (gas->spin != 0.0) {
+        const double turns = gas->spin * t / (2.0 * RIDDLE_PI), angle = 2.0 * RIDDLE_PI * (turns - floor(turns));
+        f.s = riddle_sin(angle), f.c = riddle_cos(angle);
     }
-    *distance = dem__length(v);
-    return v;
-}
-
-/* Returns whether p is `reach` or more away from a node's box. */
-DEM_INLINE int dem__is_far(const dem__node *b, dem_vec p, double reach) {
-    const double x = p.x - dem__clamp(p.x, b->low[0], b->high[0]), y = p.y - dem__clamp(p.y, b->low[1], b->high[1]),
-                 z = p.z - dem__clamp(p.z, b->low[2], b->high[2]);
-    return !(x * x + y * y + z * z < reach * reach);
-}
-
-/* Returns whether a place is in the shadow of a nearer one, because a surface is touched only once: their normals agree
-   to 26 degrees, or the place does not rise over the nearer one's tangent plane, as edges and corners of a touched face
-   do not. */
-DEM_INLINE int dem__is_shadowed(const dem__touch *far_one, const dem__touch *near_one, double radius) {
-    const double flat = (1.0 - 1e-9) * (radius + near_one->gap) / (radius + far_one->gap);
-    return dem__dot(far_one->normal, near_one->normal) > (flat < DEM__SMOOTH ? flat : DEM__SMOOTH);
-}
-
-/* Returns whether p is certainly `far_off` or more away from the plane of a triangle. */
-DEM_INLINE int dem__is_off_plane(const dem__tree *t, int32_t k, dem_vec p, double far_off) {
-    const dem_vec d = dem__sub(p, t->vertex[t->corner[3 * k]]);
-    return fabs(dem__dot(d, t->normal[k])) - 1e-12 * (fabs(d.x) + fabs(d.y) + fabs(d.z)) > far_off;
-}
-
-static inline void dem__meet_triangle(const dem__tree *t, int32_t k, dem_vec p, double radius, dem__touch *touch) {
-    double distance;
-    int inside;
-    const dem_vec v = dem__from_triangle(t, k, p, &distance, &inside);
-    touch->gap = distance - radius;
-    touch->normal = distance > 0.0 ? dem__scale(1.0 / distance, v) : t->normal[k];
-    touch->curvature = 0.0;
-    touch->face = inside ? k : -1;
-}
-
-/* Finds the nearest place of a mesh, if its gap is below `limit`, and those with a gap below `deep` that no nearer one
-   shadows: at most DEM__TOUCHES, nearest first. Returns how many; least: the smallest gap, or limit. */
-static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, double deep, double limit,
-                                  dem__touch *out, double *least) {
-    const dem__tree *t = w->tree;
-    const dem_vec p = dem__to_frame(w, d);
-    dem__touch here;
-    int n = 0;
-    *least = limit;
-    for (int32_t b = 0; b < t->nodes;) {
-        const dem__node *node = &t->node[b];
-        if (dem__is_far(node, p, radius + *least)) {
-            b = node->skip;
-            continue;
-        }
-        b++;
-        for (int32_t k = node->first; k < node->first + node->count; k++) {
-            if (dem__is_off_plane(t, k, p, radius + *least)) continue;
-            dem__meet_triangle(t, k, p, radius, &here);
-            if (here.gap < *least) *least = here.gap, out[0] = here, n = 1;
-        }
-    }
-    for (int32_t b = *least < deep ? 0 : t->nodes; b < t->nodes;) {
-        const dem__node *node = &t->node[b];
-        if (dem__is_far(node, p, radius + deep)) {
-            b = node->skip;
-            continue;
-        }
-        b++;
-        for (int32_t k = node->first; k < node->first + node->count; k++) {
-            int at = 0, kept;
-            if (dem__is_off_plane(t, k, p, radius + deep)) continue;
-            dem__meet_triangle(t, k, p, radius, &here);
-            if (!(here.gap < deep)) continue;
-            while (at < n && out[at].gap <= here.gap && !dem__is_shadowed(&here, &out[at], radius)) at++;
-            if (at == DEM__TOUCHES || (at < n && out[at].gap <= here.gap)) continue;
-            kept = at;
-            for (int q = at; q < n; q++) { /* remove those in its shadow */
-                if (!dem__is_shadowed(&out[q], &here, radius)) out[kept++] = out[q];
-            }
-            n = kept < DEM__TOUCHES ? kept + 1 : DEM__TOUCHES;
-            for (int q = n - 1; q > at; q--) out[q] = out[q - 1];
-            out[at] = here;
-        }
-    }
-    for (int q = 0; q < n; q++) {
-        out[q].normal = dem__from_frame(w, out[q].normal);
-        out[q].element = q;
-    }
-    return n;
-}
-
-/* Returns how far q, a point of the plane of triangle k, is inside its edges [m]; < 0 outside. */
-static inline double dem__inside_edges(const dem__tree *t, int32_t k, dem_vec q) {
-    double least = HUGE_VAL;
-    for (int e = 0; e < 3; e++) {
-        const dem_vec u = t->vertex[t->corner[3 * k + e]], v = t->vertex[t->corner[3 * k + (e + 1) % 3]],
-                      along = dem__sub(v, u);
-        const double in = dem__dot(dem__sub(q, u), dem__cross(t->normal[k], along)) / dem__length(along);
-        least = in < least ? in : least;
-    }
-    return least;
-}
-
-/* Computes the footing of a sphere whose only touch is on a face. A triangle that rises above the plane of the face can
-   be touched, or become the nearest, after half its gap. One that does not rise is in the face's shadow; it becomes the
-   nearest only where the centre leaves the face for it. */
-static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, double radius, const dem__touch *touch) {
-    const dem__tree *t = w->tree;
-    const int32_t face = touch->face;
-    dem__footing f;
-    double height;
-    f.at = dem__to_frame(w, d), f.slack = 0.0, f.face = face;
-    if (face < 0 || !(touch->gap <= 0.0)) return f;
-    const dem_vec up = dem__above_face(t, face, f.at, &height), a = t->vertex[t->corner[3 * face]];
-    const double inside = dem__inside_edges(t, face, dem__sub(f.at, up));
-    const double above = height - 0.1 * radius; /* near the plane of the face, others are no longer in its shadow */
-    double slack = 0.25 * radius < inside ? 0.25 * radius : inside;
-    slack = above < slack ? above : slack;
-    if (!(slack > 0.0)) return f;
-    const dem_vec out = dem__scale(1.0 / height, up);
-    for (int32_t b = 0; b < t->nodes;) {
-        const dem__node *node = &t->node[b];
-        if (dem__is_far(node, f.at, radius + 2.0 * slack)) {
-            b = node->skip;
-            continue;
-        }
-        b++;
-        for (int32_t k = node->first; k < node->first + node->count; k++) {
-            double distance, rise = 0.0;
-            int inner;
-            if (k == face) continue;
-            dem__from_triangle(t, k, f.at, &distance, &inner);
-            for (int c = 0; c < 3; c++) {
-                const double corner = dem__dot(dem__sub(t->vertex[t->corner[3 * k + c]], a), out);
-                rise = corner > rise ? corner : rise;
-            }
-            const double aside = distance * distance - height * height, /* the shadow's tolerance is 1e-9 */
-                reach = rise > 5e-10 * height ? 0.5 * (distance - radius) : sqrt(aside > 0.0 ? aside : 0.0);
-            slack = reach < slack ? reach : slack;
-        }
-    }
-    f.slack = slack > 0.0 ? 0.999 * slack : 0.0;
     return f;
 }
+/* Returns v turned by the frame's angle, or with sign -1 turned back. */
+DEM_INLINE dem_vec dem__turned(const dem_gas *gas, const dem__gas_frame *f, dem_vec v, double sign) {
+    const double along = (1.0 - f->c) * dem__dot(gas->axis, v);
+    return dem__plus(dem__plus(dem__scale(f->c, v), sign * f->s, dem__cross(gas->axis, v)), along, gas->axis);
+}
 
-/* Computes the touch of a sphere that has not left its footing. Returns 0 if a search is needed. opens: the most that a
-   contact opens in a step [m]. */
-DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_vec d, double radius, double opens,
-                                  dem__touch *out) {
-    const dem_vec p = dem__to_frame(w, d), moved = dem__sub(p, f->at);
-    double distance;
-    if (!(f->slack > opens && dem__dot(moved, moved) < f->slack * f->slack)) return 0;
-    const dem_vec v = dem__above_face(w->tree, f->face, p, &distance);
-    out->gap = distance - radius;
-    out->normal = dem__from_frame(w, dem__scale(1.0 / distance, v));
+/* A place of the grid: the node below it, and its distance from that node in cells. */
+typedef struct dem__gas_cell {
+    ptrdiff_t first, next[3];
+    double part[3];
+} dem__gas_cell;
+/* Finds the cell of a place in the frame. Returns 0 beyond the grid. */
+DEM_INLINE int dem__gas_cell_of(const dem_gas *gas, dem_vec at, dem__gas_cell *cell) {
+    ptrdiff_t stride = 1;
+    cell->first = 0;
+    for (int a = 0; a < 3; a++) {
+        const double low = dem_axis(gas->low, a), high = dem_axis(gas->high, a), x = dem_axis(at, a);
+        cell->next[a] = 0, cell->part[a] = 0.0;
+        if (!(x >= low && x <= high)) return 0;
+        if (gas->n[a] < 2) continue;
+        const double u = (x - low) / (high - low) * (gas->n[a] - 1);
+        int k = (int)u;
+        k = k > gas->n[a] - 2 ? gas->n[a] - 2 : k;
+        cell->first += k * stride;
+        cell->next[a] = stride;
+        cell->part[a] = u - k;
+        stride *= gas->n[a];
+    }
     return 1;
 }
+/* Returns component `of` of `size` at a place, interpolated trilinearly. */
+DEM_INLINE double dem__gas_value(const double *values, const dem__gas_cell *cell, int size, int of) {
+    double sum = 0.0;
+    for (int corner = 0; corner < 8; corner++) {
+        ptrdiff_t node = cell->first;
+        double weight = 1.0;
+        for (int a = 0; a < 3; a++) {
+            node += corner >> a & 1 ? cell->next[a] : 0;
+            weight *= corner >> a & 1 ? cell->part[a] : 1.0 - cell->part[a];
+        }
+        sum += weight * values[node * size + of];
+    }
+    return sum;
+}
+DEM_INLINE dem_vec dem__gas_vector(const dem_gas *gas, const dem__gas_frame *f, const double *values,
+                                   const dem__gas_cell *cell) {
+    return dem__turned(gas, f,
+                       dem_vec3(dem__gas_value(values, cell, 3, 0), dem__gas_value(values, cell, 3, 1),
+                                dem__gas_value(values, cell, 3, 2)),
+                       1.0);
+}
+
+/* Returns the velocity of the gas in the world at x, which lies in a cell. */
+DEM_INLINE dem_vec dem__gas_speed(const dem_gas *gas, const dem__gas_frame *f, const dem__gas_cell *cell, dem_vec x) {
+    dem_vec u = gas->drift;
+    if (gas->spin != 0.0) u = dem__plus(u, gas->spin, dem__cross(gas->axis, dem__sub(x, f->centre)));
+    return gas->velocity ? dem__add(u, dem__gas_vector(gas, f, gas->velocity, cell)) : u;
+}
+
+/* Returns the force of a gas on a particle [N]: drag, alone or among others, pressure gradient, buoyancy; 0 beyond the
+   grid. */
+DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, dem_drag_fn drag) {
+    const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
+    const double d = 2.0 * at->radius, volume = RIDDLE_PI / 6.0 * d * d * d;
+    dem_vec place = dem__sub(at->position, f.centre);
+    dem__gas_cell cell;
+    if (gas->spin != 0.0) place = dem__turned(gas, &f, place, -1.0);
+    if (!dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell)) return dem_vec3(0.0, 0.0, 0.0);
+    const dem_vec slip = dem__sub(dem__gas_speed(gas, &f, &cell, at->position), at->velocity);
+    const double porosity = gas->porosity ? dem__gas_value(gas->porosity, &cell, 1, 0) : 1.0;
+    const double reynolds = gas->density * porosity * dem__length(slip) * d / gas->viscosity;
+    dem_vec force = dem__scale(RIDDLE_PI / 8.0 * gas->viscosity * d * drag(reynolds, porosity, gas), slip);
+    if (gas->pressure_gradient)
+        force = dem__plus(force, -volume, dem__gas_vector(gas, &f, gas->pressure_gradient, &cell));
+    return gas->buoyancy ? dem__plus(force, -gas->density * volume, at->gravity) : force;
+}
+
+/* Makes the kernel of a force field of drag in a gas from a law of drag: DEM_GAS(name, dem_drag_schiller_naumann), or
+   one of yours. */
+#define DEM_GAS(name, drag)                                                                                            \
+    DEM_INLINE dem_vec name##_force(const dem_force_point *at) {                                                       \
+        return dem_gas_force(at, (const dem_gas *)at->user, drag);                                                     \
+    }                                                                                                                  \
+    DEM_FORCE_FIELD(name, name##_force)
+
+/* Bodies: the parts that no other one includes. */
+#ifdef DEM__BODIES
+
+/* ---------------------------------------------------------------------------------------------- >>base/triangles.h */
+/* The triangles of a mesh, in a tree of boxes. walls/mesh_tree.h makes it, walls/mesh_touch.h searches it. */
+
+/* A node of the tree. */
+typedef struct dem__node {
+    double low[3], high[3];
+    int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
+} dem__node;
+enum { DEM__LEAF = 4 };
+
+/* Flags of entry `at` of dem__mesh_edges: of an edge, and of the corner at which it begins. */
+enum {
+    DEM__EDGE = 1,     /* a sharp edge, which protrudes on one side, or a rim */
+    DEM__RIM = 2,      /* edge of one triangle, or of more than two: can be touched from all around */
+    DEM__CORNER = 4,   /* the corner is sharp, and this is its entry */
+    DEM__FROM_END = 8, /* the edge begins at a sharp corner */
+    DEM__TO_END = 16   /* the edge ends at one */
+};
+
+/* Sharp edges and corners of a mesh. Entry 3 k + c is the edge of triangle k from its corner c, and that corner. Edges
+   and corners that triangles share have one entry. */
+typedef struct dem__mesh_edges {
+    size_t bytes;
+    dem_vec *outward; /* of an edge: direction away from both of its faces; 0 for a rim */
+    dem_vec *tip;     /* of a corner: direction away from all of its edges; 0 at a rim */
+    uint8_t *kind;    /* DEM__EDGE, .. */
+} dem__mesh_edges;
+
+/* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in
+   depth-first order; `skip` is the next node that is not below this one. */
+typedef struct dem__tree {
+    size_t bytes;
+    dem__mesh_edges *edges; /* sharp edges and corners; NULL until there are polyhedra */
+    int32_t vertices, triangles, nodes;
+    dem_vec *vertex, *normal;
+    int32_t *corner; /* [triangles][3] */
+    dem__node *node;
+} dem__tree;
 
 /* ------------------------------------------------------------------------------------------------ >>base/feature.h */
 /* What a feature adds to spheres and walls, as a table of functions: links, rigid bodies, polyhedra, a force field, the
@@ -3126,1141 +2973,6 @@ DEM_API void dem_free(dem_world *world) {
     memset(world, 0, sizeof *world);
 }
 
-/* --------------------------------------------------------------------------------------------------- >>walls/add.h */
-/* What the functions that add walls share. */
-
-static inline int dem__unit(dem_vec v, dem_vec *unit) {
-    double length = dem__length(v);
-    if (!(length >= 1e-140 && length <= DBL_MAX)) return 0; /* squares of shorter lengths lose digits */
-    *unit = dem__scale(1.0 / length, v);
-    return 1;
-}
-
-/* Completes a frame whose third axis is given. The first axis is near `along`, or any if that is parallel to the third.
-   Returns 0 if the third has no direction. */
-static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
-    dem_vec z, x;
-    if (!dem__unit(normal, &z)) return 0;
-    x = dem__sub(along, dem__scale(dem__dot(along, z), z));
-    if (!(dem__length(x) > 1e-6)) {
-        dem_vec other = fabs(z.x) < 0.9 ? dem_vec3(1, 0, 0) : dem_vec3(0, 1, 0);
-        x = dem__sub(other, dem__scale(dem__dot(other, z), z));
-    }
-    if (!dem__unit(x, &x)) return 0;
-    wall->axis[0] = wall->asked.rest_axis[0] = x;
-    wall->axis[1] = wall->asked.rest_axis[1] = dem__cross(z, x);
-    wall->axis[2] = wall->asked.rest_axis[2] = z;
-    return 1;
-}
-
-/* Makes room for what contacts with meshes and cones keep. Returns 0 when out of memory. */
-static inline int dem__make_touch_memory(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    dem__array list[DEM__ARRAYS_MAX];
-    if (w->engine->walls.touch_keepers++ > 0 || contacts->capacity == 0) return 1;
-    if (dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
-                        contacts->capacity))
-        return 1;
-    w->engine->walls.touch_keepers--;
-    return 0;
-}
-
-/* Returns DEM_OK if a wall of a material can be added. */
-static inline dem_status dem__may_add_wall(const dem_world *w, int material) {
-    if (dem__is_running(w)) return DEM_BUSY;
-    return w && w->def.allocator.fn && material >= 0 && material < w->def.materials ? DEM_OK : DEM_BAD_ARGUMENT;
-}
-
-/* Adds a wall of a kind, at rest at asked.origin. Returns its index, or minus a dem_status. */
-static inline int dem__add_wall(dem_world *w, const dem__wall_kind *kind, int material, const dem_wall *shape) {
-    if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
-    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
-    if ((kind->flags & (DEM__KEEPS_CURVATURE | DEM__TRIANGULATED)) && !dem__make_touch_memory(w))
-        return -(int)DEM_OUT_OF_MEMORY;
-    dem_wall *a = &w->wall[w->walls];
-    *a = *shape;
-    a->kind = kind->kind, a->kind__ = kind;
-    a->material = material;
-    a->enabled = 1;
-    a->groups = 0xffffffffu;
-    a->position = a->asked.origin;
-    a->asked.motion_start = w->time;
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return w->walls++;
-}
-
-/* ------------------------------------------------------------------------------------------------- >>walls/sheet.h */
-/* What thin sheets share: their circular rims. */
-
-enum { DEM__RIM_POINTS = 16 }; /* points of a rim at which faces of polyhedra can touch it */
-
-/* Returns the rate of change of the normal n [1/s] where a surface or a rim goes around the axis axis[2]. radial: the
-   part of the place that is perpendicular to it; distance: from the rim to the sphere's centre; 0: not at a rim [m]. */
-static inline dem_vec dem__turn_about_axis(const dem_wall *w, dem_vec radial, double distance, dem_vec n, dem_vec u) {
-    const double from_axis = dem__length(radial);
-    if (!(from_axis > 0.0)) return dem_vec3(0.0, 0.0, 0.0);
-    const dem_vec outward = dem__scale(1.0 / from_axis, radial);
-    const dem_vec round = dem__cross(w->axis[2], outward);
-    const double about = dem__dot(u, round);
-    const dem_vec rate = dem__scale(dem__dot(n, outward) * about / from_axis, round);
-    if (distance == 0.0) return rate;
-    const dem_vec up = dem__sub(u, dem__add(dem__scale(dem__dot(u, n), n), dem__scale(about, round)));
-    return dem__plus(rate, 1.0 / distance, up);
-}
-
-/* Shows points of a rim as sharp corners. middle: its centre. */
-static inline void dem__show_rim(const dem_wall *w, dem_vec middle, double radius, double reach, int32_t key,
-                                 dem__edge_visitor *v) {
-    if (!(dem__length(middle) < radius + reach)) return;
-    for (int k = 0; k < (radius > 0.0 ? DEM__RIM_POINTS : 1); k++) {
-        const dem_vec out = dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI / (double)DEM__RIM_POINTS * (double)k);
-        v->corner(v, dem__plus(middle, radius, out), 0.0, dem_vec3(0.0, 0.0, 0.0), key + k);
-    }
-}
-
-/* -------------------------------------------------------------------------------------------------- >>walls/cone.h */
-/* Cones: frustums and tubes of finite length, as thin sheets. A sheet is touched from both sides and at its rims. */
-
-/* Computes the touch with a frustum. Its nearest point lies in the plane of axis and centre, on a segment. d: the
-   centre, from the low end. Returns 0 if the gap is not below `limit`; least: the gap. */
-static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
-                                  double *least) {
-    const double up = dem__dot(d, w->axis[2]);
-    const dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
-    const double rho = dem__length(radial), rise = w->high_radius - w->radius,
-                 slant = sqrt(rise * rise + w->length * w->length);
-    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is
-                                                                                       nearest: any point of it */
-    const double along = dem__clamp(((rho - w->radius) * rise + up * w->length) / (slant * slant), 0.0, 1.0);
-    const double x = rho - (w->radius + along * rise), y = up - along * w->length;
-    double distance = sqrt(x * x + y * y), nx = w->length / slant, ny = -rise / slant;
-    const int on_rim = !(along > 0.0 && along < 1.0);
-    if (!on_rim) { /* from the side's own normal, which is accurate near the surface */
-        const double side = (rho - w->radius) * nx + up * ny;
-        distance = fabs(side);
-        if (side < 0.0) nx = -nx, ny = -ny;
-    } else if (distance > 0.0) nx = x / distance, ny = y / distance;
-    *least = out[0].gap = distance - radius;
-    if (!(*least < limit)) return 0;
-    out[0].normal = dem__add(dem__scale(nx, outward), dem__scale(ny, w->axis[2]));
-    /* that half way up: one contact type wherever a contact begins; spheres wider than the ring lie on a rim */
-    out[0].curvature = on_rim ? 0.0 : (nx < 0.0 ? -1.0 : 1.0) * w->length / (slant * (w->radius + w->high_radius));
-    return 1;
-}
-
-/* Returns the rate of change of the normal [1/s]; at a rim it is that of a ring. */
-static inline dem_vec dem__turn_at_cone(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
-                                        double inverse, dem_vec u) {
-    dem__touch touch;
-    double least;
-    (void)element, (void)inverse;
-    if (!dem__touch_cone(w, d, radius, HUGE_VAL, &touch, &least)) return dem_vec3(0.0, 0.0, 0.0);
-    const dem_vec radial = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
-    return dem__turn_about_axis(w, radial, touch.curvature != 0.0 ? 0.0 : radius + touch.gap, n, u);
-}
-
-static inline int dem__is_cone(const dem_wall *w) {
-    return dem__positive(w->length) && dem__not_negative(w->radius) && dem__not_negative(w->high_radius) &&
-           dem__positive(w->radius + w->high_radius);
-}
-
-/* Returns whether the line from p to q passes through the sheet. */
-static inline int dem__crosses_cone(const dem_wall *w, dem_vec p, dem_vec q) {
-    const dem_vec u = dem__sub(q, p);
-    const double slope = (w->high_radius - w->radius) / w->length, z = dem__dot(p, w->axis[2]),
-                 along = dem__dot(u, w->axis[2]);
-    const double r = w->radius + slope * z, dr = slope * along; /* radius of the cone at p, and its change to q */
-    const double a = dem__dot(u, u) - along * along - dr * dr, b = dem__dot(p, u) - z * along - r * dr;
-    const double c = dem__dot(p, p) - z * z - r * r, root = sqrt(b * b > a * c ? b * b - a * c : 0.0);
-    const double t[2] = {b > 0.0 ? c / (-b - root) : (root - b) / a, b > 0.0 ? (-b - root) / a : c / (root - b)};
-    if (b * b < a * c) return 0;
-    for (int k = 0; k < 2; k++) {
-        if (t[k] >= 0.0 && t[k] <= 1.0 && z + t[k] * along >= 0.0 && z + t[k] * along <= w->length &&
-            r + t[k] * dr >= 0.0)
-            return 1;
-    }
-    return 0;
-}
-
-/* Shows points of both rims. */
-static inline void dem__cone_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
-    const dem_vec low = dem__sub(w->position, centre);
-    dem__show_rim(w, low, w->radius, reach, DEM_CORNERS_MAX + DEM__SEARCH_KEYS, v);
-    dem__show_rim(w, dem__plus(low, w->length, w->axis[2]), w->high_radius, reach,
-                  DEM_CORNERS_MAX + DEM__SEARCH_KEYS + DEM__RIM_POINTS, v);
-}
-
-static inline const dem__wall_kind *dem__cone(void) {
-    static const dem__wall_kind row = {
-        DEM_CONE,                                 /* kind */
-        DEM__KEEPS_CURVATURE | DEM__CURVED_SHEET, /* flags */
-        dem__is_cone,                             /* is_sound */
-        dem__touch_cone,                          /* touch */
-        NULL,                                     /* touch_element */
-        NULL,                                     /* other_elements */
-        NULL,                                     /* reach_round */
-        dem__turn_at_cone,                        /* normal_rate */
-        NULL,                                     /* is_endless */
-        NULL,                                     /* closing */
-        NULL,                                     /* corners */
-        dem__cone_edges,                          /* edges */
-        dem__crosses_cone                         /* crosses */
-    };
-    return &row;
-}
-
-DEM_API dem_cone dem_default_cone(void) {
-    dem_cone c;
-    c.low = dem_vec3(0, 0, 0);
-    c.high = dem_vec3(0, 0, 0.1);
-    c.low_radius = 0.02;
-    c.high_radius = 0.1;
-    return c;
-}
-
-DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
-    dem_wall wall;
-    const dem_status status = dem__may_add_wall(world, material);
-    memset(&wall, 0, sizeof wall);
-    if (status != DEM_OK) return -(int)status;
-    if (!cone || !dem__is_place(cone->low) || !dem__is_place(cone->high)) return -(int)DEM_BAD_ARGUMENT;
-    const dem_vec axis = dem__sub(cone->high, cone->low);
-    wall.asked.origin = cone->low;
-    wall.radius = cone->low_radius;
-    wall.high_radius = cone->high_radius;
-    wall.length = dem__length(axis);
-    if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0)) || !dem__is_cone(&wall)) return -(int)DEM_BAD_ARGUMENT;
-    return dem__add_wall(world, dem__cone(), material, &wall);
-}
-
-/* ------------------------------------------------------------------------------------------------- >>walls/round.h */
-/* What cylinders and spheres share. `radial` is the part of the place that is perpendicular to an axis, or all of it. */
-
-/* Finds the touch with a surface of constant radius. part: its mean curvature times the radius [-]. */
-DEM_INLINE int dem__touch_round(const dem_wall *w, dem_vec radial, double part, double radius, double limit,
-                                dem__touch *out, double *least) {
-    const double distance = dem__length(radial), side = w->inside ? -1.0 : 1.0;
-    *least = out[0].gap = side * (distance - w->radius) - radius;
-    if (!(out[0].gap < limit) || !(distance > 0.0)) return 0;
-    out[0].normal = dem__scale(side / distance, radial);
-    out[0].curvature = part * side / w->radius;
-    return 1;
-}
-
-/* Returns which side of a surface of constant radius a sphere is on; 0 where it has no normal. */
-DEM_INLINE double dem__side_of_round(const dem_wall *w, dem_vec radial, dem_vec *from, double *inner) {
-    *from = radial;
-    *inner = w->radius;
-    return !(dem__dot(radial, radial) > 0.0) ? 0.0 : w->inside ? -1.0 : 1.0;
-}
-
-static inline int dem__is_round(const dem_wall *w) { return w->radius > 0.0 && w->radius <= DBL_MAX; }
-
-/* Adds a cylinder or a sphere. */
-static inline int dem__add_round(dem_world *w, const dem__wall_kind *kind, int material, dem_vec point, dem_vec axis,
-                                 double radius, int inside) {
-    dem_wall wall;
-    const dem_status status = dem__may_add_wall(w, material);
-    memset(&wall, 0, sizeof wall);
-    if (status != DEM_OK) return -(int)status;
-    if (!dem__is_place(point) || !dem__finite_vec(axis) || !dem__positive(radius) ||
-        !dem__frame(&wall, axis, dem_vec3(1, 0, 0)))
-        return -(int)DEM_BAD_ARGUMENT;
-    wall.asked.origin = point;
-    wall.radius = radius;
-    wall.inside = inside != 0;
-    return dem__add_wall(w, kind, material, &wall);
-}
-
-/* ---------------------------------------------------------------------------------------------- >>walls/cylinder.h */
-/* Cylinders without ends: with particles inside, or outside. */
-
-/* Returns the part of a vector that is perpendicular to the axis. */
-DEM_INLINE dem_vec dem__across_axis(const dem_wall *w, dem_vec d) {
-    return dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
-}
-
-static inline int dem__touch_cylinder(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
-                                      double *least) {
-    return dem__touch_round(w, dem__across_axis(w, d), 0.5, radius, limit, out, least);
-}
-
-static inline double dem__reach_cylinder(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner) {
-    (void)element;
-    return dem__side_of_round(w, dem__across_axis(w, d), from, inner);
-}
-
-static inline dem_vec dem__turn_at_cylinder(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
-                                            double inverse, dem_vec u) {
-    (void)d, (void)radius, (void)element;
-    return dem__scale(inverse, dem__across_axis(w, dem__sub(u, dem__scale(dem__dot(u, n), n))));
-}
-
-static inline int dem__is_along_cylinder(const dem_wall *w, int axis) {
-    return fabs(dem_axis(w->axis[2], axis)) == 1.0;
-}
-
-/* Along the axis nothing closes the gap. From inside, a straight path at u bends towards the surface: the distance from
-   the axis grows by no more than the outward velocity and u_side^2 / distance give. */
-static inline double dem__closing_at_cylinder(const dem_wall *w, const dem__touch *touch, double radius,
-                                              dem_vec gravity, dem_vec u) {
-    const double along = dem__dot(gravity, w->axis[2]), from_axis = w->radius - radius - touch->gap;
-    const double a = sqrt(fabs(dem__dot(gravity, gravity) - along * along)) + w->side_bound;
-    if (!w->inside) return a;
-    const double up = dem__dot(u, w->axis[2]);
-    return a + (from_axis > 0.0 ? (dem__dot(u, u) - up * up) / from_axis : HUGE_VAL);
-}
-
-static inline int dem__cylinder_corners(const dem_wall *w) { return w->inside ? DEM__CORNERS_ALL : DEM__CORNERS_SOME; }
-
-/* From outside, a cylinder is one long edge: as long as edges of a polyhedron can cross it. */
-static inline void dem__cylinder_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
-    const dem_vec foot = dem__across_axis(w, dem__sub(w->position, centre));
-    const double far_off = 4.0 * (reach + w->radius);
-    dem__wall_edge e;
-    if (w->inside) return;
-    memset(&e, 0, sizeof e);
-    e.from = dem__plus(foot, -far_off, w->axis[2]), e.to = dem__plus(foot, far_off, w->axis[2]);
-    e.radius = w->radius;
-    e.key = DEM_CORNERS_MAX;
-    v->edge(v, &e);
-}
-
-static inline const dem__wall_kind *dem__cylinder(void) {
-    static const dem__wall_kind row = {
-        DEM_CYLINDER,             /* kind */
-        DEM__CONVEX,              /* flags */
-        dem__is_round,            /* is_sound */
-        dem__touch_cylinder,      /* touch */
-        NULL,                     /* touch_element */
-        NULL,                     /* other_elements */
-        dem__reach_cylinder,      /* reach_round */
-        dem__turn_at_cylinder,    /* normal_rate */
-        dem__is_along_cylinder,   /* is_endless */
-        dem__closing_at_cylinder, /* closing */
-        dem__cylinder_corners,    /* corners */
-        dem__cylinder_edges,      /* edges */
-        NULL                      /* crosses */
-    };
-    return &row;
-}
-
-DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside) {
-    return dem__add_round(world, dem__cylinder(), material, point, axis, radius, inside);
-}
-
-/* ------------------------------------------------------------------------------------------------- >>walls/plane.h */
-/* Planes: half spaces, touched where the sphere is nearest. */
-
-static inline int dem__touch_plane(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
-                                   double *least) {
-    dem__touch_flat(w, d, radius, out);
-    *least = out[0].gap;
-    return out[0].gap < limit;
-}
-
-/* Returns whether a plane is the same all along an axis of the world. */
-static inline int dem__is_along_plane(const dem_wall *w, int axis) { return dem_axis(w->axis[2], axis) == 0.0; }
-
-static inline int dem__plane_corners(const dem_wall *w) {
-    (void)w;
-    return DEM__CORNERS_ALL;
-}
-
-static inline const dem__wall_kind *dem__plane(void) {
-    static const dem__wall_kind row = {
-        DEM_PLANE,                     /* kind */
-        DEM__HALF_SPACE | DEM__CONVEX, /* flags */
-        NULL,                          /* is_sound */
-        dem__touch_plane,              /* touch */
-        NULL,                          /* touch_element */
-        NULL,                          /* other_elements */
-        NULL,                          /* reach_round */
-        NULL,                          /* normal_rate */
-        dem__is_along_plane,           /* is_endless */
-        NULL,                          /* closing */
-        dem__plane_corners,            /* corners */
-        NULL,                          /* edges */
-        NULL                           /* crosses */
-    };
-    return &row;
-}
-
-/* Adds a plane or an exit. */
-static inline int dem__add_flat(dem_world *w, const dem__wall_kind *kind, int material, dem_vec point, dem_vec normal) {
-    dem_wall wall;
-    const dem_status status = dem__may_add_wall(w, material);
-    memset(&wall, 0, sizeof wall);
-    if (status != DEM_OK) return -(int)status;
-    if (!dem__is_place(point) || !dem__finite_vec(normal) || !dem__frame(&wall, normal, dem_vec3(1, 0, 0)))
-        return -(int)DEM_BAD_ARGUMENT;
-    wall.asked.origin = point;
-    return dem__add_wall(w, kind, material, &wall);
-}
-
-DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal) {
-    return dem__add_flat(world, dem__plane(), material, point, normal);
-}
-
-/* -------------------------------------------------------------------------------------------------- >>walls/exit.h */
-/* Exits: planes without a surface. A particle leaves when its centre is beyond one. */
-
-static inline int dem__touch_exit(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
-                                  double *least) {
-    (void)radius;
-    return dem__touch_plane(w, d, 0.0, limit, out, least);
-}
-
-static inline const dem__wall_kind *dem__exit(void) {
-    static const dem__wall_kind row = {
-        DEM_EXIT,                      /* kind */
-        DEM__NO_SURFACE | DEM__CONVEX, /* flags */
-        NULL,                          /* is_sound */
-        dem__touch_exit,               /* touch */
-        NULL,                          /* touch_element */
-        NULL,                          /* other_elements */
-        NULL,                          /* reach_round */
-        NULL,                          /* normal_rate */
-        dem__is_along_plane,           /* is_endless */
-        NULL,                          /* closing */
-        NULL,                          /* corners */
-        NULL,                          /* edges */
-        NULL                           /* crosses */
-    };
-    return &row;
-}
-
-DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) {
-    return dem__add_flat(world, dem__exit(), 0, point, normal);
-}
-
-/* --------------------------------------------------------------------------------------------- >>walls/mesh_tree.h */
-/* The tree of a mesh's triangles. */
-
-/* Spreads 21 bits to every third bit of a Morton code. */
-static inline uint64_t dem__interleave(uint64_t v) {
-    v = (v | v << 32) & 0x1f00000000ffffu;
-    v = (v | v << 16) & 0x1f0000ff0000ffu;
-    v = (v | v << 8) & 0x100f00f00f00f00fu;
-    v = (v | v << 4) & 0x10c30c30c30c30c3u;
-    return (v | v << 2) & 0x1249249249249249u;
-}
-
-typedef struct dem__keyed {
-    uint64_t key;
-    int32_t index;
-} dem__keyed;
-/* Sorts by key, then index. temporary: room for n items. */
-static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptrdiff_t n) {
-    for (ptrdiff_t width = 1; width < n; width *= 2) {
-        for (ptrdiff_t low = 0; low < n; low += 2 * width) {
-            const ptrdiff_t mid = low + width < n ? low + width : n, high = mid + width < n ? mid + width : n;
-            for (ptrdiff_t a = low, b = mid, to = low; to < high; to++) {
-                const int left = a < mid && (b >= high || items[a].key < items[b].key ||
-                                             (items[a].key == items[b].key && items[a].index < items[b].index));
-                temporary[to] = left ? items[a++] : items[b++];
-            }
-        }
-        memcpy(items, temporary, (size_t)n * sizeof *items);
-    }
-}
-
-/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those
-   of each half. */
-static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
-    const int32_t at = t->nodes++;
-    dem__node *node = &t->node[at];
-    node->first = first;
-    node->count = end - first <= DEM__LEAF ? end - first : 0;
-    for (int a = 0; a < 3; a++) node->low[a] = HUGE_VAL, node->high[a] = -HUGE_VAL;
-    for (int32_t k = 3 * first; k < 3 * (first + node->count); k++) {
-        for (int a = 0; a < 3; a++) {
-            const double v = dem_axis(t->vertex[t->corner[k]], a);
-            node->low[a] = v < node->low[a] ? v : node->low[a];
-            node->high[a] = v > node->high[a] ? v : node->high[a];
-        }
-    }
-    if (node->count == 0) {
-        const int32_t middle = first + (end - first) / 2;
-        for (int side = 0; side < 2; side++) {
-            const int32_t child = t->nodes;
-            dem__grow_node(t, side ? middle : first, side ? end : middle);
-            for (int a = 0; a < 3; a++) {
-                const double low = t->node[child].low[a], high = t->node[child].high[a];
-                node->low[a] = low < node->low[a] ? low : node->low[a];
-                node->high[a] = high > node->high[a] ? high : node->high[a];
-            }
-        }
-    }
-    node->skip = t->nodes;
-}
-
-/* Returns an empty tree with room for the mesh; NULL when out of memory. */
-static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
-    const size_t v = (size_t)vertices, k = (size_t)triangles;
-    const size_t bytes =
-        sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
-    dem__tree *t = (dem__tree *)a->fn(a->user, NULL, 0, bytes);
-    if (!t) return NULL;
-    memset(t, 0, bytes);
-    t->bytes = bytes;
-    t->vertices = (int32_t)vertices;
-    t->vertex = (dem_vec *)(void *)(t + 1);
-    t->normal = t->vertex + v;
-    t->node = (dem__node *)(void *)(t->normal + k);
-    t->corner = (int32_t *)(void *)(t->node + k);
-    return t;
-}
-
-/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for
-   slivers. */
-static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
-    const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
-    const double x = dem__dot(ab, ab), y = dem__dot(bc, bc), z = dem__dot(ca, ca);
-    if (x >= y && x >= z) return dem__cross(bc, ca);
-    return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
-}
-
-/* Returns whether a triangle has an area that is not round-off of its corners; unit: its normal. */
-static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
-    const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
-    double longest = dem__dot(ab, ab);
-    longest = dem__dot(ac, ac) > longest ? dem__dot(ac, ac) : longest;
-    longest = dem__dot(bc, bc) > longest ? dem__dot(bc, bc) : longest;
-    return dem__length(n) > 1e-9 * longest && dem__unit(n, unit);
-}
-
-/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT
-   if there is none. */
-static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex,
-                                        ptrdiff_t triangles, const int32_t *corner, dem_status *status) {
-    const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
-    dem_vec low = vertex[0], high = vertex[0], normal;
-    ptrdiff_t n = 0;
-    for (ptrdiff_t v = 0; v < vertices; v++) {
-        for (int c = 0; c < 3; c++) {
-            double *l = dem_axis_of(&low, c), *h = dem_axis_of(&high, c), x = dem_axis(vertex[v], c);
-            *l = x < *l ? x : *l;
-            *h = x > *h ? x : *h;
-        }
-    }
-    *status = DEM_OUT_OF_MEMORY;
-    dem__keyed *items = (dem__keyed *)a->fn(a->user, NULL, 0, scratch);
-    if (!items) return NULL;
-    for (int32_t k = 0; k < (int32_t)triangles; k++) {
-        const dem_vec p[3] = {vertex[corner[3 * k]], vertex[corner[3 * k + 1]], vertex[corner[3 * k + 2]]};
-        if (!dem__has_area(p[0], p[1], p[2], &normal)) continue;
-        items[n].index = k;
-        items[n].key = 0;
-        for (int c = 0; c < 3; c++) {
-            const double from = dem_axis(low, c), span = dem_axis(high, c) - from;
-            const double x = (dem_axis(p[0], c) + dem_axis(p[1], c) + dem_axis(p[2], c)) / 3.0 - from;
-            items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0)
-                            << c;
-        }
-        n++;
-    }
-    dem__tree *t = n > 0 ? dem__plant(a, vertices, n) : NULL;
-    if (n == 0) *status = DEM_BAD_ARGUMENT;
-    if (t) {
-        dem__sort_keyed(items, items + n, n);
-        memcpy(t->vertex, vertex, (size_t)vertices * sizeof *vertex);
-        for (ptrdiff_t k = 0; k < n; k++) {
-            const int32_t *from = &corner[3 * items[k].index];
-            memcpy(&t->corner[3 * k], from, 3 * sizeof *from);
-            dem__has_area(vertex[from[0]], vertex[from[1]], vertex[from[2]], &t->normal[k]);
-        }
-        t->triangles = (int32_t)n;
-        dem__grow_node(t, 0, (int32_t)n);
-        *status = DEM_OK;
-    }
-    a->fn(a->user, items, scratch, 0);
-    return t;
-}
-
-/* Returns whether a mesh's numbers are valid; low, high: its bounding box. */
-static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
-    if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
-        m->triangles > INT32_MAX / 4)
-        return 0;
-    *low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), *high = dem__scale(-1.0, *low);
-    for (ptrdiff_t k = 0; k < 3 * m->triangles; k++) {
-        if (m->triangle[k] < 0 || m->triangle[k] >= m->vertices) return 0;
-    }
-    for (ptrdiff_t k = 0; k < 3 * m->vertices; k++) {
-        double *l = dem_axis_of(low, (int)(k % 3)), *h = dem_axis_of(high, (int)(k % 3)), x = m->vertex[k];
-        if (!(fabs(x) < 1e50)) return 0; /* so that squares of areas are finite */
-        *l = x < *l ? x : *l;
-        *h = x > *h ? x : *h;
-    }
-    return 1;
-}
-
-/* -------------------------------------------------------------------------------------------------- >>walls/mesh.h */
-/* Meshes of triangles: thin sheets, or closed bodies. Spheres touch them at several places, which their contacts follow
-   (meshes/follow.h); polyhedra touch their sharp edges and corners. */
-
-static inline int dem__touch_triangles(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
-                                       double *least) {
-    return dem__touch_mesh(w, d, radius, limit < 0.0 ? limit : 0.0, limit, out, least);
-}
-
-/* Keys of an edge and its corner. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the order of
-   the tree. */
-enum { DEM__SHARP_KEYS = 1 + DEM__EDGE_KEYS, DEM__SHARP_EDGES_MAX = (1 << 30) / DEM__SHARP_KEYS };
-DEM_INLINE int32_t dem__sharp_key(int32_t at) {
-    return DEM_CORNERS_MAX * DEM__PLACE_DIRECTIONS + (int32_t)((int64_t)(at % DEM__SHARP_EDGES_MAX) * DEM__SHARP_KEYS);
-}
-
-/* Shows the sharp edges and corners of a triangle. */
-static inline void dem__show_triangle(const dem_wall *w, int32_t k, dem_vec d, dem__edge_visitor *v) {
-    const dem__tree *t = w->tree;
-    for (int32_t at = 3 * k; at < 3 * k + 3; at++) {
-        const int kind = t->edges->kind[at];
-        dem__wall_edge e;
-        if (!(kind & (DEM__EDGE | DEM__CORNER))) continue;
-        memset(&e, 0, sizeof e);
-        e.key = dem__sharp_key(at);
-        e.from = dem__sub(dem__from_frame(w, t->vertex[t->corner[at]]), d);
-        if (kind & DEM__CORNER) v->corner(v, e.from, 0.0, dem__from_frame(w, t->edges->tip[at]), e.key);
-        if (!(kind & DEM__EDGE)) continue;
-        e.to = dem__sub(dem__from_frame(w, t->vertex[t->corner[at % 3 < 2 ? at + 1 : at - 2]]), d);
-        e.ends = (kind & DEM__FROM_END ? 1 : 0) | (kind & DEM__TO_END ? 2 : 0);
-        e.is_sided = !(kind & DEM__RIM), e.outward = dem__from_frame(w, t->edges->outward[at]);
-        e.key++;
-        v->edge(v, &e);
-    }
-}
-static inline void dem__mesh_edges_near(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
-    const dem__tree *t = w->tree;
-    const dem_vec d = dem__sub(centre, w->position), p = dem__to_frame(w, d);
-    for (int32_t b = 0; b < (t->edges ? t->nodes : 0);) {
-        const dem__node *node = &t->node[b];
-        if (dem__is_far(node, p, reach)) {
-            b = node->skip;
-            continue;
-        }
-        b++;
-        for (int32_t k = node->first; k < node->first + node->count; k++) dem__show_triangle(w, k, d, v);
-    }
-}
-
-static inline const dem__wall_kind *dem__triangles(void) {
-    static const dem__wall_kind row = {
-        DEM_MESH,             /* kind */
-        DEM__TRIANGULATED,    /* flags */
-        NULL,                 /* is_sound: triangles are checked as they are read */
-        dem__touch_triangles, /* touch */
-        NULL,                 /* touch_element */
-        NULL,                 /* other_elements */
-        NULL,                 /* reach_round */
-        NULL,                 /* normal_rate: a contact knows its normals */
-        NULL,                 /* is_endless */
-        NULL,                 /* closing */
-        NULL,                 /* corners */
-        dem__mesh_edges_near, /* edges */
-        NULL                  /* crosses */
-    };
-    return &row;
-}
-
-/* ------------------------------------------------------------------------------------------------ >>walls/screen.h */
-/* Woven screens: two families of bars, round or half-round. Each bar is an element. */
-
-/* Computes the vector `from`, in (along, across, up), from the nearest point of the axis of bar `index` of a family, at
-   (index - 1/2) pitch, to a centre. along: the centre's coordinate parallel to the bars; across: in the deck,
-   perpendicular to them. Returns how far the surface is from that point [m]; < 0 if there is no such bar. */
-DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, double along, double across, double up,
-                                 dem_vec *from) {
-    const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire);
-    const double side = family ? w->half_x : w->half_y, length = family ? w->half_y : w->half_x;
-    const double end2 =
-        w->circular ? (w->half_x - bar) * (w->half_x + bar) : length * length; /* square of its half length */
-    const int beyond = !(along * along <= end2);
-    const double da = !beyond ? 0.0 : along < 0.0 ? along + sqrt(end2) : along - sqrt(end2), dc = across - bar;
-    *from = dem_vec3(da, dc, up);
-    if (w->circular ? !(fabs(bar) < w->half_x) : !(fabs(bar) <= side)) return -1.0;
-    if (w->profile == DEM_ROUND || !(up < 0.0)) return half;
-    /* the flat side is as wide as the wire; its ends are round, seen from below */
-    if (!beyond) {
-        from->y = dc - dem__clamp(dc, -half, half);
-        return 0.0;
-    }
-    const double out_by = sqrt(da * da + dc * dc), rest = out_by > half ? (out_by - half) / out_by : 0.0;
-    from->x = rest * da, from->y = rest * dc;
-    return 0.0;
-}
-
-/* Computes the touch with bar `index` of a family; its normal is in (along, across, up). Returns 0 if there is no such
-   bar. */
-DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up,
-                              double radius, dem__touch *out) {
-    dem_vec from;
-    const double inner = dem__reach_bar(w, family, index, along, across, up, &from);
-    if (!(inner >= 0.0)) return 0;
-    const double distance = dem__length(from);
-    out->gap = distance - inner - radius;
-    out->curvature =
-        1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on where it begins */
-    out->normal = dem__scale(1.0 / distance, from);
-    out->element = 2 * (int32_t)index + family;
-    return distance > 0.0;
-}
-
-/* Converts a vector from (along, across, up) of a family to the world's axes. */
-DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
-    const dem_vec a = dem__scale(v.x, w->axis[family]), c = dem__scale(v.y, w->axis[1 - family]),
-                  u = dem__scale(v.z, w->axis[2]);
-    return dem__add(dem__add(a, c), u);
-}
-
-/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck they
-   are the last two. */
-DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across) {
-    const double pitch = w->aperture + w->wire, half = family ? w->half_x : w->half_y,
-                 nearest = floor(across / pitch + 0.5);
-    if (fabs(across) < half - pitch) return nearest;
-    const double last = floor(half / pitch + 0.5);
-    return dem__clamp(nearest, 1.0 - last, last - 1.0);
-}
-
-/* Returns a lower limit of the gap of all other bars [m]. lowest: the smallest gap found, which counts where it is
-   negative. */
-DEM_INLINE double dem__third_bar(const dem_wall *w, double radius, double lowest) {
-    const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, near = lowest < 0.0 ? sum + lowest : sum;
-    return sqrt(near * near + 0.75 * pitch * pitch) - sum;
-}
-
-static inline int dem__touch_screen(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
-                                    double *least) {
-    const double up = dem__dot(d, w->axis[2]);
-    int n = 0;
-    *least = fabs(up) - radius - 0.5 * w->wire;
-    if (!(*least < limit)) return 0;
-    double bound = HUGE_VAL;
-    for (int family = 0; family < 2; family++) {
-        const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]);
-        const double nearest = dem__nearest_bar(w, family, across);
-        if (!(fabs(nearest) < 1e6)) continue;
-        for (int side = 0; side < 2; side++) {
-            if (!dem__touch_bar(w, family, nearest + side, along, across, up, radius, &out[n])) continue;
-            bound = out[n].gap < bound ? out[n].gap : bound;
-            if (!(out[n].gap < limit)) continue;
-            out[n].normal = dem__from_bar(w, family, out[n].normal);
-            n++;
-        }
-    }
-    const double third = dem__third_bar(w, radius, bound);
-    bound = third < bound ? third : bound;
-    *least = bound > *least ? bound : *least;
-    return n;
-}
-
-/* Finds the family and the index of a bar from the number of the element. */
-DEM_INLINE int dem__family_of(int32_t element) { return (int)((uint32_t)element & 1u); }
-DEM_INLINE double dem__index_of(int32_t element) { return (double)((element - dem__family_of(element)) / 2); }
-
-static inline void dem__touch_element_of_screen(const dem_wall *w, dem_vec d, double radius, int32_t element,
-                                                dem__touch *out) {
-    const int family = dem__family_of(element);
-    out->gap = HUGE_VAL, out->curvature = 0.0, out->normal = w->axis[2];
-    if (dem__touch_bar(w, family, dem__index_of(element), dem__dot(d, w->axis[family]),
-                       dem__dot(d, w->axis[1 - family]), dem__dot(d, w->axis[2]), radius, out))
-        out->normal = dem__from_bar(w, family, out->normal);
-}
-
-static inline double dem__reach_screen(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner) {
-    const int family = dem__family_of(element);
-    const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]),
-                 up = dem__dot(d, w->axis[2]);
-    *inner = dem__reach_bar(w, family, dem__index_of(element), along, across, up, from);
-    *from = dem__from_bar(w, family, *from);
-    return *inner >= 0.0 && dem__dot(*from, *from) > 0.0 ? 1.0 : 0.0;
-}
-
-static inline dem_vec dem__turn_at_screen(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
-                                          double inverse, dem_vec u) {
-    const dem_vec along = w->axis[dem__family_of(element)], side = dem__sub(u, dem__scale(dem__dot(u, n), n));
-    (void)d, (void)radius;
-    if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side); /* at a bar's end */
-    if (w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) <= 1e-12 - 1.0)
-        return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
-    return dem__scale(inverse, dem__plus(side, -dem__dot(side, along), along));
-}
-
-/* Finds the ends of a bar's axis, from the screen's origin. Returns 0 if there is no such bar. */
-static inline int dem__bar_ends(const dem_wall *w, int family, double index, dem_vec end[2]) {
-    const double bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
-    dem_vec from;
-    if (dem__reach_bar(w, family, index, 0.0, bar, 0.0, &from) < 0.0) return 0;
-    const double reach = w->circular ? sqrt((w->half_x - bar) * (w->half_x + bar)) : length;
-    for (int k = 0; k < 2; k++) end[k] = dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0));
-    return 1;
-}
-/* Finds the first and the last bar of a family near a polyhedron at d. reach: its own [m]. */
-DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double reach, double *first, double *last) {
-    const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]),
-                 half = family ? w->half_x : w->half_y;
-    const double low = dem__clamp(across - reach - 0.5 * w->wire, -half, half);
-    const double high = dem__clamp(across + reach + 0.5 * w->wire, -half, half);
-    *first = floor(low / pitch + 0.5), *last = floor(high / pitch + 0.5);
-}
-
-/* Shows the edges of a bar and its ends. A half-round bar is a capsule when touched from above, and two sharp edges
-   when touched from below. */
-static inline void dem__show_bar(const dem_wall *w, int family, double index, dem_vec d, dem__edge_visitor *v) {
-    const double half = 0.5 * w->wire;
-    const int32_t key = DEM__ELEMENT_KEYS * (2 * (int32_t)index + family + DEM__ELEMENTS_FROM) + DEM_CORNERS_MAX;
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
-    dem__wall_edge e, below;
-    dem_vec end[2];
-    if (!dem__bar_ends(w, family, index, end)) return;
-    for (int k = 0; k < 2; k++) end[k] = dem__sub(end[k], d);
-    for (int k = 0; k < 2; k++) v->corner(v, end[k], half, none, key + k);
-    memset(&e, 0, sizeof e);
-    e.from = end[0], e.to = end[1], e.radius = half, e.ends = 3, e.is_axis = 1, e.key = key + 2;
-    e.side = w->axis[2], e.sign = w->profile == DEM_ROUND ? 0.0 : 1.0;
-    v->edge(v, &e);
-    for (int side = -1; side < 2 && w->profile != DEM_ROUND; side += 2) {
-        const dem_vec off = dem__scale(side * half, w->axis[1 - family]);
-        memset(&below, 0, sizeof below);
-        below.from = dem__add(end[0], off), below.to = dem__add(end[1], off);
-        below.key = key + 2 + DEM__EDGE_KEYS * (side > 0 ? 2 : 1);
-        below.side = w->axis[2], below.sign = -1.0;
-        v->edge(v, &below);
-    }
-}
-static inline void dem__screen_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
-    const dem_vec d = dem__sub(centre, w->position);
-    double first, last;
-    for (int family = 0; family < 2; family++) {
-        dem__bars_near(w, family, d, reach, &first, &last);
-        for (double index = first; index <= last; index += 1.0) dem__show_bar(w, family, index, d, v);
-    }
-}
-
-/* Returns whether a screen has lengths, and no more bars and apertures than integers count. */
-static inline int dem__is_deck(const dem_wall *w) {
-    const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
-    return (w->profile == DEM_ROUND || w->profile == DEM_SEMICIRCLE) && dem__positive(w->aperture) &&
-           dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 && x * y < 2.5e8;
-}
-
-static inline const dem__wall_kind *dem__woven_screen(void) {
-    static const dem__wall_kind row = {
-        DEM_SCREEN,                   /* kind */
-        DEM__CONVEX,                  /* flags: of each bar */
-        dem__is_deck,                 /* is_sound */
-        dem__touch_screen,            /* touch */
-        dem__touch_element_of_screen, /* touch_element */
-        dem__third_bar,               /* other_elements */
-        dem__reach_screen,            /* reach_round */
-        dem__turn_at_screen,          /* normal_rate */
-        NULL,                         /* is_endless */
-        NULL,                         /* closing */
-        NULL,                         /* corners */
-        dem__screen_edges,            /* edges */
-        NULL                          /* crosses */
-    };
-    return &row;
-}
-
-DEM_API dem_screen dem_default_screen(void) {
-    dem_screen s;
-    memset(&s, 0, sizeof s);
-    s.aperture = 8e-3;
-    s.wire = 2e-3;
-    s.profile = DEM_SEMICIRCLE;
-    s.circular = 1;
-    s.half_x = s.half_y = 0.095;
-    s.normal = dem_vec3(0, 0, 1);
-    s.direction = dem_vec3(1, 0, 0);
-    return s;
-}
-
-DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen) {
-    dem_wall wall;
-    const dem_status status = dem__may_add_wall(world, material);
-    memset(&wall, 0, sizeof wall);
-    if (status != DEM_OK) return -(int)status;
-    if (!screen || !dem__is_place(screen->centre) || !dem__finite_vec(screen->normal) ||
-        !dem__finite_vec(screen->direction) || !dem__frame(&wall, screen->normal, screen->direction))
-        return -(int)DEM_BAD_ARGUMENT;
-    wall.asked.origin = screen->centre;
-    wall.aperture = screen->aperture;
-    wall.wire = screen->wire;
-    wall.profile = (int)screen->profile;
-    wall.circular = screen->circular != 0;
-    wall.half_x = screen->half_x;
-    wall.half_y = screen->circular ? screen->half_x : screen->half_y;
-    if (!dem__is_deck(&wall)) return -(int)DEM_BAD_ARGUMENT;
-    return dem__add_wall(world, dem__woven_screen(), material, &wall);
-}
-
-/* ------------------------------------------------------------------------------------------------ >>walls/sphere.h */
-/* Spheres as walls: hollow, with particles inside, or solid ones with particles outside. */
-
-static inline int dem__touch_sphere(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
-                                    double *least) {
-    return dem__touch_round(w, d, 1.0, radius, limit, out, least);
-}
-
-static inline double dem__reach_sphere(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner) {
-    (void)element;
-    return dem__side_of_round(w, d, from, inner);
-}
-
-static inline dem_vec dem__turn_at_sphere(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
-                                          double inverse, dem_vec u) {
-    (void)w, (void)d, (void)radius, (void)element;
-    return dem__scale(inverse, dem__sub(u, dem__scale(dem__dot(u, n), n)));
-}
-
-/* A solid sphere touches a polyhedron as a corner of a wall does, with all of its surface. */
-static inline int dem__sphere_corners(const dem_wall *w) { return w->inside ? DEM__CORNERS_ALL : DEM__CORNERS_NONE; }
-static inline void dem__sphere_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
-    (void)reach;
-    if (!w->inside) v->corner(v, dem__sub(w->position, centre), w->radius, dem_vec3(0.0, 0.0, 0.0), 0);
-}
-
-static inline const dem__wall_kind *dem__sphere(void) {
-    static const dem__wall_kind row = {
-        DEM_SPHERE,          /* kind */
-        0,                   /* flags */
-        dem__is_round,       /* is_sound */
-        dem__touch_sphere,   /* touch */
-        NULL,                /* touch_element */
-        NULL,                /* other_elements */
-        dem__reach_sphere,   /* reach_round */
-        dem__turn_at_sphere, /* normal_rate */
-        NULL,                /* is_endless */
-        NULL,                /* closing */
-        dem__sphere_corners, /* corners */
-        dem__sphere_edges,   /* edges */
-        NULL                 /* crosses */
-    };
-    return &row;
-}
-
-DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside) {
-    return dem__add_round(world, dem__sphere(), material, centre, dem_vec3(0, 0, 1), radius, inside);
-}
-
-/* ------------------------------------------------------------------------------------------------- >>walls/kinds.h */
-/* All kinds of walls. A new kind is a file like these and a row here; its name is in base/types.h. */
-
-/* Returns the row of a kind; NULL for an unknown kind. */
-static inline const dem__wall_kind *dem__find_kind(int kind) {
-    const dem__wall_kind *const row[] = {
-        dem__plane(), dem__cylinder(), dem__woven_screen(), dem__exit(), dem__sphere(), dem__cone(), dem__triangles(),
-    };
-    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
-        if (row[k]->kind == kind) return row[k];
-    }
-    return NULL;
-}
-
-/* ---------------------------------------------------------------------------------------------------- >>gas/laws.h */
-/* Laws of drag: pure functions of scalars. */
-
-/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], of a particle among others. For Re
-   = density porosity |slip| d/viscosity, d the diameter of the sphere of equal volume, slip the velocity of the gas
-   between the particles minus the particle's. The force is (pi/8) viscosity d (c_D Re) slip, apart from the pressure
-   gradient: finite, and right, at rest. porosity: 0 < .. <= 1. NaN outside: Re < 0, another porosity. */
-typedef double (*dem_drag_fn)(double reynolds, double porosity, const dem_gas *gas);
-
-/* Returns x^power of x > 0. */
-DEM_INLINE double dem__drag_power(double x, double power) { return riddle_exp(power * riddle_log(x)); }
-DEM_INLINE int dem__is_drag(double reynolds, double porosity) {
-    return reynolds >= 0.0 && porosity > 0.0 && porosity <= 1.0;
-}
-
-/* Returns the exponent chi of the porosity (Di Felice 1994). reynolds: at the superficial slip [-] >= 0. */
-DEM_INLINE double dem_di_felice(double reynolds) {
-    if (!(reynolds >= 0.0)) return (double)NAN;
-    const double off = 1.5 - riddle_log(reynolds) / 2.302585092994045684; /* infinite at rest, where chi is 3.7 */
-    return reynolds > 0.0 ? 3.7 - 0.65 * riddle_exp(-0.5 * off * off) : 3.7;
-}
-/* Returns by what other particles raise c_D Re of a single one (Di Felice 1994): porosity^(1 - chi), where both have the
-   superficial slip, and the force counts on the slip between the particles; 1 alone. A law for single particles is
-   multiplied by it. */
-DEM_INLINE double dem_hindrance_di_felice(double reynolds, double porosity) {
-    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
-    return porosity < 1.0 ? dem__drag_power(porosity, 1.0 - dem_di_felice(reynolds)) : 1.0;
-}
-
-/* Returns c_D Re of single spheres by Schiller & Naumann 1933; beyond Re = 1000 by Newton's 0.44. */
-DEM_INLINE double dem__drag_of_sphere(double reynolds) {
-    if (reynolds > 1000.0) return 0.44 * reynolds;
-    return reynolds > 0.0 ? 24.0 + 3.6 * dem__drag_power(reynolds, 0.687) : 24.0;
-}
-
-/* Returns c_D Re by Stokes 1851, among others by Di Felice. */
-DEM_INLINE double dem_drag_stokes(double reynolds, double porosity, const dem_gas *gas) {
-    (void)gas;
-    return 24.0 * dem_hindrance_di_felice(reynolds, porosity);
-}
-
-/* Returns c_D Re by Schiller & Naumann 1933, for spheres, beyond Re = 1000 by Newton's 0.44; among others by Di Felice.
- */
-DEM_INLINE double dem_drag_schiller_naumann(double reynolds, double porosity, const dem_gas *gas) {
-    (void)gas;
-    const double hindrance = dem_hindrance_di_felice(reynolds, porosity); /* NaN outside the domain */
-    return dem__drag_of_sphere(reynolds) * hindrance;
-}
-
-/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets; among others by Di
-   Felice. */
-DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, double porosity, const dem_gas *gas) {
-    const double alone = gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
-    return alone * dem_hindrance_di_felice(reynolds, porosity);
-}
-
-/* Returns c_D Re by Gidaspow 1994, for spheres: below a porosity of 0.8 by Ergun 1952, from there on by Wen & Yu 1966.
-   It jumps there. */
-DEM_INLINE double dem_drag_gidaspow(double reynolds, double porosity, const dem_gas *gas) {
-    (void)gas;
-    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
-    if (porosity < 0.8) return (200.0 * (1.0 - porosity) + 7.0 / 3.0 * reynolds) / porosity;
-    const double alone = dem__drag_of_sphere(reynolds);
-    return porosity < 1.0 ? alone * dem__drag_power(porosity, -2.65) : alone;
-}
-
-/* Returns c_D Re by Beetstra, van der Hoef & Kuipers 2007, eq. 16, for spheres: from lattice-Boltzmann simulations with
-   porosities of 0.4 and more, Re up to 1000. */
-DEM_INLINE double dem_drag_beetstra(double reynolds, double porosity, const dem_gas *gas) {
-    (void)gas;
-    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
-    const double solid = 1.0 - porosity, square = porosity * porosity;
-    double force = 10.0 * solid / square + square * (1.0 + 1.5 * sqrt(solid)); /* over 3 pi viscosity d (superficial) */
-    if (reynolds > 0.0) {
-        const double ten = 2.302585092994045684, log_re = riddle_log(reynolds);
-        const double sum = 1.0 / porosity + 3.0 * porosity * solid + 8.4 * riddle_exp(-0.343 * log_re);
-        const double fade = 1.0 + riddle_exp(3.0 * ten * solid - 0.5 * (1.0 + 4.0 * solid) * log_re);
-        force += 0.413 / 24.0 * reynolds / square * sum / fade;
-    }
-    return 24.0 * porosity * force;
-}
-
-/* Returns c_D Re by Hill, Koch & Ladd 2001 (Koch & Hill 2001), for spheres: F0 + F3 Re/2, from lattice-Boltzmann
-   simulations with porosities of 0.36 and more, Re up to 240. Their F contains the pressure gradient's part, 1 -
-   porosity of it. In dilute gas it is only right at small Re. */
-DEM_INLINE double dem_drag_koch_hill(double reynolds, double porosity, const dem_gas *gas) {
-    (void)gas;
-    if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
-    const double solid = 1.0 - porosity, square = porosity * porosity;
-    const double logarithm = solid > 0.0 ? 135.0 / 64.0 * solid * riddle_log(solid) : 0.0;
-    const double slow = solid < 0.4 ? (1.0 + 3.0 * sqrt(0.5 * solid) + logarithm + 16.14 * solid) /
-                                          (1.0 + solid * (0.681 + solid * (-8.48 + solid * 8.16)))
-                                    : 10.0 * solid / (square * porosity);
-    const double fast = 0.0673 + 0.212 * solid + 0.0232 / (square * square * porosity);
-    return 24.0 * square * (slow + 0.5 * fast * reynolds);
-}
-
-/* The frame of a gas at a time: its centre and its rotation. */
-typedef struct dem__gas_frame {
-    dem_vec centre;
-    double s, c; /* sine and cosine of the angle of rotation */
-} dem__gas_frame;
-DEM_INLINE dem__gas_frame dem__gas_frame_at(const dem_gas *gas, double time) {
-    const double t = time - gas->start;
-    dem__gas_frame f;
-    f.centre = dem__plus(gas->centre, t, gas->drift);
-    f.s = 0.0, f.c = 1.0;
-    if (gas->spin != 0.0) {
-        const double turns = gas->spin * t / (2.0 * RIDDLE_PI), angle = 2.0 * RIDDLE_PI * (turns - floor(turns));
-        f.s = riddle_sin(angle), f.c = riddle_cos(angle);
-    }
-    return f;
-}
-/* Returns v turned by the frame's angle, or with sign -1 turned back. */
-DEM_INLINE dem_vec dem__turned(const dem_gas *gas, const dem__gas_frame *f, dem_vec v, double sign) {
-    const double along = (1.0 - f->c) * dem__dot(gas->axis, v);
-    return dem__plus(dem__plus(dem__scale(f->c, v), sign * f->s, dem__cross(gas->axis, v)), along, gas->axis);
-}
-
-/* A place of the grid: the node below it, and its distance from that node in cells. */
-typedef struct dem__gas_cell {
-    ptrdiff_t first, next[3];
-    double part[3];
-} dem__gas_cell;
-/* Finds the cell of a place in the frame. Returns 0 beyond the grid. */
-DEM_INLINE int dem__gas_cell_of(const dem_gas *gas, dem_vec at, dem__gas_cell *cell) {
-    ptrdiff_t stride = 1;
-    cell->first = 0;
-    for (int a = 0; a < 3; a++) {
-        const double low = dem_axis(gas->low, a), high = dem_axis(gas->high, a), x = dem_axis(at, a);
-        cell->next[a] = 0, cell->part[a] = 0.0;
-        if (!(x >= low && x <= high)) return 0;
-        if (gas->n[a] < 2) continue;
-        const double u = (x - low) / (high - low) * (gas->n[a] - 1);
-        int k = (int)u;
-        k = k > gas->n[a] - 2 ? gas->n[a] - 2 : k;
-        cell->first += k * stride;
-        cell->next[a] = stride;
-        cell->part[a] = u - k;
-        stride *= gas->n[a];
-    }
-    return 1;
-}
-/* Returns component `of` of `size` at a place, interpolated trilinearly. */
-DEM_INLINE double dem__gas_value(const double *values, const dem__gas_cell *cell, int size, int of) {
-    double sum = 0.0;
-    for (int corner = 0; corner < 8; corner++) {
-        ptrdiff_t node = cell->first;
-        double weight = 1.0;
-        for (int a = 0; a < 3; a++) {
-            node += corner >> a & 1 ? cell->next[a] : 0;
-            weight *= corner >> a & 1 ? cell->part[a] : 1.0 - cell->part[a];
-        }
-        sum += weight * values[node * size + of];
-    }
-    return sum;
-}
-DEM_INLINE dem_vec dem__gas_vector(const dem_gas *gas, const dem__gas_frame *f, const double *values,
-                                   const dem__gas_cell *cell) {
-    return dem__turned(gas, f,
-                       dem_vec3(dem__gas_value(values, cell, 3, 0), dem__gas_value(values, cell, 3, 1),
-                                dem__gas_value(values, cell, 3, 2)),
-                       1.0);
-}
-
-/* Returns the velocity of the gas in the world at x, which lies in a cell. */
-DEM_INLINE dem_vec dem__gas_speed(const dem_gas *gas, const dem__gas_frame *f, const dem__gas_cell *cell, dem_vec x) {
-    dem_vec u = gas->drift;
-    if (gas->spin != 0.0) u = dem__plus(u, gas->spin, dem__cross(gas->axis, dem__sub(x, f->centre)));
-    return gas->velocity ? dem__add(u, dem__gas_vector(gas, f, gas->velocity, cell)) : u;
-}
-
-/* Returns the force of a gas on a particle [N]: drag, alone or among others, pressure gradient, buoyancy; 0 beyond the
-   grid. */
-DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, dem_drag_fn drag) {
-    const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
-    const double d = 2.0 * at->radius, volume = RIDDLE_PI / 6.0 * d * d * d;
-    dem_vec place = dem__sub(at->position, f.centre);
-    dem__gas_cell cell;
-    if (gas->spin != 0.0) place = dem__turned(gas, &f, place, -1.0);
-    if (!dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell)) return dem_vec3(0.0, 0.0, 0.0);
-    const dem_vec slip = dem__sub(dem__gas_speed(gas, &f, &cell, at->position), at->velocity);
-    const double porosity = gas->porosity ? dem__gas_value(gas->porosity, &cell, 1, 0) : 1.0;
-    const double reynolds = gas->density * porosity * dem__length(slip) * d / gas->viscosity;
-    dem_vec force = dem__scale(RIDDLE_PI / 8.0 * gas->viscosity * d * drag(reynolds, porosity, gas), slip);
-    if (gas->pressure_gradient)
-        force = dem__plus(force, -volume, dem__gas_vector(gas, &f, gas->pressure_gradient, &cell));
-    return gas->buoyancy ? dem__plus(force, -gas->density * volume, at->gravity) : force;
-}
-
-/* Makes the kernel of a force field of drag in a gas from a law of drag: DEM_GAS(name, dem_drag_schiller_naumann), or
-   one of yours. */
-#define DEM_GAS(name, drag)                                                                                            \
-    DEM_INLINE dem_vec name##_force(const dem_force_point *at) {                                                       \
-        return dem_gas_force(at, (const dem_gas *)at->user, drag);                                                     \
-    }                                                                                                                  \
-    DEM_FORCE_FIELD(name, name##_force)
-
-/* Bodies: the parts that no other one includes. */
-#ifdef DEM__BODIES
-
 /* ----------------------------------------------------------------------------------------------- >>energy/ledger.h */
 /* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its
    sums, but step/step.h sets where they start. */
@@ -4910,6 +3622,1404 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     dem__end_change(w, dem__pieces_of(w, i));
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
+}
+
+/* -------------------------------------------------------------------------------------------------- >>walls/kind.h */
+/* What a kind of wall is: one row of flags and functions, in the file of that kind. The engine asks the row of a wall
+   (wall->kind__), which the function that adds the wall sets, so that a program compiles only the kinds that it adds.
+   walls/kinds.h lists all rows. Functions get the place of a centre from the wall's origin, in the world's axes. */
+
+/* A place where a sphere is near a wall. */
+typedef struct dem__touch {
+    double gap, curvature;
+    dem_vec normal; /* from the wall to the sphere */
+    int32_t element;
+    int32_t face; /* mesh: the triangle that has the nearest point inside its edges; -1: none */
+} dem__touch;
+
+enum {
+    DEM__TOUCHES = 4, /* places of a wall that a sphere touches, at most */
+    DEM__NUMBERS = 16 /* contacts of a particle with a mesh, at most, including those that end in this step */
+};
+
+/* An edge of a wall that edges of polyhedra can cross: a line, or a capsule about one. */
+typedef struct dem__wall_edge {
+    dem_vec from, to; /* [m] */
+    double radius;    /* 0: sharp */
+    int32_t key;
+    int ends;     /* bit 0, bit 1: it ends at a corner of the wall there */
+    int is_sided; /* 1: it protrudes along `outward` only; 0: it can be touched from all around */
+    int is_axis;  /* 1: the axis of a bar, into which no core may pass */
+    double sign;  /* 1, -1: it is touched where the normal is on this side of `side`; 0: everywhere */
+    dem_vec outward, side;
+} dem__wall_edge;
+
+/* Gets the edges and corners of a wall. A corner is a ball about x; tip: its outward direction, 0: it can be touched
+   from all sides. */
+typedef struct dem__edge_visitor dem__edge_visitor;
+struct dem__edge_visitor {
+    void (*corner)(dem__edge_visitor *v, dem_vec x, double radius, dem_vec tip, int32_t key);
+    void (*edge)(dem__edge_visitor *v, const dem__wall_edge *e);
+};
+
+/* Keys tell the points of a polyhedron at a wall apart: first those of its corners, DEM_CORNERS_MAX for each place of
+   the wall that has keys of its own; then one for each corner of the wall, and DEM__EDGE_KEYS for each of its edges. */
+enum {
+    DEM__CROSSINGS_MAX = 4,                                       /* of an edge with a curved sheet, at most */
+    DEM__EDGE_KEYS = 5 * DEM_EDGES_MAX,                           /* of an edge of a wall */
+    DEM__SEARCH_KEYS = 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX,    /* of a curved sheet */
+    DEM__ELEMENT_KEYS = DEM_CORNERS_MAX + 2 + 3 * DEM__EDGE_KEYS, /* of a bar: all of its keys */
+    DEM__ELEMENTS_FROM = 1 << 18, /* added to the number of an element, which may be negative */
+    DEM__PLACE_DIRECTIONS = 54    /* directions of normals at a mesh, as places of corners */
+};
+
+/* Flags of a kind. */
+enum {
+    DEM__NO_SURFACE = 1, /* nothing touches it: particles beyond it leave */
+    DEM__HALF_SPACE = 2, /* a half space: dem__touch_flat finds where it is touched */
+    DEM__CONVEX = 4,     /* seen from where particles are, so that a gap shrinks no faster than along its normal, but
+                            for `closing` */
+    DEM__KEEPS_CURVATURE = 8, /* a contact keeps the curvature with which it began */
+    DEM__TRIANGULATED = 16,   /* made of the triangles in wall->tree: a contact keeps the place that it follows */
+    DEM__CURVED_SHEET = 32    /* where it touches the edges of a polyhedron must be searched along them */
+};
+
+/* How corners of a convex body tell its gap to a wall: some other part may be nearer, none is, or they say nothing. */
+enum { DEM__CORNERS_SOME, DEM__CORNERS_ALL, DEM__CORNERS_NONE };
+
+/* A kind of wall. NULL where nothing is said. */
+typedef struct dem__wall_kind {
+    int kind, flags;                    /* dem_wall_kind; DEM__HALF_SPACE and others */
+    int (*is_sound)(const dem_wall *w); /* returns whether its lengths, from a file, are those of such a wall */
+    /* Finds the places where a sphere's gap is below `limit`, at most DEM__TOUCHES: gap, normal, and what is not 0 of
+       curvature and element. Returns their number; least: a lower limit of the gap. */
+    int (*touch)(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out, double *least);
+    /* With several elements that are touched by themselves: computes the touch at one of them, whose number is set, at
+       any gap; and returns a lower limit of the gap to those that `touch` does not return. NULL: one element. */
+    void (*touch_element)(const dem_wall *w, dem_vec d, double radius, int32_t element, dem__touch *out);
+    double (*other_elements)(const dem_wall *w, double radius, double lowest);
+    /* Round walls: computes the vector from the axis or centre to the sphere's centre, and how far from there the
+       surface is. Returns 1 if the sphere is outside, -1 if inside, 0 if the place is not round or has no normal. */
+    double (*reach_round)(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner);
+    /* Returns the rate of change of the normal n [1/s] for a sphere that moves at u in the wall's own frame. inverse: 1
+       / distance from the axis of a round wall, with the sign of the side. NULL: 0. */
+    dem_vec (*normal_rate)(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n, double inverse,
+                           dem_vec u);
+    int (*is_endless)(const dem_wall *w, int axis); /* returns whether it is the same all along an axis of the world */
+    /* Returns a limit of the acceleration with which the gap of a place shrinks for a sphere in free fall, at u [m/s]
+       from the wall. NULL: that of gravity and of the wall. */
+    double (*closing)(const dem_wall *w, const dem__touch *touch, double radius, dem_vec gravity, dem_vec u);
+    /* For polyhedra. */
+    int (*corners)(const dem_wall *w); /* returns DEM__CORNERS_.. */
+    /* Shows a visitor the edges and corners that may be within `reach` of a centre, from which their places are. */
+    void (*edges)(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v);
+    int (*crosses)(const dem_wall *w, dem_vec p, dem_vec q); /* sheet: returns whether the line from p to q cuts it */
+} dem__wall_kind;
+
+/* Returns whether the kind of a wall has one of some flags. */
+DEM_INLINE int dem__has(const dem_wall *w, int flags) { return (w->kind__->flags & flags) != 0; }
+DEM_INLINE int dem__has_surface(const dem_wall *w) { return !dem__has(w, DEM__NO_SURFACE); }
+/* Returns whether a wall has several elements, which are touched by themselves. */
+DEM_INLINE int dem__has_elements(const dem_wall *w) { return w->kind__->touch_element != NULL; }
+
+/* Returns whether a wall acts on particles of a group. */
+DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) {
+    return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u);
+}
+/* Returns whether a wall is enabled and acts on particle i. */
+DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
+    return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
+}
+
+/* Converts a vector to a wall's own frame, and back. */
+DEM_INLINE dem_vec dem__to_frame(const dem_wall *w, dem_vec d) {
+    return dem_vec3(dem__dot(d, w->axis[0]), dem__dot(d, w->axis[1]), dem__dot(d, w->axis[2]));
+}
+DEM_INLINE dem_vec dem__from_frame(const dem_wall *w, dem_vec v) {
+    return dem__add(dem__add(dem__scale(v.x, w->axis[0]), dem__scale(v.y, w->axis[1])), dem__scale(v.z, w->axis[2]));
+}
+
+DEM_INLINE void dem__touch_flat(const dem_wall *w, dem_vec d, double radius, dem__touch *out) {
+    out->element = 0;
+    out->gap = dem__dot(d, w->axis[2]) - radius;
+    out->normal = w->axis[2], out->curvature = 0.0;
+}
+
+/* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and
+   those that overlap). Returns their number; least: a lower limit of the gap. */
+DEM_INLINE int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out,
+                               double *least) {
+    out[0].element = 0;
+    out[0].curvature = 0.0;
+    return w->kind__->touch(w, dem__sub(centre, w->position), radius, limit, out, least);
+}
+
+/* Finds the one place where an element of a wall is touched, at any gap. */
+static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double radius, int32_t element,
+                                      dem__touch *out) {
+    double least;
+    if (dem__has_elements(w)) {
+        w->kind__->touch_element(w, dem__sub(centre, w->position), radius, element, out);
+        return;
+    }
+    dem__touch touch[DEM__TOUCHES]; /* a mesh can be touched in several places */
+    touch[0].gap = HUGE_VAL, touch[0].normal = w->axis[2];
+    dem__touch_wall(w, centre, radius, HUGE_VAL, touch, &least);
+    *out = touch[0];
+}
+
+/* As dem__wall_kind.reach_round; 0 if the wall is not round. */
+DEM_INLINE double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t element, dem_vec *from, double *inner) {
+    return w->kind__->reach_round ? w->kind__->reach_round(w, dem__sub(centre, w->position), element, from, inner)
+                                  : 0.0;
+}
+/* As dem__wall_kind.normal_rate. */
+DEM_INLINE dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n,
+                                    double inverse, dem_vec u) {
+    return w->kind__->normal_rate
+               ? w->kind__->normal_rate(w, dem__sub(centre, w->position), radius, element, n, inverse, u)
+               : dem_vec3(0.0, 0.0, 0.0);
+}
+
+/* Returns the velocity of a wall's surface at a point whose normal is n. */
+DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
+    const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
+    return dem__add(dem__add(w->velocity, turning), dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n)));
+}
+/* Returns the acceleration of a wall's surface at a point. */
+DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
+    const dem_vec omega = dem__scale(w->spin, w->spin_axis), arm = dem__sub(point, w->position);
+    const dem_vec inward = dem__cross(omega, dem__cross(omega, arm));
+    return dem__add(w->acceleration, dem__add(inward, dem__scale(w->spin_rate, dem__cross(w->spin_axis, arm))));
+}
+
+/* --------------------------------------------------------------------------------------------------- >>walls/add.h */
+/* What the functions that add walls share. */
+
+static inline int dem__unit(dem_vec v, dem_vec *unit) {
+    double length = dem__length(v);
+    if (!(length >= 1e-140 && length <= DBL_MAX)) return 0; /* squares of shorter lengths lose digits */
+    *unit = dem__scale(1.0 / length, v);
+    return 1;
+}
+
+/* Completes a frame whose third axis is given. The first axis is near `along`, or any if that is parallel to the third.
+   Returns 0 if the third has no direction. */
+static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
+    dem_vec z, x;
+    if (!dem__unit(normal, &z)) return 0;
+    x = dem__sub(along, dem__scale(dem__dot(along, z), z));
+    if (!(dem__length(x) > 1e-6)) {
+        dem_vec other = fabs(z.x) < 0.9 ? dem_vec3(1, 0, 0) : dem_vec3(0, 1, 0);
+        x = dem__sub(other, dem__scale(dem__dot(other, z), z));
+    }
+    if (!dem__unit(x, &x)) return 0;
+    wall->axis[0] = wall->asked.rest_axis[0] = x;
+    wall->axis[1] = wall->asked.rest_axis[1] = dem__cross(z, x);
+    wall->axis[2] = wall->asked.rest_axis[2] = z;
+    return 1;
+}
+
+/* Makes room for what contacts with meshes and cones keep. Returns 0 when out of memory. */
+static inline int dem__make_touch_memory(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__array list[DEM__ARRAYS_MAX];
+    if (w->engine->walls.touch_keepers++ > 0 || contacts->capacity == 0) return 1;
+    if (dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
+                        contacts->capacity))
+        return 1;
+    w->engine->walls.touch_keepers--;
+    return 0;
+}
+
+/* Returns DEM_OK if a wall of a material can be added. */
+static inline dem_status dem__may_add_wall(const dem_world *w, int material) {
+    if (dem__is_running(w)) return DEM_BUSY;
+    return w && w->def.allocator.fn && material >= 0 && material < w->def.materials ? DEM_OK : DEM_BAD_ARGUMENT;
+}
+
+/* Adds a wall of a kind, at rest at asked.origin. Returns its index, or minus a dem_status. */
+static inline int dem__add_wall(dem_world *w, const dem__wall_kind *kind, int material, const dem_wall *shape) {
+    if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
+    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
+    if ((kind->flags & (DEM__KEEPS_CURVATURE | DEM__TRIANGULATED)) && !dem__make_touch_memory(w))
+        return -(int)DEM_OUT_OF_MEMORY;
+    dem_wall *a = &w->wall[w->walls];
+    *a = *shape;
+    a->kind = kind->kind, a->kind__ = kind;
+    a->material = material;
+    a->enabled = 1;
+    a->groups = 0xffffffffu;
+    a->position = a->asked.origin;
+    a->asked.motion_start = w->time;
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return w->walls++;
+}
+
+/* ------------------------------------------------------------------------------------------------- >>walls/sheet.h */
+/* What thin sheets share: their circular rims. */
+
+enum { DEM__RIM_POINTS = 16 }; /* points of a rim at which faces of polyhedra can touch it */
+
+/* Returns the rate of change of the normal n [1/s] where a surface or a rim goes around the axis axis[2]. radial: the
+   part of the place that is perpendicular to it; distance: from the rim to the sphere's centre; 0: not at a rim [m]. */
+static inline dem_vec dem__turn_about_axis(const dem_wall *w, dem_vec radial, double distance, dem_vec n, dem_vec u) {
+    const double from_axis = dem__length(radial);
+    if (!(from_axis > 0.0)) return dem_vec3(0.0, 0.0, 0.0);
+    const dem_vec outward = dem__scale(1.0 / from_axis, radial);
+    const dem_vec round = dem__cross(w->axis[2], outward);
+    const double about = dem__dot(u, round);
+    const dem_vec rate = dem__scale(dem__dot(n, outward) * about / from_axis, round);
+    if (distance == 0.0) return rate;
+    const dem_vec up = dem__sub(u, dem__add(dem__scale(dem__dot(u, n), n), dem__scale(about, round)));
+    return dem__plus(rate, 1.0 / distance, up);
+}
+
+/* Shows points of a rim as sharp corners. middle: its centre. */
+static inline void dem__show_rim(const dem_wall *w, dem_vec middle, double radius, double reach, int32_t key,
+                                 dem__edge_visitor *v) {
+    if (!(dem__length(middle) < radius + reach)) return;
+    for (int k = 0; k < (radius > 0.0 ? DEM__RIM_POINTS : 1); k++) {
+        const dem_vec out = dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI / (double)DEM__RIM_POINTS * (double)k);
+        v->corner(v, dem__plus(middle, radius, out), 0.0, dem_vec3(0.0, 0.0, 0.0), key + k);
+    }
+}
+
+/* -------------------------------------------------------------------------------------------------- >>walls/cone.h */
+/* Cones: frustums and tubes of finite length, as thin sheets. A sheet is touched from both sides and at its rims. */
+
+/* Computes the touch with a frustum. Its nearest point lies in the plane of axis and centre, on a segment. d: the
+   centre, from the low end. Returns 0 if the gap is not below `limit`; least: the gap. */
+static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                  double *least) {
+    const double up = dem__dot(d, w->axis[2]);
+    const dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
+    const double rho = dem__length(radial), rise = w->high_radius - w->radius,
+                 slant = sqrt(rise * rise + w->length * w->length);
+    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is
+                                                                                       nearest: any point of it */
+    const double along = dem__clamp(((rho - w->radius) * rise + up * w->length) / (slant * slant), 0.0, 1.0);
+    const double x = rho - (w->radius + along * rise), y = up - along * w->length;
+    double distance = sqrt(x * x + y * y), nx = w->length / slant, ny = -rise / slant;
+    const int on_rim = !(along > 0.0 && along < 1.0);
+    if (!on_rim) { /* from the side's own normal, which is accurate near the surface */
+        const double side = (rho - w->radius) * nx + up * ny;
+        distance = fabs(side);
+        if (side < 0.0) nx = -nx, ny = -ny;
+    } else if (distance > 0.0) nx = x / distance, ny = y / distance;
+    *least = out[0].gap = distance - radius;
+    if (!(*least < limit)) return 0;
+    out[0].normal = dem__add(dem__scale(nx, outward), dem__scale(ny, w->axis[2]));
+    /* that half way up: one contact type wherever a contact begins; spheres wider than the ring lie on a rim */
+    out[0].curvature = on_rim ? 0.0 : (nx < 0.0 ? -1.0 : 1.0) * w->length / (slant * (w->radius + w->high_radius));
+    return 1;
+}
+
+/* Returns the rate of change of the normal [1/s]; at a rim it is that of a ring. */
+static inline dem_vec dem__turn_at_cone(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
+                                        double inverse, dem_vec u) {
+    dem__touch touch;
+    double least;
+    (void)element, (void)inverse;
+    if (!dem__touch_cone(w, d, radius, HUGE_VAL, &touch, &least)) return dem_vec3(0.0, 0.0, 0.0);
+    const dem_vec radial = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
+    return dem__turn_about_axis(w, radial, touch.curvature != 0.0 ? 0.0 : radius + touch.gap, n, u);
+}
+
+static inline int dem__is_cone(const dem_wall *w) {
+    return dem__positive(w->length) && dem__not_negative(w->radius) && dem__not_negative(w->high_radius) &&
+           dem__positive(w->radius + w->high_radius);
+}
+
+/* Returns whether the line from p to q passes through the sheet. */
+static inline int dem__crosses_cone(const dem_wall *w, dem_vec p, dem_vec q) {
+    const dem_vec u = dem__sub(q, p);
+    const double slope = (w->high_radius - w->radius) / w->length, z = dem__dot(p, w->axis[2]),
+                 along = dem__dot(u, w->axis[2]);
+    const double r = w->radius + slope * z, dr = slope * along; /* radius of the cone at p, and its change to q */
+    const double a = dem__dot(u, u) - along * along - dr * dr, b = dem__dot(p, u) - z * along - r * dr;
+    const double c = dem__dot(p, p) - z * z - r * r, root = sqrt(b * b > a * c ? b * b - a * c : 0.0);
+    const double t[2] = {b > 0.0 ? c / (-b - root) : (root - b) / a, b > 0.0 ? (-b - root) / a : c / (root - b)};
+    if (b * b < a * c) return 0;
+    for (int k = 0; k < 2; k++) {
+        if (t[k] >= 0.0 && t[k] <= 1.0 && z + t[k] * along >= 0.0 && z + t[k] * along <= w->length &&
+            r + t[k] * dr >= 0.0)
+            return 1;
+    }
+    return 0;
+}
+
+/* Shows points of both rims. */
+static inline void dem__cone_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    const dem_vec low = dem__sub(w->position, centre);
+    dem__show_rim(w, low, w->radius, reach, DEM_CORNERS_MAX + DEM__SEARCH_KEYS, v);
+    dem__show_rim(w, dem__plus(low, w->length, w->axis[2]), w->high_radius, reach,
+                  DEM_CORNERS_MAX + DEM__SEARCH_KEYS + DEM__RIM_POINTS, v);
+}
+
+static inline const dem__wall_kind *dem__cone(void) {
+    static const dem__wall_kind row = {
+        DEM_CONE,                                 /* kind */
+        DEM__KEEPS_CURVATURE | DEM__CURVED_SHEET, /* flags */
+        dem__is_cone,                             /* is_sound */
+        dem__touch_cone,                          /* touch */
+        NULL,                                     /* touch_element */
+        NULL,                                     /* other_elements */
+        NULL,                                     /* reach_round */
+        dem__turn_at_cone,                        /* normal_rate */
+        NULL,                                     /* is_endless */
+        NULL,                                     /* closing */
+        NULL,                                     /* corners */
+        dem__cone_edges,                          /* edges */
+        dem__crosses_cone                         /* crosses */
+    };
+    return &row;
+}
+
+DEM_API dem_cone dem_default_cone(void) {
+    dem_cone c;
+    c.low = dem_vec3(0, 0, 0);
+    c.high = dem_vec3(0, 0, 0.1);
+    c.low_radius = 0.02;
+    c.high_radius = 0.1;
+    return c;
+}
+
+DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
+    dem_wall wall;
+    const dem_status status = dem__may_add_wall(world, material);
+    memset(&wall, 0, sizeof wall);
+    if (status != DEM_OK) return -(int)status;
+    if (!cone || !dem__is_place(cone->low) || !dem__is_place(cone->high)) return -(int)DEM_BAD_ARGUMENT;
+    const dem_vec axis = dem__sub(cone->high, cone->low);
+    wall.asked.origin = cone->low;
+    wall.radius = cone->low_radius;
+    wall.high_radius = cone->high_radius;
+    wall.length = dem__length(axis);
+    if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0)) || !dem__is_cone(&wall)) return -(int)DEM_BAD_ARGUMENT;
+    return dem__add_wall(world, dem__cone(), material, &wall);
+}
+
+/* ------------------------------------------------------------------------------------------------- >>walls/round.h */
+/* What cylinders and spheres share. `radial` is the part of the place that is perpendicular to an axis, or all of it. */
+
+/* Finds the touch with a surface of constant radius. part: its mean curvature times the radius [-]. */
+DEM_INLINE int dem__touch_round(const dem_wall *w, dem_vec radial, double part, double radius, double limit,
+                                dem__touch *out, double *least) {
+    const double distance = dem__length(radial), side = w->inside ? -1.0 : 1.0;
+    *least = out[0].gap = side * (distance - w->radius) - radius;
+    if (!(out[0].gap < limit) || !(distance > 0.0)) return 0;
+    out[0].normal = dem__scale(side / distance, radial);
+    out[0].curvature = part * side / w->radius;
+    return 1;
+}
+
+/* Returns which side of a surface of constant radius a sphere is on; 0 where it has no normal. */
+DEM_INLINE double dem__side_of_round(const dem_wall *w, dem_vec radial, dem_vec *from, double *inner) {
+    *from = radial;
+    *inner = w->radius;
+    return !(dem__dot(radial, radial) > 0.0) ? 0.0 : w->inside ? -1.0 : 1.0;
+}
+
+static inline int dem__is_round(const dem_wall *w) { return w->radius > 0.0 && w->radius <= DBL_MAX; }
+
+/* Adds a cylinder or a sphere. */
+static inline int dem__add_round(dem_world *w, const dem__wall_kind *kind, int material, dem_vec point, dem_vec axis,
+                                 double radius, int inside) {
+    dem_wall wall;
+    const dem_status status = dem__may_add_wall(w, material);
+    memset(&wall, 0, sizeof wall);
+    if (status != DEM_OK) return -(int)status;
+    if (!dem__is_place(point) || !dem__finite_vec(axis) || !dem__positive(radius) ||
+        !dem__frame(&wall, axis, dem_vec3(1, 0, 0)))
+        return -(int)DEM_BAD_ARGUMENT;
+    wall.asked.origin = point;
+    wall.radius = radius;
+    wall.inside = inside != 0;
+    return dem__add_wall(w, kind, material, &wall);
+}
+
+/* ---------------------------------------------------------------------------------------------- >>walls/cylinder.h */
+/* Cylinders without ends: with particles inside, or outside. */
+
+/* Returns the part of a vector that is perpendicular to the axis. */
+DEM_INLINE dem_vec dem__across_axis(const dem_wall *w, dem_vec d) {
+    return dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
+}
+
+static inline int dem__touch_cylinder(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                      double *least) {
+    return dem__touch_round(w, dem__across_axis(w, d), 0.5, radius, limit, out, least);
+}
+
+static inline double dem__reach_cylinder(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner) {
+    (void)element;
+    return dem__side_of_round(w, dem__across_axis(w, d), from, inner);
+}
+
+static inline dem_vec dem__turn_at_cylinder(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
+                                            double inverse, dem_vec u) {
+    (void)d, (void)radius, (void)element;
+    return dem__scale(inverse, dem__across_axis(w, dem__sub(u, dem__scale(dem__dot(u, n), n))));
+}
+
+static inline int dem__is_along_cylinder(const dem_wall *w, int axis) {
+    return fabs(dem_axis(w->axis[2], axis)) == 1.0;
+}
+
+/* Along the axis nothing closes the gap. From inside, a straight path at u bends towards the surface: the distance from
+   the axis grows by no more than the outward velocity and u_side^2 / distance give. */
+static inline double dem__closing_at_cylinder(const dem_wall *w, const dem__touch *touch, double radius,
+                                              dem_vec gravity, dem_vec u) {
+    const double along = dem__dot(gravity, w->axis[2]), from_axis = w->radius - radius - touch->gap;
+    const double a = sqrt(fabs(dem__dot(gravity, gravity) - along * along)) + w->side_bound;
+    if (!w->inside) return a;
+    const double up = dem__dot(u, w->axis[2]);
+    return a + (from_axis > 0.0 ? (dem__dot(u, u) - up * up) / from_axis : HUGE_VAL);
+}
+
+static inline int dem__cylinder_corners(const dem_wall *w) { return w->inside ? DEM__CORNERS_ALL : DEM__CORNERS_SOME; }
+
+/* From outside, a cylinder is one long edge: as long as edges of a polyhedron can cross it. */
+static inline void dem__cylinder_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    const dem_vec foot = dem__across_axis(w, dem__sub(w->position, centre));
+    const double far_off = 4.0 * (reach + w->radius);
+    dem__wall_edge e;
+    if (w->inside) return;
+    memset(&e, 0, sizeof e);
+    e.from = dem__plus(foot, -far_off, w->axis[2]), e.to = dem__plus(foot, far_off, w->axis[2]);
+    e.radius = w->radius;
+    e.key = DEM_CORNERS_MAX;
+    v->edge(v, &e);
+}
+
+static inline const dem__wall_kind *dem__cylinder(void) {
+    static const dem__wall_kind row = {
+        DEM_CYLINDER,             /* kind */
+        DEM__CONVEX,              /* flags */
+        dem__is_round,            /* is_sound */
+        dem__touch_cylinder,      /* touch */
+        NULL,                     /* touch_element */
+        NULL,                     /* other_elements */
+        dem__reach_cylinder,      /* reach_round */
+        dem__turn_at_cylinder,    /* normal_rate */
+        dem__is_along_cylinder,   /* is_endless */
+        dem__closing_at_cylinder, /* closing */
+        dem__cylinder_corners,    /* corners */
+        dem__cylinder_edges,      /* edges */
+        NULL                      /* crosses */
+    };
+    return &row;
+}
+
+DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside) {
+    return dem__add_round(world, dem__cylinder(), material, point, axis, radius, inside);
+}
+
+/* -------------------------------------------------------------------------------------------------- >>walls/disc.h */
+/* Discs: flat and thin, with or without a round hole in the middle. A disc is touched from both sides and at its rims. */
+
+/* Finds the touch: the nearest point lies in the plane of axis and centre, at the distance `at` from the axis. */
+static inline int dem__touch_disc(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                  double *least) {
+    const double up = dem__dot(d, w->axis[2]);
+    const dem_vec radial = dem__plus(d, -up, w->axis[2]);
+    const double rho = dem__length(radial), at = dem__clamp(rho, w->radius, w->high_radius), beyond = rho - at;
+    const double distance = beyond == 0.0 ? fabs(up) : sqrt(beyond * beyond + up * up);
+    *least = out[0].gap = distance - radius;
+    if (!(*least < limit)) return 0;
+    out[0].normal = dem__scale(up < 0.0 ? -1.0 : 1.0, w->axis[2]);
+    if (beyond == 0.0) return 1;
+    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is
+                                                                                       nearest: any point of it */
+    out[0].normal = dem__add(dem__scale(beyond / distance, outward), dem__scale(up / distance, w->axis[2]));
+    return 1;
+}
+
+/* Returns the rate of change of the normal [1/s]: 0 at a face; at a rim it is that of a ring. */
+static inline dem_vec dem__turn_at_disc(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
+                                        double inverse, dem_vec u) {
+    const dem_vec radial = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
+    const double rho = dem__length(radial);
+    dem__touch touch;
+    double least;
+    (void)element, (void)inverse;
+    if (rho >= w->radius && rho <= w->high_radius) return dem_vec3(0.0, 0.0, 0.0);
+    dem__touch_disc(w, d, radius, HUGE_VAL, &touch, &least);
+    return dem__turn_about_axis(w, radial, radius + touch.gap, n, u);
+}
+
+static inline int dem__is_disc(const dem_wall *w) {
+    return dem__not_negative(w->radius) && dem__positive(w->high_radius) && w->radius < w->high_radius;
+}
+
+/* Returns whether the line from p to q passes through the disc. */
+static inline int dem__crosses_disc(const dem_wall *w, dem_vec p, dem_vec q) {
+    const double from = dem__dot(p, w->axis[2]), to = dem__dot(q, w->axis[2]);
+    if (!(from * to < 0.0)) return 0;
+    const double rho = dem__length(dem__plus(p, from / (from - to), dem__sub(q, p)));
+    return rho >= w->radius && rho <= w->high_radius;
+}
+
+/* Shows points of the rims. */
+static inline void dem__disc_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    const dem_vec middle = dem__sub(w->position, centre);
+    const int32_t key = DEM_CORNERS_MAX + DEM__SEARCH_KEYS;
+    dem__show_rim(w, middle, w->high_radius, reach, key, v);
+    if (w->radius > 0.0) dem__show_rim(w, middle, w->radius, reach, key + DEM__RIM_POINTS, v);
+}
+
+static inline const dem__wall_kind *dem__disc(void) {
+    static const dem__wall_kind row = {
+        DEM_DISC,          /* kind */
+        DEM__CURVED_SHEET, /* flags */
+        dem__is_disc,      /* is_sound */
+        dem__touch_disc,   /* touch */
+        NULL,              /* touch_element */
+        NULL,              /* other_elements */
+        NULL,              /* reach_round */
+        dem__turn_at_disc, /* normal_rate */
+        NULL,              /* is_endless */
+        NULL,              /* closing */
+        NULL,              /* corners */
+        dem__disc_edges,   /* edges */
+        dem__crosses_disc  /* crosses */
+    };
+    return &row;
+}
+
+DEM_API dem_disc dem_default_disc(void) {
+    dem_disc d;
+    d.centre = dem_vec3(0, 0, 0);
+    d.normal = dem_vec3(0, 0, 1);
+    d.radius = 0.1;
+    d.hole_radius = 0.0;
+    return d;
+}
+
+DEM_API int dem_add_disc(dem_world *world, int material, const dem_disc *disc) {
+    dem_wall wall;
+    const dem_status status = dem__may_add_wall(world, material);
+    memset(&wall, 0, sizeof wall);
+    if (status != DEM_OK) return -(int)status;
+    if (!disc || !dem__is_place(disc->centre) || !dem__finite_vec(disc->normal) ||
+        !dem__frame(&wall, disc->normal, dem_vec3(1, 0, 0)))
+        return -(int)DEM_BAD_ARGUMENT;
+    wall.asked.origin = disc->centre;
+    wall.radius = disc->hole_radius;
+    wall.high_radius = disc->radius;
+    if (!dem__is_disc(&wall)) return -(int)DEM_BAD_ARGUMENT;
+    return dem__add_wall(world, dem__disc(), material, &wall);
+}
+
+/* ------------------------------------------------------------------------------------------------- >>walls/plane.h */
+/* Planes: half spaces, touched where the sphere is nearest. */
+
+static inline int dem__touch_plane(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                   double *least) {
+    dem__touch_flat(w, d, radius, out);
+    *least = out[0].gap;
+    return out[0].gap < limit;
+}
+
+/* Returns whether a plane is the same all along an axis of the world. */
+static inline int dem__is_along_plane(const dem_wall *w, int axis) { return dem_axis(w->axis[2], axis) == 0.0; }
+
+static inline int dem__plane_corners(const dem_wall *w) {
+    (void)w;
+    return DEM__CORNERS_ALL;
+}
+
+static inline const dem__wall_kind *dem__plane(void) {
+    static const dem__wall_kind row = {
+        DEM_PLANE,                     /* kind */
+        DEM__HALF_SPACE | DEM__CONVEX, /* flags */
+        NULL,                          /* is_sound */
+        dem__touch_plane,              /* touch */
+        NULL,                          /* touch_element */
+        NULL,                          /* other_elements */
+        NULL,                          /* reach_round */
+        NULL,                          /* normal_rate */
+        dem__is_along_plane,           /* is_endless */
+        NULL,                          /* closing */
+        dem__plane_corners,            /* corners */
+        NULL,                          /* edges */
+        NULL                           /* crosses */
+    };
+    return &row;
+}
+
+/* Adds a plane or an exit. */
+static inline int dem__add_flat(dem_world *w, const dem__wall_kind *kind, int material, dem_vec point, dem_vec normal) {
+    dem_wall wall;
+    const dem_status status = dem__may_add_wall(w, material);
+    memset(&wall, 0, sizeof wall);
+    if (status != DEM_OK) return -(int)status;
+    if (!dem__is_place(point) || !dem__finite_vec(normal) || !dem__frame(&wall, normal, dem_vec3(1, 0, 0)))
+        return -(int)DEM_BAD_ARGUMENT;
+    wall.asked.origin = point;
+    return dem__add_wall(w, kind, material, &wall);
+}
+
+DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal) {
+    return dem__add_flat(world, dem__plane(), material, point, normal);
+}
+
+/* -------------------------------------------------------------------------------------------------- >>walls/exit.h */
+/* Exits: planes without a surface. A particle leaves when its centre is beyond one. */
+
+static inline int dem__touch_exit(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                  double *least) {
+    (void)radius;
+    return dem__touch_plane(w, d, 0.0, limit, out, least);
+}
+
+static inline const dem__wall_kind *dem__exit(void) {
+    static const dem__wall_kind row = {
+        DEM_EXIT,                      /* kind */
+        DEM__NO_SURFACE | DEM__CONVEX, /* flags */
+        NULL,                          /* is_sound */
+        dem__touch_exit,               /* touch */
+        NULL,                          /* touch_element */
+        NULL,                          /* other_elements */
+        NULL,                          /* reach_round */
+        NULL,                          /* normal_rate */
+        dem__is_along_plane,           /* is_endless */
+        NULL,                          /* closing */
+        NULL,                          /* corners */
+        NULL,                          /* edges */
+        NULL                           /* crosses */
+    };
+    return &row;
+}
+
+DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) {
+    return dem__add_flat(world, dem__exit(), 0, point, normal);
+}
+
+/* -------------------------------------------------------------------------------------------- >>walls/mesh_touch.h */
+/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by
+   a search. */
+
+/* The face on which a contact with a mesh rests. It is the only place touched as long as the centre is within `slack`
+   of `at`, and a contact opens by less than that in a step. */
+typedef struct dem__footing {
+    dem_vec at;   /* in the wall's own frame */
+    double slack; /* [m]; 0: search */
+    int32_t face;
+} dem__footing;
+#define DEM__SMOOTH 0.9 /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides is round */
+
+/* Returns the vector from the plane of a triangle to p; distance: its length. All triangles of one plane give the same
+   vector. */
+DEM_INLINE dem_vec dem__above_face(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
+    const double up = dem__dot(dem__sub(p, t->vertex[t->corner[3 * k]]), t->normal[k]);
+    *distance = fabs(up);
+    return dem__scale(up, t->normal[k]);
+}
+
+/* Returns the vector from the nearest point of a triangle to p (Ericson 2005, Real-Time Collision Detection, 5.1.5).
+   distance: its length; inside: whether the point is not on an edge or a corner. */
+static inline dem_vec dem__from_triangle(const dem__tree *t, int32_t k, dem_vec p, double *distance, int *inside) {
+    const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]],
+                  c = t->vertex[t->corner[3 * k + 2]];
+    const dem_vec ab = dem__sub(b, a), ac = dem__sub(c, a), ap = dem__sub(p, a), bp = dem__sub(p, b),
+                  cp = dem__sub(p, c);
+    const double a1 = dem__dot(ab, ap), a2 = dem__dot(ac, ap), b1 = dem__dot(ab, bp), b2 = dem__dot(ac, bp),
+                 c1 = dem__dot(ab, cp), c2 = dem__dot(ac, cp);
+    const double to_ab = a1 * b2 - b1 * a2, to_ac = c1 * a2 - a1 * c2, to_bc = b1 * c2 - c1 * b2;
+    dem_vec v;
+    *inside = 0;
+    if (a1 <= 0.0 && a2 <= 0.0) v = ap;
+    else if (b1 >= 0.0 && b2 <= b1) v = bp;
+    else if (c2 >= 0.0 && c1 <= c2) v = cp;
+    else if (to_ab <= 0.0 && a1 >= 0.0 && b1 <= 0.0) v = dem__sub(ap, dem__scale(a1 / (a1 - b1), ab));
+    else if (to_ac <= 0.0 && a2 >= 0.0 && c2 <= 0.0) v = dem__sub(ap, dem__scale(a2 / (a2 - c2), ac));
+    else if (to_bc <= 0.0 && b2 >= b1 && c1 >= c2)
+        v = dem__sub(bp, dem__scale((b2 - b1) / ((b2 - b1) + (c1 - c2)), dem__sub(c, b)));
+    else {
+        *inside = 1;
+        return dem__above_face(t, k, p, distance);
+    }
+    *distance = dem__length(v);
+    return v;
+}
+
+/* Returns whether p is `reach` or more away from a node's box. */
+DEM_INLINE int dem__is_far(const dem__node *b, dem_vec p, double reach) {
+    const double x = p.x - dem__clamp(p.x, b->low[0], b->high[0]), y = p.y - dem__clamp(p.y, b->low[1], b->high[1]),
+                 z = p.z - dem__clamp(p.z, b->low[2], b->high[2]);
+    return !(x * x + y * y + z * z < reach * reach);
+}
+
+/* Returns whether a place is in the shadow of a nearer one, because a surface is touched only once: their normals agree
+   to 26 degrees, or the place does not rise over the nearer one's tangent plane, as edges and corners of a touched face
+   do not. */
+DEM_INLINE int dem__is_shadowed(const dem__touch *far_one, const dem__touch *near_one, double radius) {
+    const double flat = (1.0 - 1e-9) * (radius + near_one->gap) / (radius + far_one->gap);
+    return dem__dot(far_one->normal, near_one->normal) > (flat < DEM__SMOOTH ? flat : DEM__SMOOTH);
+}
+
+/* Returns whether p is certainly `far_off` or more away from the plane of a triangle. */
+DEM_INLINE int dem__is_off_plane(const dem__tree *t, int32_t k, dem_vec p, double far_off) {
+    const dem_vec d = dem__sub(p, t->vertex[t->corner[3 * k]]);
+    return fabs(dem__dot(d, t->normal[k])) - 1e-12 * (fabs(d.x) + fabs(d.y) + fabs(d.z)) > far_off;
+}
+
+static inline void dem__meet_triangle(const dem__tree *t, int32_t k, dem_vec p, double radius, dem__touch *touch) {
+    double distance;
+    int inside;
+    const dem_vec v = dem__from_triangle(t, k, p, &distance, &inside);
+    touch->gap = distance - radius;
+    touch->normal = distance > 0.0 ? dem__scale(1.0 / distance, v) : t->normal[k];
+    touch->curvature = 0.0;
+    touch->face = inside ? k : -1;
+}
+
+/* Finds the nearest place of a mesh, if its gap is below `limit`, and those with a gap below `deep` that no nearer one
+   shadows: at most DEM__TOUCHES, nearest first. Returns how many; least: the smallest gap, or limit. */
+static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, double deep, double limit,
+                                  dem__touch *out, double *least) {
+    const dem__tree *t = w->tree;
+    const dem_vec p = dem__to_frame(w, d);
+    dem__touch here;
+    int n = 0;
+    *least = limit;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, p, radius + *least)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            if (dem__is_off_plane(t, k, p, radius + *least)) continue;
+            dem__meet_triangle(t, k, p, radius, &here);
+            if (here.gap < *least) *least = here.gap, out[0] = here, n = 1;
+        }
+    }
+    for (int32_t b = *least < deep ? 0 : t->nodes; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, p, radius + deep)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            int at = 0, kept;
+            if (dem__is_off_plane(t, k, p, radius + deep)) continue;
+            dem__meet_triangle(t, k, p, radius, &here);
+            if (!(here.gap < deep)) continue;
+            while (at < n && out[at].gap <= here.gap && !dem__is_shadowed(&here, &out[at], radius)) at++;
+            if (at == DEM__TOUCHES || (at < n && out[at].gap <= here.gap)) continue;
+            kept = at;
+            for (int q = at; q < n; q++) { /* remove those in its shadow */
+                if (!dem__is_shadowed(&out[q], &here, radius)) out[kept++] = out[q];
+            }
+            n = kept < DEM__TOUCHES ? kept + 1 : DEM__TOUCHES;
+            for (int q = n - 1; q > at; q--) out[q] = out[q - 1];
+            out[at] = here;
+        }
+    }
+    for (int q = 0; q < n; q++) {
+        out[q].normal = dem__from_frame(w, out[q].normal);
+        out[q].element = q;
+    }
+    return n;
+}
+
+/* Returns how far q, a point of the plane of triangle k, is inside its edges [m]; < 0 outside. */
+static inline double dem__inside_edges(const dem__tree *t, int32_t k, dem_vec q) {
+    double least = HUGE_VAL;
+    for (int e = 0; e < 3; e++) {
+        const dem_vec u = t->vertex[t->corner[3 * k + e]], v = t->vertex[t->corner[3 * k + (e + 1) % 3]],
+                      along = dem__sub(v, u);
+        const double in = dem__dot(dem__sub(q, u), dem__cross(t->normal[k], along)) / dem__length(along);
+        least = in < least ? in : least;
+    }
+    return least;
+}
+
+/* Computes the footing of a sphere whose only touch is on a face. A triangle that rises above the plane of the face can
+   be touched, or become the nearest, after half its gap. One that does not rise is in the face's shadow; it becomes the
+   nearest only where the centre leaves the face for it. */
+static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, double radius, const dem__touch *touch) {
+    const dem__tree *t = w->tree;
+    const int32_t face = touch->face;
+    dem__footing f;
+    double height;
+    f.at = dem__to_frame(w, d), f.slack = 0.0, f.face = face;
+    if (face < 0 || !(touch->gap <= 0.0)) return f;
+    const dem_vec up = dem__above_face(t, face, f.at, &height), a = t->vertex[t->corner[3 * face]];
+    const double inside = dem__inside_edges(t, face, dem__sub(f.at, up));
+    const double above = height - 0.1 * radius; /* near the plane of the face, others are no longer in its shadow */
+    double slack = 0.25 * radius < inside ? 0.25 * radius : inside;
+    slack = above < slack ? above : slack;
+    if (!(slack > 0.0)) return f;
+    const dem_vec out = dem__scale(1.0 / height, up);
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, f.at, radius + 2.0 * slack)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            double distance, rise = 0.0;
+            int inner;
+            if (k == face) continue;
+            dem__from_triangle(t, k, f.at, &distance, &inner);
+            for (int c = 0; c < 3; c++) {
+                const double corner = dem__dot(dem__sub(t->vertex[t->corner[3 * k + c]], a), out);
+                rise = corner > rise ? corner : rise;
+            }
+            const double aside = distance * distance - height * height, /* the shadow's tolerance is 1e-9 */
+                reach = rise > 5e-10 * height ? 0.5 * (distance - radius) : sqrt(aside > 0.0 ? aside : 0.0);
+            slack = reach < slack ? reach : slack;
+        }
+    }
+    f.slack = slack > 0.0 ? 0.999 * slack : 0.0;
+    return f;
+}
+
+/* Computes the touch of a sphere that has not left its footing. Returns 0 if a search is needed. opens: the most that a
+   contact opens in a step [m]. */
+DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_vec d, double radius, double opens,
+                                  dem__touch *out) {
+    const dem_vec p = dem__to_frame(w, d), moved = dem__sub(p, f->at);
+    double distance;
+    if (!(f->slack > opens && dem__dot(moved, moved) < f->slack * f->slack)) return 0;
+    const dem_vec v = dem__above_face(w->tree, f->face, p, &distance);
+    out->gap = distance - radius;
+    out->normal = dem__from_frame(w, dem__scale(1.0 / distance, v));
+    return 1;
+}
+
+/* --------------------------------------------------------------------------------------------- >>walls/mesh_tree.h */
+/* The tree of a mesh's triangles. */
+
+/* Spreads 21 bits to every third bit of a Morton code. */
+static inline uint64_t dem__interleave(uint64_t v) {
+    v = (v | v << 32) & 0x1f00000000ffffu;
+    v = (v | v << 16) & 0x1f0000ff0000ffu;
+    v = (v | v << 8) & 0x100f00f00f00f00fu;
+    v = (v | v << 4) & 0x10c30c30c30c30c3u;
+    return (v | v << 2) & 0x1249249249249249u;
+}
+
+typedef struct dem__keyed {
+    uint64_t key;
+    int32_t index;
+} dem__keyed;
+/* Sorts by key, then index. temporary: room for n items. */
+static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptrdiff_t n) {
+    for (ptrdiff_t width = 1; width < n; width *= 2) {
+        for (ptrdiff_t low = 0; low < n; low += 2 * width) {
+            const ptrdiff_t mid = low + width < n ? low + width : n, high = mid + width < n ? mid + width : n;
+            for (ptrdiff_t a = low, b = mid, to = low; to < high; to++) {
+                const int left = a < mid && (b >= high || items[a].key < items[b].key ||
+                                             (items[a].key == items[b].key && items[a].index < items[b].index));
+                temporary[to] = left ? items[a++] : items[b++];
+            }
+        }
+        memcpy(items, temporary, (size_t)n * sizeof *items);
+    }
+}
+
+/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those
+   of each half. */
+static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
+    const int32_t at = t->nodes++;
+    dem__node *node = &t->node[at];
+    node->first = first;
+    node->count = end - first <= DEM__LEAF ? end - first : 0;
+    for (int a = 0; a < 3; a++) node->low[a] = HUGE_VAL, node->high[a] = -HUGE_VAL;
+    for (int32_t k = 3 * first; k < 3 * (first + node->count); k++) {
+        for (int a = 0; a < 3; a++) {
+            const double v = dem_axis(t->vertex[t->corner[k]], a);
+            node->low[a] = v < node->low[a] ? v : node->low[a];
+            node->high[a] = v > node->high[a] ? v : node->high[a];
+        }
+    }
+    if (node->count == 0) {
+        const int32_t middle = first + (end - first) / 2;
+        for (int side = 0; side < 2; side++) {
+            const int32_t child = t->nodes;
+            dem__grow_node(t, side ? middle : first, side ? end : middle);
+            for (int a = 0; a < 3; a++) {
+                const double low = t->node[child].low[a], high = t->node[child].high[a];
+                node->low[a] = low < node->low[a] ? low : node->low[a];
+                node->high[a] = high > node->high[a] ? high : node->high[a];
+            }
+        }
+    }
+    node->skip = t->nodes;
+}
+
+/* Returns an empty tree with room for the mesh; NULL when out of memory. */
+static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
+    const size_t v = (size_t)vertices, k = (size_t)triangles;
+    const size_t bytes =
+        sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
+    dem__tree *t = (dem__tree *)a->fn(a->user, NULL, 0, bytes);
+    if (!t) return NULL;
+    memset(t, 0, bytes);
+    t->bytes = bytes;
+    t->vertices = (int32_t)vertices;
+    t->vertex = (dem_vec *)(void *)(t + 1);
+    t->normal = t->vertex + v;
+    t->node = (dem__node *)(void *)(t->normal + k);
+    t->corner = (int32_t *)(void *)(t->node + k);
+    return t;
+}
+
+/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for
+   slivers. */
+static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
+    const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
+    const double x = dem__dot(ab, ab), y = dem__dot(bc, bc), z = dem__dot(ca, ca);
+    if (x >= y && x >= z) return dem__cross(bc, ca);
+    return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
+}
+
+/* Returns whether a triangle has an area that is not round-off of its corners; unit: its normal. */
+static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
+    const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
+    double longest = dem__dot(ab, ab);
+    longest = dem__dot(ac, ac) > longest ? dem__dot(ac, ac) : longest;
+    longest = dem__dot(bc, bc) > longest ? dem__dot(bc, bc) : longest;
+    return dem__length(n) > 1e-9 * longest && dem__unit(n, unit);
+}
+
+/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT
+   if there is none. */
+static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex,
+                                        ptrdiff_t triangles, const int32_t *corner, dem_status *status) {
+    const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
+    dem_vec low = vertex[0], high = vertex[0], normal;
+    ptrdiff_t n = 0;
+    for (ptrdiff_t v = 0; v < vertices; v++) {
+        for (int c = 0; c < 3; c++) {
+            double *l = dem_axis_of(&low, c), *h = dem_axis_of(&high, c), x = dem_axis(vertex[v], c);
+            *l = x < *l ? x : *l;
+            *h = x > *h ? x : *h;
+        }
+    }
+    *status = DEM_OUT_OF_MEMORY;
+    dem__keyed *items = (dem__keyed *)a->fn(a->user, NULL, 0, scratch);
+    if (!items) return NULL;
+    for (int32_t k = 0; k < (int32_t)triangles; k++) {
+        const dem_vec p[3] = {vertex[corner[3 * k]], vertex[corner[3 * k + 1]], vertex[corner[3 * k + 2]]};
+        if (!dem__has_area(p[0], p[1], p[2], &normal)) continue;
+        items[n].index = k;
+        items[n].key = 0;
+        for (int c = 0; c < 3; c++) {
+            const double from = dem_axis(low, c), span = dem_axis(high, c) - from;
+            const double x = (dem_axis(p[0], c) + dem_axis(p[1], c) + dem_axis(p[2], c)) / 3.0 - from;
+            items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0)
+                            << c;
+        }
+        n++;
+    }
+    dem__tree *t = n > 0 ? dem__plant(a, vertices, n) : NULL;
+    if (n == 0) *status = DEM_BAD_ARGUMENT;
+    if (t) {
+        dem__sort_keyed(items, items + n, n);
+        memcpy(t->vertex, vertex, (size_t)vertices * sizeof *vertex);
+        for (ptrdiff_t k = 0; k < n; k++) {
+            const int32_t *from = &corner[3 * items[k].index];
+            memcpy(&t->corner[3 * k], from, 3 * sizeof *from);
+            dem__has_area(vertex[from[0]], vertex[from[1]], vertex[from[2]], &t->normal[k]);
+        }
+        t->triangles = (int32_t)n;
+        dem__grow_node(t, 0, (int32_t)n);
+        *status = DEM_OK;
+    }
+    a->fn(a->user, items, scratch, 0);
+    return t;
+}
+
+/* Returns whether a mesh's numbers are valid; low, high: its bounding box. */
+static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
+    if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
+        m->triangles > INT32_MAX / 4)
+        return 0;
+    *low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), *high = dem__scale(-1.0, *low);
+    for (ptrdiff_t k = 0; k < 3 * m->triangles; k++) {
+        if (m->triangle[k] < 0 || m->triangle[k] >= m->vertices) return 0;
+    }
+    for (ptrdiff_t k = 0; k < 3 * m->vertices; k++) {
+        double *l = dem_axis_of(low, (int)(k % 3)), *h = dem_axis_of(high, (int)(k % 3)), x = m->vertex[k];
+        if (!(fabs(x) < 1e50)) return 0; /* so that squares of areas are finite */
+        *l = x < *l ? x : *l;
+        *h = x > *h ? x : *h;
+    }
+    return 1;
+}
+
+/* -------------------------------------------------------------------------------------------------- >>walls/mesh.h */
+/* Meshes of triangles: thin sheets, or closed bodies. Spheres touch them at several places, which their contacts follow
+   (meshes/follow.h); polyhedra touch their sharp edges and corners. */
+
+static inline int dem__touch_triangles(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                       double *least) {
+    return dem__touch_mesh(w, d, radius, limit < 0.0 ? limit : 0.0, limit, out, least);
+}
+
+/* Keys of an edge and its corner. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the order of
+   the tree. */
+enum { DEM__SHARP_KEYS = 1 + DEM__EDGE_KEYS, DEM__SHARP_EDGES_MAX = (1 << 30) / DEM__SHARP_KEYS };
+DEM_INLINE int32_t dem__sharp_key(int32_t at) {
+    return DEM_CORNERS_MAX * DEM__PLACE_DIRECTIONS + (int32_t)((int64_t)(at % DEM__SHARP_EDGES_MAX) * DEM__SHARP_KEYS);
+}
+
+/* Shows the sharp edges and corners of a triangle. */
+static inline void dem__show_triangle(const dem_wall *w, int32_t k, dem_vec d, dem__edge_visitor *v) {
+    const dem__tree *t = w->tree;
+    for (int32_t at = 3 * k; at < 3 * k + 3; at++) {
+        const int kind = t->edges->kind[at];
+        dem__wall_edge e;
+        if (!(kind & (DEM__EDGE | DEM__CORNER))) continue;
+        memset(&e, 0, sizeof e);
+        e.key = dem__sharp_key(at);
+        e.from = dem__sub(dem__from_frame(w, t->vertex[t->corner[at]]), d);
+        if (kind & DEM__CORNER) v->corner(v, e.from, 0.0, dem__from_frame(w, t->edges->tip[at]), e.key);
+        if (!(kind & DEM__EDGE)) continue;
+        e.to = dem__sub(dem__from_frame(w, t->vertex[t->corner[at % 3 < 2 ? at + 1 : at - 2]]), d);
+        e.ends = (kind & DEM__FROM_END ? 1 : 0) | (kind & DEM__TO_END ? 2 : 0);
+        e.is_sided = !(kind & DEM__RIM), e.outward = dem__from_frame(w, t->edges->outward[at]);
+        e.key++;
+        v->edge(v, &e);
+    }
+}
+static inline void dem__mesh_edges_near(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    const dem__tree *t = w->tree;
+    const dem_vec d = dem__sub(centre, w->position), p = dem__to_frame(w, d);
+    for (int32_t b = 0; b < (t->edges ? t->nodes : 0);) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, p, reach)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) dem__show_triangle(w, k, d, v);
+    }
+}
+
+static inline const dem__wall_kind *dem__triangles(void) {
+    static const dem__wall_kind row = {
+        DEM_MESH,             /* kind */
+        DEM__TRIANGULATED,    /* flags */
+        NULL,                 /* is_sound: triangles are checked as they are read */
+        dem__touch_triangles, /* touch */
+        NULL,                 /* touch_element */
+        NULL,                 /* other_elements */
+        NULL,                 /* reach_round */
+        NULL,                 /* normal_rate: a contact knows its normals */
+        NULL,                 /* is_endless */
+        NULL,                 /* closing */
+        NULL,                 /* corners */
+        dem__mesh_edges_near, /* edges */
+        NULL                  /* crosses */
+    };
+    return &row;
+}
+
+/* ------------------------------------------------------------------------------------------------ >>walls/screen.h */
+/* Woven screens: two families of bars, round or half-round. Each bar is an element. */
+
+/* Computes the vector `from`, in (along, across, up), from the nearest point of the axis of bar `index` of a family, at
+   (index - 1/2) pitch, to a centre. along: the centre's coordinate parallel to the bars; across: in the deck,
+   perpendicular to them. Returns how far the surface is from that point [m]; < 0 if there is no such bar. */
+DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, double along, double across, double up,
+                                 dem_vec *from) {
+    const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire);
+    const double side = family ? w->half_x : w->half_y, length = family ? w->half_y : w->half_x;
+    const double end2 =
+        w->circular ? (w->half_x - bar) * (w->half_x + bar) : length * length; /* square of its half length */
+    const int beyond = !(along * along <= end2);
+    const double da = !beyond ? 0.0 : along < 0.0 ? along + sqrt(end2) : along - sqrt(end2), dc = across - bar;
+    *from = dem_vec3(da, dc, up);
+    if (w->circular ? !(fabs(bar) < w->half_x) : !(fabs(bar) <= side)) return -1.0;
+    if (w->profile == DEM_ROUND || !(up < 0.0)) return half;
+    /* the flat side is as wide as the wire; its ends are round, seen from below */
+    if (!beyond) {
+        from->y = dc - dem__clamp(dc, -half, half);
+        return 0.0;
+    }
+    const double out_by = sqrt(da * da + dc * dc), rest = out_by > half ? (out_by - half) / out_by : 0.0;
+    from->x = rest * da, from->y = rest * dc;
+    return 0.0;
+}
+
+/* Computes the touch with bar `index` of a family; its normal is in (along, across, up). Returns 0 if there is no such
+   bar. */
+DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up,
+                              double radius, dem__touch *out) {
+    dem_vec from;
+    const double inner = dem__reach_bar(w, family, index, along, across, up, &from);
+    if (!(inner >= 0.0)) return 0;
+    const double distance = dem__length(from);
+    out->gap = distance - inner - radius;
+    out->curvature =
+        1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on where it begins */
+    out->normal = dem__scale(1.0 / distance, from);
+    out->element = 2 * (int32_t)index + family;
+    return distance > 0.0;
+}
+
+/* Converts a vector from (along, across, up) of a family to the world's axes. */
+DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
+    const dem_vec a = dem__scale(v.x, w->axis[family]), c = dem__scale(v.y, w->axis[1 - family]),
+                  u = dem__scale(v.z, w->axis[2]);
+    return dem__add(dem__add(a, c), u);
+}
+
+/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck they
+   are the last two. */
+DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across) {
+    const double pitch = w->aperture + w->wire, half = family ? w->half_x : w->half_y,
+                 nearest = floor(across / pitch + 0.5);
+    if (fabs(across) < half - pitch) return nearest;
+    const double last = floor(half / pitch + 0.5);
+    return dem__clamp(nearest, 1.0 - last, last - 1.0);
+}
+
+/* Returns a lower limit of the gap of all other bars [m]. lowest: the smallest gap found, which counts where it is
+   negative. */
+DEM_INLINE double dem__third_bar(const dem_wall *w, double radius, double lowest) {
+    const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, near = lowest < 0.0 ? sum + lowest : sum;
+    return sqrt(near * near + 0.75 * pitch * pitch) - sum;
+}
+
+static inline int dem__touch_screen(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                    double *least) {
+    const double up = dem__dot(d, w->axis[2]);
+    int n = 0;
+    *least = fabs(up) - radius - 0.5 * w->wire;
+    if (!(*least < limit)) return 0;
+    double bound = HUGE_VAL;
+    for (int family = 0; family < 2; family++) {
+        const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]);
+        const double nearest = dem__nearest_bar(w, family, across);
+        if (!(fabs(nearest) < 1e6)) continue;
+        for (int side = 0; side < 2; side++) {
+            if (!dem__touch_bar(w, family, nearest + side, along, across, up, radius, &out[n])) continue;
+            bound = out[n].gap < bound ? out[n].gap : bound;
+            if (!(out[n].gap < limit)) continue;
+            out[n].normal = dem__from_bar(w, family, out[n].normal);
+            n++;
+        }
+    }
+    const double third = dem__third_bar(w, radius, bound);
+    bound = third < bound ? third : bound;
+    *least = bound > *least ? bound : *least;
+    return n;
+}
+
+/* Finds the family and the index of a bar from the number of the element. */
+DEM_INLINE int dem__family_of(int32_t element) { return (int)((uint32_t)element & 1u); }
+DEM_INLINE double dem__index_of(int32_t element) { return (double)((element - dem__family_of(element)) / 2); }
+
+static inline void dem__touch_element_of_screen(const dem_wall *w, dem_vec d, double radius, int32_t element,
+                                                dem__touch *out) {
+    const int family = dem__family_of(element);
+    out->gap = HUGE_VAL, out->curvature = 0.0, out->normal = w->axis[2];
+    if (dem__touch_bar(w, family, dem__index_of(element), dem__dot(d, w->axis[family]),
+                       dem__dot(d, w->axis[1 - family]), dem__dot(d, w->axis[2]), radius, out))
+        out->normal = dem__from_bar(w, family, out->normal);
+}
+
+static inline double dem__reach_screen(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner) {
+    const int family = dem__family_of(element);
+    const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]),
+                 up = dem__dot(d, w->axis[2]);
+    *inner = dem__reach_bar(w, family, dem__index_of(element), along, across, up, from);
+    *from = dem__from_bar(w, family, *from);
+    return *inner >= 0.0 && dem__dot(*from, *from) > 0.0 ? 1.0 : 0.0;
+}
+
+static inline dem_vec dem__turn_at_screen(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
+                                          double inverse, dem_vec u) {
+    const dem_vec along = w->axis[dem__family_of(element)], side = dem__sub(u, dem__scale(dem__dot(u, n), n));
+    (void)d, (void)radius;
+    if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side); /* at a bar's end */
+    if (w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) <= 1e-12 - 1.0)
+        return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
+    return dem__scale(inverse, dem__plus(side, -dem__dot(side, along), along));
+}
+
+/* Finds the ends of a bar's axis, from the screen's origin. Returns 0 if there is no such bar. */
+static inline int dem__bar_ends(const dem_wall *w, int family, double index, dem_vec end[2]) {
+    const double bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
+    dem_vec from;
+    if (dem__reach_bar(w, family, index, 0.0, bar, 0.0, &from) < 0.0) return 0;
+    const double reach = w->circular ? sqrt((w->half_x - bar) * (w->half_x + bar)) : length;
+    for (int k = 0; k < 2; k++) end[k] = dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0));
+    return 1;
+}
+/* Finds the first and the last bar of a family near a polyhedron at d. reach: its own [m]. */
+DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double reach, double *first, double *last) {
+    const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]),
+                 half = family ? w->half_x : w->half_y;
+    const double low = dem__clamp(across - reach - 0.5 * w->wire, -half, half);
+    const double high = dem__clamp(across + reach + 0.5 * w->wire, -half, half);
+    *first = floor(low / pitch + 0.5), *last = floor(high / pitch + 0.5);
+}
+
+/* Shows the edges of a bar and its ends. A half-round bar is a capsule when touched from above, and two sharp edges
+   when touched from below. */
+static inline void dem__show_bar(const dem_wall *w, int family, double index, dem_vec d, dem__edge_visitor *v) {
+    const double half = 0.5 * w->wire;
+    const int32_t key = DEM__ELEMENT_KEYS * (2 * (int32_t)index + family + DEM__ELEMENTS_FROM) + DEM_CORNERS_MAX;
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    dem__wall_edge e, below;
+    dem_vec end[2];
+    if (!dem__bar_ends(w, family, index, end)) return;
+    for (int k = 0; k < 2; k++) end[k] = dem__sub(end[k], d);
+    for (int k = 0; k < 2; k++) v->corner(v, end[k], half, none, key + k);
+    memset(&e, 0, sizeof e);
+    e.from = end[0], e.to = end[1], e.radius = half, e.ends = 3, e.is_axis = 1, e.key = key + 2;
+    e.side = w->axis[2], e.sign = w->profile == DEM_ROUND ? 0.0 : 1.0;
+    v->edge(v, &e);
+    for (int side = -1; side < 2 && w->profile != DEM_ROUND; side += 2) {
+        const dem_vec off = dem__scale(side * half, w->axis[1 - family]);
+        memset(&below, 0, sizeof below);
+        below.from = dem__add(end[0], off), below.to = dem__add(end[1], off);
+        below.key = key + 2 + DEM__EDGE_KEYS * (side > 0 ? 2 : 1);
+        below.side = w->axis[2], below.sign = -1.0;
+        v->edge(v, &below);
+    }
+}
+static inline void dem__screen_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    const dem_vec d = dem__sub(centre, w->position);
+    double first, last;
+    for (int family = 0; family < 2; family++) {
+        dem__bars_near(w, family, d, reach, &first, &last);
+        for (double index = first; index <= last; index += 1.0) dem__show_bar(w, family, index, d, v);
+    }
+}
+
+/* Returns whether a screen has lengths, and no more bars and apertures than integers count. */
+static inline int dem__is_deck(const dem_wall *w) {
+    const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
+    return (w->profile == DEM_ROUND || w->profile == DEM_SEMICIRCLE) && dem__positive(w->aperture) &&
+           dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 && x * y < 2.5e8;
+}
+
+static inline const dem__wall_kind *dem__woven_screen(void) {
+    static const dem__wall_kind row = {
+        DEM_SCREEN,                   /* kind */
+        DEM__CONVEX,                  /* flags: of each bar */
+        dem__is_deck,                 /* is_sound */
+        dem__touch_screen,            /* touch */
+        dem__touch_element_of_screen, /* touch_element */
+        dem__third_bar,               /* other_elements */
+        dem__reach_screen,            /* reach_round */
+        dem__turn_at_screen,          /* normal_rate */
+        NULL,                         /* is_endless */
+        NULL,                         /* closing */
+        NULL,                         /* corners */
+        dem__screen_edges,            /* edges */
+        NULL                          /* crosses */
+    };
+    return &row;
+}
+
+DEM_API dem_screen dem_default_screen(void) {
+    dem_screen s;
+    memset(&s, 0, sizeof s);
+    s.aperture = 8e-3;
+    s.wire = 2e-3;
+    s.profile = DEM_SEMICIRCLE;
+    s.circular = 1;
+    s.half_x = s.half_y = 0.095;
+    s.normal = dem_vec3(0, 0, 1);
+    s.direction = dem_vec3(1, 0, 0);
+    return s;
+}
+
+DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen) {
+    dem_wall wall;
+    const dem_status status = dem__may_add_wall(world, material);
+    memset(&wall, 0, sizeof wall);
+    if (status != DEM_OK) return -(int)status;
+    if (!screen || !dem__is_place(screen->centre) || !dem__finite_vec(screen->normal) ||
+        !dem__finite_vec(screen->direction) || !dem__frame(&wall, screen->normal, screen->direction))
+        return -(int)DEM_BAD_ARGUMENT;
+    wall.asked.origin = screen->centre;
+    wall.aperture = screen->aperture;
+    wall.wire = screen->wire;
+    wall.profile = (int)screen->profile;
+    wall.circular = screen->circular != 0;
+    wall.half_x = screen->half_x;
+    wall.half_y = screen->circular ? screen->half_x : screen->half_y;
+    if (!dem__is_deck(&wall)) return -(int)DEM_BAD_ARGUMENT;
+    return dem__add_wall(world, dem__woven_screen(), material, &wall);
+}
+
+/* ------------------------------------------------------------------------------------------------ >>walls/sphere.h */
+/* Spheres as walls: hollow, with particles inside, or solid ones with particles outside. */
+
+static inline int dem__touch_sphere(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
+                                    double *least) {
+    return dem__touch_round(w, d, 1.0, radius, limit, out, least);
+}
+
+static inline double dem__reach_sphere(const dem_wall *w, dem_vec d, int32_t element, dem_vec *from, double *inner) {
+    (void)element;
+    return dem__side_of_round(w, d, from, inner);
+}
+
+static inline dem_vec dem__turn_at_sphere(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
+                                          double inverse, dem_vec u) {
+    (void)w, (void)d, (void)radius, (void)element;
+    return dem__scale(inverse, dem__sub(u, dem__scale(dem__dot(u, n), n)));
+}
+
+/* A solid sphere touches a polyhedron as a corner of a wall does, with all of its surface. */
+static inline int dem__sphere_corners(const dem_wall *w) { return w->inside ? DEM__CORNERS_ALL : DEM__CORNERS_NONE; }
+static inline void dem__sphere_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
+    (void)reach;
+    if (!w->inside) v->corner(v, dem__sub(w->position, centre), w->radius, dem_vec3(0.0, 0.0, 0.0), 0);
+}
+
+static inline const dem__wall_kind *dem__sphere(void) {
+    static const dem__wall_kind row = {
+        DEM_SPHERE,          /* kind */
+        0,                   /* flags */
+        dem__is_round,       /* is_sound */
+        dem__touch_sphere,   /* touch */
+        NULL,                /* touch_element */
+        NULL,                /* other_elements */
+        dem__reach_sphere,   /* reach_round */
+        dem__turn_at_sphere, /* normal_rate */
+        NULL,                /* is_endless */
+        NULL,                /* closing */
+        dem__sphere_corners, /* corners */
+        dem__sphere_edges,   /* edges */
+        NULL                 /* crosses */
+    };
+    return &row;
+}
+
+DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside) {
+    return dem__add_round(world, dem__sphere(), material, centre, dem_vec3(0, 0, 1), radius, inside);
+}
+
+/* ------------------------------------------------------------------------------------------------- >>walls/kinds.h */
+/* All kinds of walls. A new kind is a file like these and its row in the list; its name is in base/types.h. */
+
+/* Returns the row of a kind; NULL for an unknown kind. */
+static inline const dem__wall_kind *dem__find_kind(int kind) {
+    const dem__wall_kind *const row[] = {
+        dem__plane(),  dem__cylinder(), dem__woven_screen(), dem__exit(),
+        dem__sphere(), dem__cone(),     dem__triangles(),    dem__disc(),
+    };
+    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
+        if (row[k]->kind == kind) return row[k];
+    }
+    return NULL;
 }
 
 /* ----------------------------------------------------------------------------------------------- >>base/parallel.h */

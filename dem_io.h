@@ -316,6 +316,7 @@ static inline void dem_io__grow_by_wall(dem_vec *low, dem_vec *high, const dem_w
         break;
     case DEM_SPHERE: dem_io__grow(low, high, w->position, w->radius); break;
     case DEM_CONE:
+    case DEM_DISC:
         for (int k = 0; k < 16; k++) {
             dem_io__grow(low, high, dem_io__on_circle(w->position, w->axis[0], w->axis[1], w->radius, k, 16), 0.0);
             dem_io__grow(
@@ -414,7 +415,8 @@ DEM_IO_API dem_status dem_io_surface_of(const dem_world *world, dem_io_surface *
         switch (w->kind) {
         case DEM_PLANE: dem_io__plane(surface, world, k, low, high); break;
         case DEM_CYLINDER: dem_io__cylinder(surface, w, k, low, high); break;
-        case DEM_CONE: dem_io__tube(surface, w, k, 0.0, w->length, w->radius, w->high_radius); break;
+        case DEM_CONE:
+        case DEM_DISC: dem_io__tube(surface, w, k, 0.0, w->length, w->radius, w->high_radius); break;
         case DEM_SPHERE: dem_io__ball(surface, w, k); break;
         case DEM_SCREEN: dem_io__bars(surface, w, k, 0), dem_io__bars(surface, w, k, 1); break;
         case DEM_MESH: dem_io__mesh(surface, w, k); break;

@@ -2157,9 +2157,10 @@ FILTRATION_API filtration_status filtration_fit_compressibility(size_t runs, con
 enum { FILTRATION__ROW_SOLID = 1, FILTRATION__ROW_BAD = 2 };
 
 /* Directions: rest, then pairs of opposite ones, so that the opposite of i needs no table. */
-static const signed char filtration__c19[19][3] = {{0, 0, 0},  {1, 0, 0},   {-1, 0, 0},  {0, 1, 0},  {0, -1, 0}, {0, 0, 1},   {0, 0, -1},
-                                                   {1, 1, 0},  {-1, -1, 0}, {1, -1, 0},  {-1, 1, 0}, {1, 0, 1},  {-1, 0, -1}, {1, 0, -1},
-                                                   {-1, 0, 1}, {0, 1, 1},   {0, -1, -1}, {0, 1, -1}, {0, -1, 1}};
+static const signed char filtration__c19[19][3] = {{0, 0, 0},  {1, 0, 0},   {-1, 0, 0},  {0, 1, 0},   {0, -1, 0},
+                                                   {0, 0, 1},  {0, 0, -1},  {1, 1, 0},   {-1, -1, 0}, {1, -1, 0},
+                                                   {-1, 1, 0}, {1, 0, 1},   {-1, 0, -1}, {1, 0, -1},  {-1, 0, 1},
+                                                   {0, 1, 1},  {0, -1, -1}, {0, 1, -1},  {0, -1, 1}};
 static const signed char filtration__c15[15][3] = {{0, 0, 0},   {1, 0, 0},  {-1, 0, 0},  {0, 1, 0},    {0, -1, 0},
                                                    {0, 0, 1},   {0, 0, -1}, {1, 1, 1},   {-1, -1, -1}, {1, 1, -1},
                                                    {-1, -1, 1}, {1, -1, 1}, {-1, 1, -1}, {-1, 1, 1},   {1, -1, -1}};
@@ -2182,10 +2183,10 @@ typedef struct filtration__entry {
 typedef struct filtration__ball {
     double centre[3], velocity[3], spin[3], radius; /* radius 0: no sphere */
     double force[2][3], torque[2][3];               /* of this step and the one before */
-    double density, slope[3];                       /* at its surface: deviation density + slope . d, d from the centre */
-    int64_t steps;                                  /* number of steps since it was added */
-    int64_t films;                                  /* number of links to other solids and through faces */
-    int64_t hull[3];                                /* sum over its links of 72 w c [-]: 0 where its surface is closed */
+    double density, slope[3]; /* at its surface: deviation density + slope . d, d from the centre */
+    int64_t steps;            /* number of steps since it was added */
+    int64_t films;            /* number of links to other solids and through faces */
+    int64_t hull[3];          /* sum over its links of 72 w c [-]: 0 where its surface is closed */
 } filtration__ball;
 
 /* Relaxation and forcing of one step, of the kernel's precision. */
@@ -2210,8 +2211,12 @@ typedef struct filtration__lattice {
     double face_velocity[6][3], face_density[6]; /* lattice units [-] */
     double w[FILTRATION__Q];
     int whole_weight[FILTRATION__Q]; /* 72 w */
+    double real_c[FILTRATION__Q][3], squared_c[FILTRATION__Q];
     filtration__rates rates;
     int periodic_x, half_way, refill;
+    /* Of nodes whose neighbours all lie in the box, between steps; the first index is `odd`: where an outgoing and an incoming population
+       is, after the place of the node itself; how far the next node is, in places and in nodes. */
+    ptrdiff_t out_at[2][FILTRATION__Q], in_at[2][FILTRATION__Q], next_place[FILTRATION__Q], next_node[FILTRATION__Q];
     int left;                   /* 1: spheres have left nodes since the mass was corrected */
     int odd;                    /* which step of the pair comes next */
     int32_t *owner;             /* [nz][ny][nx]: FILTRATION__FLUID, FILTRATION__SOLID or a sphere */
@@ -2230,7 +2235,9 @@ typedef struct filtration__lattice {
     int64_t updated[FILTRATION__TASKS];        /* nodes */
 } filtration__lattice;
 
-static inline double filtration__dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static inline double filtration__dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 /* Returns the deviation of density at a sphere's surface, or in a film beside it; d: from its centre. */
 static inline double filtration__density_at(const filtration__ball *b, const double d[3]) {
@@ -2283,13 +2290,36 @@ static inline ptrdiff_t filtration__outgoing(const filtration__lattice *l, int x
 /* Returns where the next step reads the incoming population i of a node; between steps. */
 static inline ptrdiff_t filtration__incoming(const filtration__lattice *l, int x, int y, int z, int i) {
     if (l->odd) return filtration__abroad(l, x, y, z, i);
-    if (l->periodic_x && x == 0 && l->c[i][0] > 0) x = l->nx; /* still in the halo, which is folded back when the step begins */
+    if (l->periodic_x && x == 0 && l->c[i][0] > 0)
+        x = l->nx; /* still in the halo, which is folded back when the step begins */
     else if (l->periodic_x && x == l->nx - 1 && l->c[i][0] < 0) x = -1;
     return filtration__home(l, x, y, z, i);
 }
 
 static inline ptrdiff_t filtration__node(const filtration__lattice *l, int x, int y, int z) {
     return ((ptrdiff_t)z * l->ny + y) * l->nx + x;
+}
+
+/* Finds the places of populations of nodes whose neighbours all lie in the box. */
+static inline void filtration__list_places(filtration__lattice *l) {
+    for (int i = 0; i < l->q; i++) {
+        const signed char *c = l->c[i];
+        const int o = filtration__opposite(i);
+        l->next_place[i] = ((ptrdiff_t)c[2] * (l->ny + 2 * l->ghost_y) + c[1]) * l->bundle + c[0];
+        l->next_node[i] = ((ptrdiff_t)c[2] * l->ny + c[1]) * l->nx + c[0];
+        l->out_at[0][i] = l->next_place[i] + i * l->stride, l->out_at[1][i] = o * l->stride;
+        l->in_at[0][i] = i * l->stride, l->in_at[1][i] = o * l->stride - l->next_place[i];
+    }
+}
+
+/* Returns whether all neighbours of a node lie in the box. */
+static inline int filtration__is_inner(const filtration__lattice *l, int x, int y, int z) {
+    return x > 0 && y > 0 && z > 0 && x < l->nx - 1 && y < l->ny - 1 && z < l->nz - 1;
+}
+
+/* Returns the place of direction 0 of such a node, as filtration__home does. */
+static inline ptrdiff_t filtration__inner_place(const filtration__lattice *l, int x, int y, int z) {
+    return ((ptrdiff_t)(z + l->ghost_z) * (l->ny + 2 * l->ghost_y) + y + l->ghost_y) * l->bundle + l->lead + x;
 }
 
 /* Returns the equilibrium of direction i: weight times r + 3 c.u + 4.5 (c.u)^2 - 1.5 u^2 (He and Luo 1997). */
@@ -2982,7 +3012,8 @@ typedef struct filtration__cut {
 /* Reads the outgoing population i of the node behind (against i). Returns 0 if that node is not fluid. */
 static inline int filtration__behind(const filtration__lattice *l, const filtration__cut *k, double *h) {
     int p[3] = {k->x - l->c[k->i][0], k->y - l->c[k->i][1], k->z - l->c[k->i][2]}, mirrored;
-    if (!filtration__inside(l, p, &mirrored) || l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) return 0;
+    if (!filtration__inside(l, p, &mirrored) || l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID)
+        return 0;
     int i = mirrored ? filtration__turned(l, k->i, mirrored) : k->i;
     *h = filtration__get(l, filtration__outgoing(l, p[0], p[1], p[2], i));
     return 1;
@@ -3005,6 +3036,24 @@ static inline double filtration__bounce(filtration__lattice *l, const filtration
     return out;
 }
 
+/* The same at a node whose neighbours all lie in the box; place: of the node, node: its number. */
+FILTRATION__INLINE double filtration__bounce_inner(filtration__lattice *l, ptrdiff_t place, ptrdiff_t node, int i,
+                                                   double fraction, double cu, double *back) {
+    const ptrdiff_t *at = l->out_at[l->odd];
+    const int opposite = filtration__opposite(i);
+    const double out = filtration__get(l, place + at[i]);
+    if (l->half_way || l->owner[node - l->next_node[i]] != FILTRATION__FLUID) {
+        *back = out - 6.0 * l->w[i] * cu;
+    } else {
+        const double behind = filtration__get(l, place - l->next_place[i] + at[i]),
+                     other = filtration__get(l, place + at[opposite]);
+        const double weight = 1.0 / (1.0 + 2.0 * fraction);
+        *back = out + (1.0 - 2.0 * fraction) * weight * (behind - other) - 12.0 * weight * l->w[i] * cu;
+    }
+    filtration__put(l, place + l->in_at[l->odd][opposite], *back);
+    return out;
+}
+
 static inline filtration__cut filtration__link_cut(const filtration__link *link) {
     filtration__cut k = {link->x, link->y, link->z, link->i, (double)link->fraction};
     return k;
@@ -3016,8 +3065,16 @@ FILTRATION__STATIC void filtration__link_task(void *context, int task) {
     double back;
     filtration__task_range(l->link_count, task, &first, &end);
     for (ptrdiff_t n = first; n < end; n++) {
-        filtration__cut k = filtration__link_cut(&l->links[n]);
-        if (l->owner[filtration__node(l, k.x, k.y, k.z)] == FILTRATION__FLUID) filtration__bounce(l, &k, 0.0, &back);
+        const filtration__link *link = &l->links[n];
+        const ptrdiff_t node = filtration__node(l, link->x, link->y, link->z);
+        if (l->owner[node] != FILTRATION__FLUID) continue;
+        if (filtration__is_inner(l, link->x, link->y, link->z)) {
+            const ptrdiff_t place = filtration__inner_place(l, link->x, link->y, link->z);
+            filtration__bounce_inner(l, place, node, link->i, (double)link->fraction, 0.0, &back);
+        } else {
+            const filtration__cut k = filtration__link_cut(link);
+            filtration__bounce(l, &k, 0.0, &back);
+        }
     }
 }
 
@@ -3031,7 +3088,8 @@ static inline int filtration__meets_solid(const filtration__lattice *l, int x, i
     return filtration__inside(l, p, &mirrored) && l->owner[filtration__node(l, p[0], p[1], p[2])] == FILTRATION__SOLID;
 }
 
-static inline double filtration__solid_fraction(const filtration_fluid_def *def, const filtration__lattice *l, int x, int y, int z, int i) {
+static inline double filtration__solid_fraction(const filtration_fluid_def *def, const filtration__lattice *l, int x,
+                                                int y, int z, int i) {
     double a[3], b[3], q = 0.5;
     filtration__point(def, x, y, z, a);
     filtration__point(def, x + l->c[i][0], y + l->c[i][1], z + l->c[i][2], b);
@@ -3149,26 +3207,27 @@ typedef struct filtration__surface {
     double weight, density, place[3], rise[3]; /* sums of w, w r, w d, w r d */
     double spread[6];                          /* of w d d: xx, yy, zz, yz, zx, xy */
     double arm[3];                             /* of w (d x c) */
+    double force[3], torque[3];
+    int64_t links[FILTRATION__Q]; /* number along each direction */
 } filtration__surface;
 
-/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Half of what goes and comes is w times the density there. */
-static inline void filtration__exchange(const filtration__lattice *l, filtration__ball *b, filtration__surface *s, int i, const double d[3],
-                                        const double u[3], double out, double back) {
-    const double w = l->w[i], c[3] = {(double)l->c[i][0], (double)l->c[i][1], (double)l->c[i][2]}, wr = 0.5 * (out + back);
-    double f[3];
-    for (int a = 0; a < 3; a++) {
-        const int y = (a + 1) % 3, z = (a + 2) % 3;
-        f[a] = c[a] * (out + back) - u[a] * (out - back);
-        b->force[0][a] += f[a];
-        b->hull[a] += l->c[i][a] * l->whole_weight[i];
-        s->place[a] += w * d[a], s->rise[a] += wr * d[a];
-        s->spread[a] += w * d[a] * d[a], s->spread[3 + a] += w * d[y] * d[z];
-        s->arm[a] += w * (d[y] * c[z] - d[z] * c[y]);
-    }
+/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Half of what goes and comes is w times the
+   density there. d: from the centre, u: velocity of the surface. Written out, because there is a link for every few nodes
+   of a cake. */
+FILTRATION__INLINE void filtration__exchange(const filtration__lattice *l, filtration__surface *s, int i,
+                                             const double d[3], const double u[3], double out, double back) {
+    const double *c = l->real_c[i], w = l->w[i], both = out + back, less = out - back, wr = 0.5 * both;
+    const double fx = c[0] * both - u[0] * less, fy = c[1] * both - u[1] * less, fz = c[2] * both - u[2] * less;
+    const double wx = w * d[0], wy = w * d[1], wz = w * d[2];
+    s->force[0] += fx, s->force[1] += fy, s->force[2] += fz;
+    s->torque[0] += d[1] * fz - d[2] * fy, s->torque[1] += d[2] * fx - d[0] * fz, s->torque[2] += d[0] * fy - d[1] * fx;
+    s->links[i]++;
     s->weight += w, s->density += wr;
-    b->torque[0][0] += d[1] * f[2] - d[2] * f[1];
-    b->torque[0][1] += d[2] * f[0] - d[0] * f[2];
-    b->torque[0][2] += d[0] * f[1] - d[1] * f[0];
+    s->place[0] += wx, s->place[1] += wy, s->place[2] += wz;
+    s->rise[0] += wr * d[0], s->rise[1] += wr * d[1], s->rise[2] += wr * d[2];
+    s->spread[0] += wx * d[0], s->spread[1] += wy * d[1], s->spread[2] += wz * d[2];
+    s->spread[3] += wy * d[2], s->spread[4] += wz * d[0], s->spread[5] += wx * d[1];
+    s->arm[0] += wy * c[2] - wz * c[1], s->arm[1] += wz * c[0] - wx * c[2], s->arm[2] += wx * c[1] - wy * c[0];
 }
 
 /* Fits density + slope . d to the density at a sphere's links, by least squares; the more of the surface is hidden, the more the slope is
@@ -3187,46 +3246,66 @@ static inline void filtration__fit_density(filtration__ball *b, const filtration
     const double whole = m[0] * minor[0] + m[5] * minor[1] + m[4] * minor[2];
     if (whole > 0.0) {
         b->slope[0] = (right[0] * minor[0] + right[1] * minor[1] + right[2] * minor[2]) / whole;
-        b->slope[1] = (right[0] * minor[1] + right[1] * (m[0] * m[2] - m[4] * m[4]) + right[2] * (m[4] * m[5] - m[0] * m[3])) / whole;
-        b->slope[2] = (right[0] * minor[2] + right[1] * (m[4] * m[5] - m[0] * m[3]) + right[2] * (m[0] * m[1] - m[5] * m[5])) / whole;
+        b->slope[1] =
+            (right[0] * minor[1] + right[1] * (m[0] * m[2] - m[4] * m[4]) + right[2] * (m[4] * m[5] - m[0] * m[3])) /
+            whole;
+        b->slope[2] =
+            (right[0] * minor[2] + right[1] * (m[4] * m[5] - m[0] * m[3]) + right[2] * (m[0] * m[1] - m[5] * m[5])) /
+            whole;
     }
     b->density = s->density / s->weight - filtration__dot(b->slope, mean);
 }
 
 /* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one; otherwise counts a film. */
-static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
-                                         int z, int j) {
-    int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
-    double d[3], e[3], u[3], back, cd = 0.0, dd = 0.0, cc = 0.0;
+static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b,
+                                         filtration__surface *sum, int x, int y, int z, int j) {
+    const signed char *c = l->c[j];
+    int s[3] = {x, y, z}, p[3] = {x + c[0], y + c[1], z + c[2]}, mirrored;
+    double d[3], e[3], u[3], back;
+    const int inner = filtration__is_inner(l, p[0], p[1], p[2]);
     for (int a = 0; a < 3; a++) d[a] = p[a] - b->centre[a];
-    if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
-    const int from_image = mirrored;
-    if (!filtration__inside(l, p, &mirrored)) {
-        b->films += !from_image;
-        return;
+    if (!inner) {
+        if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
+        const int from_image = mirrored, there = filtration__inside(l, p, &mirrored);
+        if (there && mirrored) return;
+        if (!there || l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) {
+            b->films += !from_image;
+            return;
+        }
     }
-    if (mirrored) return;
-    if (l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) {
-        b->films += !from_image;
-        return;
+    const ptrdiff_t node = filtration__node(l, p[0], p[1], p[2]);
+    if (inner) {
+        if (l->owner[node - l->next_node[j]] != index) return;
+        if (l->owner[node] != FILTRATION__FLUID) {
+            b->films++;
+            return;
+        }
     }
-    for (int a = 0; a < 3; a++) cd -= d[a] * l->c[j][a], dd += d[a] * d[a], cc += (double)(l->c[j][a] * l->c[j][a]);
-    double root = cd * cd - cc * (dd - b->radius * b->radius);
-    filtration__cut k = {p[0], p[1], p[2], filtration__opposite(j), l->half_way ? 0.5 : (-cd - sqrt(root > 0.0 ? root : 0.0)) / cc};
-    for (int a = 0; a < 3; a++) e[a] = d[a] - k.fraction * l->c[j][a];
+    const double *r = l->real_c[j], cc = l->squared_c[j];
+    const double cd = -(d[0] * r[0]) - d[1] * r[1] - d[2] * r[2], dd = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    const double root = cd * cd - cc * (dd - b->radius * b->radius);
+    const double fraction = l->half_way ? 0.5 : (-cd - sqrt(root > 0.0 ? root : 0.0)) / cc;
+    const int i = filtration__opposite(j);
+    for (int a = 0; a < 3; a++) e[a] = d[a] - fraction * r[a];
     filtration__surface_velocity(b, e, u);
-    double cu = -(l->c[j][0] * u[0] + l->c[j][1] * u[1] + l->c[j][2] * u[2]);
-    double out = filtration__bounce(l, &k, cu, &back);
-    filtration__exchange(l, b, sum, k.i, e, u, out, back);
+    const double cu = -(r[0] * u[0] + r[1] * u[1] + r[2] * u[2]);
+    double out;
+    if (inner) {
+        out = filtration__bounce_inner(l, filtration__inner_place(l, p[0], p[1], p[2]), node, i, fraction, cu, &back);
+    } else {
+        const filtration__cut k = {p[0], p[1], p[2], i, fraction};
+        out = filtration__bounce(l, &k, cu, &back);
+    }
+    filtration__exchange(l, sum, i, e, u, out, back);
 }
 
 /* What is done with a link of a sphere, from its node (x, y, z) along j. */
-typedef void (*filtration__link_fn)(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
-                                    int z, int j);
+typedef void (*filtration__link_fn)(filtration__lattice *l, int32_t index, filtration__ball *b,
+                                    filtration__surface *sum, int x, int y, int z, int j);
 
 /* Visits all links of a sphere: in every row those of its nodes whose neighbour along j is outside. */
-FILTRATION__INLINE void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum,
-                                               const filtration__link_fn link) {
+FILTRATION__INLINE void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b,
+                                               filtration__surface *sum, const filtration__link_fn link) {
     int y0, y1, z0, z1;
     filtration__extent(b, 1, &y0, &y1);
     filtration__extent(b, 2, &z0, &z1);
@@ -3263,7 +3342,11 @@ FILTRATION__STATIC void filtration__ball_task(void *context, int task) {
         b->films = b->hull[0] = b->hull[1] = b->hull[2] = 0;
         filtration__ball_links(l, (int32_t)n, b, &sum, filtration__ball_link);
         filtration__fit_density(b, &sum);
-        for (int a = 0; a < 3; a++) b->torque[0][a] -= 2.0 * b->density * sum.arm[a]; /* a constant pressure turns no sphere */
+        for (int a = 0; a < 3; a++) {
+            b->force[0][a] = sum.force[a];
+            b->torque[0][a] = sum.torque[a] - 2.0 * b->density * sum.arm[a]; /* a constant pressure turns no sphere */
+            for (int i = 1; i < l->q; i++) b->hull[a] += sum.links[i] * l->c[i][a] * l->whole_weight[i];
+        }
         b->steps++;
     }
 }
@@ -3282,7 +3365,8 @@ static inline double filtration__moments(const filtration__lattice *l, int x, in
 
 /* Sets the populations of a node that a sphere has left. d: from the sphere's centre. Without a fluid neighbour: the density at the
    sphere's surface. */
-static inline void filtration__fill(filtration__lattice *l, const filtration__ball *b, int x, int y, int z, const double d[3]) {
+static inline void filtration__fill(filtration__lattice *l, const filtration__ball *b, int x, int y, int z,
+                                    const double d[3]) {
     double r = 0.0, u[3], near_u[3] = {0, 0, 0}, best = -HUGE_VAL, near_r = 0.0, mean[FILTRATION__Q] = {0};
     int count = 0, from[3] = {0, 0, 0}, mirrored;
     for (int j = 1; j < l->q; j++) {
@@ -3305,14 +3389,16 @@ static inline void filtration__fill(filtration__lattice *l, const filtration__ba
     for (int i = 0; i < l->q; i++) {
         double h = filtration__equilibrium(l, i, r, u);
         if (count && l->refill == (int)FILTRATION_REFILL_NONEQUILIBRIUM)
-            h += filtration__get(l, filtration__incoming(l, from[0], from[1], from[2], i)) - filtration__equilibrium(l, i, near_r, near_u);
+            h += filtration__get(l, filtration__incoming(l, from[0], from[1], from[2], i)) -
+                 filtration__equilibrium(l, i, near_r, near_u);
         if (count && l->refill == (int)FILTRATION_REFILL_INTERPOLATION) h = mean[i] / count;
         filtration__put(l, filtration__incoming(l, x, y, z, i), h);
     }
 }
 
 /* Fills the nodes that a sphere has left, all from old fluid. A second call with done 1 makes them fluid. */
-static inline void filtration__fill_left(filtration__lattice *l, const filtration__ball *now, const filtration__ball *before, int done) {
+static inline void filtration__fill_left(filtration__lattice *l, const filtration__ball *now,
+                                         const filtration__ball *before, int done) {
     int y0, y1, z0, z1, mirrored;
     filtration__extent(before, 1, &y0, &y1);
     filtration__extent(before, 2, &z0, &z1);
@@ -3343,13 +3429,14 @@ static inline void filtration__fill_left(filtration__lattice *l, const filtratio
 
 /* Adds the pressure on a link between two solids, or through a face, from node (x, y, z) of the sphere along j. There the mean of the
    densities that the two spheres would have counts for both, so that the film pushes them apart with equal forces. */
-static inline void filtration__film_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
-                                         int z, int j) {
+static inline void filtration__film_link(filtration__lattice *l, int32_t index, filtration__ball *b,
+                                         filtration__surface *sum, int x, int y, int z, int j) {
     const int n[3] = {l->nx, l->ny, l->nz};
     int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
     double d[3];
     for (int a = 0; a < 3; a++) d[a] = s[a] + 0.5 * l->c[j][a] - b->centre[a];
-    if (!filtration__inside(l, s, &mirrored) || mirrored || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
+    if (!filtration__inside(l, s, &mirrored) || mirrored || l->owner[filtration__node(l, s[0], s[1], s[2])] != index)
+        return;
     double density = filtration__density_at(b, d);
     if (filtration__inside(l, p, &mirrored)) {
         const int32_t owner = l->owner[filtration__node(l, p[0], p[1], p[2])];
@@ -3629,6 +3716,8 @@ static inline void filtration__set_shape(const filtration_fluid_def *d, filtrati
                                 : cc == 1 ? 1.0 / 18.0
                                           : 1.0 / 36.0);
         l->whole_weight[i] = (int)(72.0 * l->w[i] + 0.5);
+        l->squared_c[i] = cc;
+        for (int a = 0; a < 3; a++) l->real_c[i][a] = l->c[i][a];
     }
     l->single = d->precision == FILTRATION_FLOAT;
     l->half_way = d->boundary == FILTRATION_HALF_WAY;
@@ -3645,6 +3734,7 @@ static inline void filtration__set_shape(const filtration_fluid_def *d, filtrati
     l->bundle = l->q * l->stride;
     l->rows = (ptrdiff_t)(l->ny + 2 * l->ghost_y) * (l->nz + 2 * l->ghost_z);
     l->fluid_nodes = (ptrdiff_t)l->nx * l->ny * l->nz;
+    filtration__list_places(l);
     l->block_bytes = (size_t)(l->rows * l->bundle + line) * (l->single ? sizeof(float) : sizeof(double)) + FILTRATION__LINE;
 }
 

@@ -28,7 +28,7 @@ DEM_INLINE void counted_force(const dem_contact *c, double *state, dem_response 
     evaluations++;
     dem_law_linear_friction.force(c, state, r);
 }
-static const dem_law counted_law = {"counted", 1, 3, 3, 1, 8, dem_prepare_linear, counted_force, NULL, NULL};
+static const dem_law counted_law = {"linear, counted", 1, 3, 3, 1, 8, dem_prepare_linear, counted_force, NULL, NULL};
 DEM_KERNEL(counted_kernel, counted_law, DEM_LINEAR | DEM_FRICTION)
 
 DEM_INLINE void counted_unresolved_force(const dem_contact *c, double *state, dem_response *r) {

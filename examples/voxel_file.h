@@ -23,6 +23,8 @@ static inline int voxel_fail(char *message, size_t size, const char *format, ...
     va_start(list, format);
     vsnprintf(message, size, format, list);
     va_end(list);
+    for (char *at = message; *at; at++)
+        if ((unsigned char)*at < ' ') *at = '?'; /* names from a file: still one line */
     return -1;
 }
 

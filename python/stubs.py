@@ -277,6 +277,7 @@ class Module:
             if any(belongs_to(function, one) for one in self.opaque):
                 continue
             called = name[len(self.lower) + 1:]
+            called += "_" * keyword.iskeyword(called)
             if function["hook"]:
                 lines.append(f"{called}: Any")
             else:
@@ -295,7 +296,8 @@ def belongs_to(function, name):
 
 
 def method_name(function, handle, lower):
-    return function[len(handle if function.startswith(handle + "_") else lower) + 1:]
+    name = function[len(handle if function.startswith(handle + "_") else lower) + 1:]
+    return name + "_" * keyword.iskeyword(name)
 
 
 def write(folder, headers, shapes):

@@ -94,14 +94,18 @@ static void test_rests_across(void **state) {
     }
 }
 
-/* Over a hole: a brick wider than a tube's end lies on its rim, a longer and narrower one bridges it with its edges. One that a corner of a
+/* Over a hole: a brick wider than a tube's end, or a small disc, lies on its rim, a longer and narrower one bridges it with its edges. One that a corner of a
    mesh pokes in the middle of a face is carried by it. */
 static void test_holes(void **state) {
     (void)state;
-    for (int kind = 0; kind < 3; kind++) {
+    for (int kind = 0; kind < 6; kind++) {
         dem_world w;
         make(&w, 1e-5, 1e4, 0.5, 0.5, down);
-        if (kind < 2) {
+        if (kind > 2) { /* a small disc; a hole in a large one, under a brick that lies on it, and under one on its rim */
+            dem_disc d = dem_default_disc();
+            d.radius = kind == 3 ? 0.005 : 0.05, d.hole_radius = kind == 3 ? 0.002 : 0.005;
+            assert_true(dem_add_disc(&w, 0, &d) >= 0);
+        } else if (kind < 2) {
             dem_cone c;
             c.low = dem_vec3(0, 0, -0.02), c.high = dem_vec3(0, 0, 0), c.low_radius = c.high_radius = 0.005;
             assert_true(dem_add_cone(&w, 0, &c) >= 0);
@@ -113,9 +117,10 @@ static void test_holes(void **state) {
             mesh.vertices = 4, mesh.vertex = corner, mesh.triangles = 3, mesh.triangle = face;
             assert_true(dem_add_mesh(&w, 0, &mesh) >= 0);
         }
-        put(&w, kind == 1 ? dem_vec3(0.016, 0.004, 0.004) : dem_vec3(0.016, 0.014, 0.004), dem_vec3(0, 0, 0.002), straight);
+        put(&w, kind == 1 || kind == 5 ? dem_vec3(0.016, 0.004, 0.004) : dem_vec3(0.016, 0.014, 0.004), dem_vec3(0, 0, 0.002), straight);
         RUN(&w, 0.5);
-        const int springs[3] = {16, 6, 1}; /* points of the rim; four crossings, two points of the rim; the tip */
+        /* points of the rim; four crossings, two points of the rim; the tip; points of both rims; four corners, points of the rim */
+        const int springs[6] = {16, 6, 1, 32, 20, 6};
         near(0.002 - dem_position(&w, 0).z, dem_mass(&w, 0) * 9.81 / (springs[kind] * 1e4), 1e-9);
         assert_int_equal(dem_contact_count(&w), springs[kind]);
         assert_true(dem__length(dem_velocity(&w, 0)) < 1e-9);
@@ -186,8 +191,9 @@ static void test_screen(void **state) {
 }
 
 /* Elastic hits at random on everything that stands out: root mean square error of the energy. */
-enum { WIRES, HALF_WIRES, CYLINDER, BALL, BOX, SHEET, TUBE, CONE, WALLS };
-static const char *const name[WALLS] = {"round wires", "half-round wires", "cylinder", "sphere", "box", "sheet", "tube's end", "cone"};
+enum { WIRES, HALF_WIRES, CYLINDER, BALL, BOX, SHEET, TUBE, CONE, DISC, RING, WALLS };
+static const char *const name[WALLS] = {"round wires", "half-round wires", "cylinder", "sphere", "box", "sheet", "tube's end", "cone", "disc",
+                                      "disc with a hole"};
 static void add_wall(dem_world *w, int kind) {
     if (kind == WIRES || kind == HALF_WIRES) {
         dem_screen s = dem_default_screen();
@@ -203,6 +209,10 @@ static void add_wall(dem_world *w, int kind) {
         memset(&mesh, 0, sizeof mesh);
         mesh.vertices = 3, mesh.vertex = corner, mesh.triangles = 1, mesh.triangle = face;
         assert_true(dem_add_mesh(w, 0, &mesh) >= 0);
+    } else if (kind == DISC || kind == RING) {
+        dem_disc d = dem_default_disc();
+        d.radius = kind == DISC ? 0.4 : 0.8, d.hole_radius = kind == DISC ? 0.0 : 0.3;
+        assert_true(dem_add_disc(w, 0, &d) >= 0);
     } else {
         dem_cone c;
         c.low = dem_vec3(0, 0, -1), c.high = dem_vec3(0, 0, 0), c.low_radius = kind == CONE ? 1.0 : 0.7,
@@ -243,15 +253,16 @@ static void test_energy(void **state) {
 }
 
 /* A cube of 4 mm, rounded by 0.4 mm, that has sunk into a wall: as deep as its rounding allows, and beyond, where the wall cuts its core,
-   also where its corners have passed a sheet. Walls of kind 0 to 8: plane, box, cylinder from inside and outside, sphere from inside and
-   outside, screen, tube from inside and from outside. Returns what is counted. */
-enum { CUT_KINDS = 9 };
+   also where its corners have passed a sheet. Walls of kind 0 to 9: plane, box, cylinder from inside and outside, sphere from inside and
+   outside, screen, disc, tube from inside and from outside. Returns what is counted. */
+enum { CUT_KINDS = 10 };
 static int64_t cut_by(int kind, double deep) {
     const double x = 2e-3 - deep, square = 2e-3 * 1.4142135623730951;
     const dem_vec up = dem_vec3(0, 0, 1), across = dem_vec3(0, 1, 0);
     dem_vec at = dem_vec3(0, 0, x);
     dem_screen screen = dem_default_screen();
     dem_cone tube = dem_default_cone();
+    dem_disc disc = dem_default_disc();
     dem_world w;
     dem_convex cube;
     make(&w, 1e-7, 1e-3, 0.5, 0.5, dem_vec3(0, 0, 0));
@@ -266,7 +277,8 @@ static int64_t cut_by(int kind, double deep) {
     case 4: dem_add_sphere_wall(&w, 0, dem_vec3(0, 0, sqrt(1e-4 - square * square)), 0.01, 1); break;
     case 5: dem_add_sphere_wall(&w, 0, dem_vec3(0, 0, -1e-3), 1e-3, 0); break;
     case 6: assert_true(dem_add_screen(&w, 0, &screen) >= 0); break;
-    case 7: assert_true(dem_add_cone(&w, 0, &tube) >= 0), at.z = sqrt(1e-4 - 4e-6) - x; break;
+    case 7: assert_true(dem_add_disc(&w, 0, &disc) >= 0); break;
+    case 8: assert_true(dem_add_cone(&w, 0, &tube) >= 0), at.z = sqrt(1e-4 - 4e-6) - x; break;
     default: assert_true(dem_add_cone(&w, 0, &tube) >= 0), at.z = 0.01 + x; break;
     }
     assert_int_equal(dem_make_brick(&cube, dem_vec3(4e-3, 4e-3, 4e-3), 0.1, NULL), DEM_OK);

@@ -92,10 +92,13 @@ static void test_surfaces_lie_on_the_walls(void **state) {
     const int floor = dem_add_plane(&w, 0, dem_vec3(0, 0, -0.1), dem_vec3(0, 0, 1));
     const int ball = dem_add_sphere_wall(&w, 0, dem_vec3(0, 0, 0.5), 0.05, 0);
     const int funnel = dem_add_cone(&w, 0, &cone);
+    dem_disc disc = dem_default_disc();
+    disc.centre = dem_vec3(-0.5, 0.2, 0.3), disc.normal = dem_vec3(0, 1, 1), disc.radius = 0.2, disc.hole_radius = 0.1;
+    const int bottom = dem_add_disc(&w, 0, &disc);
     const int box = dem_add_box(&w, 0, dem_vec3(-1, -1, -0.1), dem_vec3(2, 1, 0.6));
     const int off = dem_add_sphere_wall(&w, 0, dem_vec3(0, 0, 50), 1.0, 0);
     const int exit = dem_add_exit(&w, dem_vec3(0, 0, -0.05), dem_vec3(0, 0, 1));
-    assert_true(floor >= 0 && ball >= 0 && funnel >= 0 && box >= 0 && off >= 0 && exit >= 0);
+    assert_true(floor >= 0 && ball >= 0 && funnel >= 0 && bottom >= 0 && box >= 0 && off >= 0 && exit >= 0);
     dem_enable_wall(&w, off, 0);
     assert_int_equal(dem_io_surface_of(&w, &s), DEM_OK);
     assert_true(worst(&s, floor, from_floor) < 1e-12);
@@ -104,6 +107,11 @@ static void test_surfaces_lie_on_the_walls(void **state) {
     assert_true(fabs(area(&s, floor) / (3.0 * 2.0) - 1.0) < 0.02); /* the box that holds all, and a margin */
     assert_true(fabs(area(&s, ball) / (4.0 * RIDDLE_PI * 0.0025) - 1.0) < 0.01);
     assert_true(fabs(area(&s, funnel) / (RIDDLE_PI * 0.3 * hypot(0.1, 0.2)) - 1.0) < 0.01);
+    assert_true(fabs(area(&s, bottom) / (RIDDLE_PI * (0.04 - 0.01)) - 1.0) < 0.01);
+    for (int v = 0; v < s.vertices; v++) { /* all in the plane of the disc */
+        const double *x = &s.vertex[3 * v];
+        if (s.wall[v] == bottom) assert_true(fabs(x[1] - 0.2 + x[2] - 0.3) < 1e-12 && fabs(x[0] + 0.5) < 0.2 + 1e-12);
+    }
     assert_true(fabs(area(&s, box) - 2.0 * (3.0 * 2.0 + 3.0 * 0.7 + 2.0 * 0.7)) < 1e-9);
     for (int v = 0; v < s.vertices; v++) assert_true(s.wall[v] != off && s.wall[v] != exit);
     dem_io_free_surface(&s);

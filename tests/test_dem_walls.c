@@ -225,6 +225,83 @@ static void test_cone_and_sphere_distance(void **state) {
     dem_free(&w);
 }
 
+/* The nearest point of a disc and of its rims, against points of the plane; and a cone as high as an atom. */
+static void test_disc_distance(void **state) {
+    (void)state;
+    scene_random r = {17};
+    dem_world w;
+    dem_def def = one_material(0.8, 0.0);
+    double worst = 0.0, turned = 0.0;
+    start(&w, &def);
+    for (int n = 0; n < 12; n++) {
+        dem_disc disc = dem_default_disc();
+        dem_cone cone = dem_default_cone();
+        disc.centre = n % 3 ? scene_vector(&r, 1.0) : zero, disc.normal = scene_vector(&r, 2.0);
+        disc.radius = scene_between(&r, 0.3, 0.6), disc.hole_radius = n % 2 ? 0.0 : scene_between(&r, 0.01, 0.29);
+        const int k = wall_index(dem_add_disc(&w, 0, &disc));
+        cone.low = disc.centre, cone.high = dem__plus(disc.centre, 1e-9, w.wall[k].axis[2]);
+        cone.low_radius = disc.hole_radius, cone.high_radius = disc.radius;
+        const int thin = wall_index(dem_add_cone(&w, 0, &cone));
+        const dem_wall *wall = &w.wall[k], *flat = &w.wall[thin];
+        for (int q = 0; q < 2000; q++) {
+            const dem_vec p = dem__add(disc.centre, scene_vector(&r, q % 3 ? 0.8 : 0.05)), d = dem__sub(p, disc.centre);
+            const double h = dem__dot(d, wall->axis[2]), rho = dem__length(dem__plus(d, -h, wall->axis[2]));
+            const double off = rho > disc.radius ? rho - disc.radius : rho < disc.hole_radius ? disc.hole_radius - rho : 0.0;
+            dem__touch touch, other;
+            double least;
+            assert_int_equal(dem__touch_wall(wall, p, 0.01, 10.0, &touch, &least), 1);
+            near_absolute(touch.gap, hypot(off, h) - 0.01, 1e-15, "gap to a disc");
+            near_absolute(dem__length(touch.normal), 1.0, 1e-12, "normal");
+            const dem_vec foot = dem__sub(p, dem__scale(touch.gap + 0.01, touch.normal)), f = dem__sub(foot, disc.centre);
+            near_absolute(dem__dot(f, wall->axis[2]), 0.0, 1e-13, "the normal leads to the disc");
+            assert_true(dem__length(f) < disc.radius + 1e-13 && dem__length(f) > disc.hole_radius - 1e-13);
+            assert_int_equal(dem__touch_wall(wall, p, 0.01, touch.gap, &other, &least), 0);
+            assert_true(least == touch.gap);
+            if (n % 3) continue; /* elsewhere its ends are too near each other to have a direction */
+            dem__touch_wall(flat, p, 0.01, 10.0, &other, &least);
+            worst = fabs(other.gap - touch.gap) > worst ? fabs(other.gap - touch.gap) : worst;
+            if (touch.gap + 0.01 > 1e-3) turned = fmax(turned, dem__length(dem__sub(other.normal, touch.normal)));
+        }
+    }
+    print_message("a disc and a cone of 1e-9 m: gaps differ by %.1e m, normals by %.1e\n", worst, turned);
+    assert_true(worst <= 1.000001e-9 && worst > 1e-12 && turned < 2e-6);
+    dem_free(&w);
+}
+
+/* On a bottom with a hole: a ball lies on it as on a plane, a smaller one falls through the hole, a larger one lies on its
+   rim. From below a ball is stopped, too. */
+static void test_disc_bottom(void **state) {
+    (void)state;
+    const double hole = 0.004, balls[3] = {diameter, 0.007, 0.01};
+    for (int turn = 0; turn < 2; turn++) {
+        const dem_vec normal = turn ? v3(0, -0.6, -0.8) : up, along = turn ? v3(1, 0, 0) : v3(0, 1, 0);
+        dem_def def = one_material(0.4, 0.3);
+        dem_disc disc = dem_default_disc();
+        dem_world w, plane;
+        dem_pair(&def, 0, 0)->rolling = 2e-4;
+        def.gravity = dem__scale(-9.81, normal);
+        disc.radius = 0.05, disc.hole_radius = hole, disc.normal = dem__scale(turn ? -3.0 : 3.0, normal);
+        start(&w, &def), start(&plane, &def);
+        wall_index(dem_add_disc(&w, 0, &disc)), wall_index(dem_add_plane(&plane, 0, zero, normal));
+        const dem_vec beside = dem__plus(dem__scale(0.02, along), 0.004, normal);
+        add(&w, beside, balls[0]), add(&plane, beside, balls[0]);
+        add(&w, dem__scale(0.02, normal), balls[1]);
+        run(&w, 0.4, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING), run(&plane, 0.4, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING);
+        near_vec(dem_position(&w, 0), dem_position(&plane, 0), 1e-12, "as on a plane");
+        near_absolute(dem__dot(w.wall[0].force, normal), -dem_mass(&w, 0) * 9.81, 1e-9, "its weight");
+        near_vec(w.wall[0].torque, dem__cross(dem_position(&w, 0), w.wall[0].force), 1e-9, "its moment");
+        assert_true(dem__dot(dem_position(&w, 1), normal) < -0.1);
+        add(&w, dem__scale(0.006, normal), balls[2]);
+        run(&w, 0.6, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING);
+        near_absolute(dem__dot(dem_position(&w, 2), normal), sqrt(0.25 * balls[2] * balls[2] - hole * hole), 2e-6, "on the rim of the hole");
+        add(&w, dem__plus(dem__scale(-0.01, along), -0.02, normal), diameter); /* against the lower side */
+        move(&w, 3, dem__scale(1.0, normal), zero);
+        run(&w, 0.03, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING);
+        assert_true(dem__dot(dem_velocity(&w, 3), normal) < -0.2 && dem__dot(dem_position(&w, 3), normal) < -0.5 * diameter);
+        dem_free(&w), dem_free(&plane);
+    }
+}
+
 /* ---- smooth surfaces are touched once ---- */
 
 /* A ball on an incline, once of one plane and once of triangles. */
@@ -733,7 +810,8 @@ static dem_status busy_scene(dem_world *w, int skip, int threads, const dem_allo
     dem_def def = scene_def(5e-6);
     soup *s;
     dem_cone cone = dem_default_cone();
-    int box, lid, paddle, funnel, ball;
+    dem_disc ring = dem_default_disc();
+    int box, lid, paddle, funnel, ball, bottom;
     dem_status status;
     def.skip = skip, def.threads = threads;
     def.gravity = v3(0, 0, -30);
@@ -750,7 +828,10 @@ static dem_status busy_scene(dem_world *w, int skip, int threads, const dem_allo
     cone.low = v3(0, 0, 0.015), cone.high = v3(0, 0, 0.03), cone.low_radius = 0.008, cone.high_radius = 0.018;
     funnel = dem_add_cone(w, 1, &cone);
     ball = dem_add_sphere_wall(w, 1, v3(0.012, 0.01, -0.006), 0.005, 0);
-    if (box < 0 || lid < 0 || paddle < 0 || funnel < 0 || ball < 0) return DEM_OUT_OF_MEMORY;
+    ring.centre = v3(0.002, -0.003, 0.002), ring.normal = v3(0.3, 0.1, 1), ring.radius = 0.013, ring.hole_radius = 0.006;
+    bottom = dem_add_disc(w, 1, &ring);
+    if (box < 0 || lid < 0 || paddle < 0 || funnel < 0 || ball < 0 || bottom < 0) return DEM_OUT_OF_MEMORY;
+    dem_rotate(w, bottom, ring.centre, v3(0.2, 0, 1), 8.0);
     dem_set_belt(w, box, v3(0.1, 0, 0));
     dem_control_force(w, lid, up, 0.01, -0.2, 0.05);
     dem_control_torque(w, paddle, zero, up, 1e-6, 2e-4, 1e-6);
@@ -977,6 +1058,19 @@ static void test_bad_arguments(void **state) {
     cone.low_radius = nan_, assert_int_equal(dem_add_cone(&w, 0, &cone), bad);
     cone = dem_default_cone(), cone.high = cone.low, assert_int_equal(dem_add_cone(&w, 0, &cone), bad);
     cone.high.x = inf, assert_int_equal(dem_add_cone(&w, 0, &cone), bad), assert_int_equal(dem_add_cone(&w, 0, NULL), bad);
+    const double wrong[4] = {nan_, inf, -1.0, 1e200};
+    for (int k = 0; k < 4; k++) {
+        dem_disc disc = dem_default_disc();
+        if (k < 3) disc.radius = wrong[k], assert_int_equal(dem_add_disc(&w, 0, &disc), bad);
+        disc.radius = 1.0, disc.hole_radius = wrong[k], assert_int_equal(dem_add_disc(&w, 0, &disc), bad);
+        disc.hole_radius = 0.0, disc.centre.y = wrong[k];
+        if (k != 2) assert_int_equal(dem_add_disc(&w, 0, &disc), bad);
+        disc.centre.y = 0.0, disc.normal = k < 2 ? v3(0, wrong[k], 0) : zero, assert_int_equal(dem_add_disc(&w, 0, &disc), bad);
+    }
+    dem_disc whole = dem_default_disc();
+    whole.hole_radius = whole.radius, assert_int_equal(dem_add_disc(&w, 0, &whole), bad);
+    whole = dem_default_disc(), assert_int_equal(dem_add_disc(&w, 1, &whole), bad), assert_int_equal(dem_add_disc(&w, -1, &whole), bad);
+    assert_int_equal(dem_add_disc(NULL, 0, &whole), bad), assert_int_equal(dem_add_disc(&w, 0, NULL), bad);
     assert_int_equal(dem_add_sphere_wall(&w, 0, zero, 0.0, 1), bad),
         assert_int_equal(dem_add_sphere_wall(&w, 0, v3(nan_, 0, 0), 1.0, 1), bad);
     assert_int_equal(dem_add_box(&w, 0, zero, v3(1, 1, 0)), bad), assert_int_equal(dem_add_box(&w, 0, zero, v3(1, 1, nan_)), bad);
@@ -1049,6 +1143,17 @@ static void test_rolling_keeps_its_energy(void **state) {
     drift = missed_energy(&w, v3(0.042, 0, 0.05), v3(0, 1.2, 0), v3(80.0, 0, -60.0), 2.0 * r, 0.5);
     print_message("in a funnel: %.1e\n", drift);
     assert_true(fabs(drift) < 2e-5), dem_free(&w);
+
+    for (int rim = 0; rim < 2; rim++) { /* over the outer rim of a disc, and over that of its hole, aslant */
+        dem_disc disc = dem_default_disc();
+        disc.radius = 0.1, disc.hole_radius = 0.03;
+        start(&w, &def);
+        dem_add_disc(&w, 0, &disc);
+        drift = missed_energy(&w, v3(rim ? 0.034 : 0.096, 0, r - 1e-6), v3(rim ? -0.1 : 0.1, 0.08, 0), v3(-8.0, rim ? -10.0 : 10.0, 200.0),
+                              2.0 * r, 0.06);
+        print_message("over a rim of a disc: %.1e\n", drift);
+        assert_true(fabs(drift) < 2e-5 && dem_position(&w, 0).z < 0.99 * r), dem_free(&w);
+    }
 
     start(&w, &def); /* over the edge of a box of triangles, aslant */
     dem_add_box(&w, 0, v3(-0.1, -0.1, -0.1), v3(0.0, 0.1, 0.0));
@@ -1549,6 +1654,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_mesh_distance),
         cmocka_unit_test(test_cone_and_sphere_distance),
+        cmocka_unit_test(test_disc_distance),
+        cmocka_unit_test(test_disc_bottom),
         cmocka_unit_test(test_triangles_equal_the_plane),
         cmocka_unit_test(test_bad_triangles_equal_the_plane),
         cmocka_unit_test(test_round_drum),

@@ -212,6 +212,8 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
 DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside);
 DEM_API dem_cone dem_default_cone(void);
 DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone);
+DEM_API dem_disc dem_default_disc(void);
+DEM_API int dem_add_disc(dem_world *world, int material, const dem_disc *disc);
 /* Adds triangles, which are copied, as one wall: a thin sheet that particles touch from both sides, at faces, edges and
    corners. How it is oriented, welded or cut into triangles does not matter. Places whose normals differ by less than
    26 degrees are one contact, at the deepest of them (its friction goes with it from triangle to triangle); a sharper

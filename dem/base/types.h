@@ -162,6 +162,15 @@ typedef struct dem_cone {
     double high_radius; /* at high [m] >= 0, not both 0; default 0.1 */
 } dem_cone;
 
+/* A flat disc, with or without a round hole in its middle: a thin sheet, touched from both sides and at its rims. Made by
+   dem_default_disc(). */
+typedef struct dem_disc {
+    dem_vec centre;     /* [m]; default 0 */
+    dem_vec normal;     /* of any length but 0; default (0, 0, 1) */
+    double radius;      /* [m] > 0; default 0.1 */
+    double hole_radius; /* of the hole [m] >= 0, less than radius; default 0: no hole */
+} dem_disc;
+
 typedef enum dem_wall_kind {
     DEM_PLANE,
     DEM_CYLINDER,
@@ -169,7 +178,8 @@ typedef enum dem_wall_kind {
     DEM_EXIT,
     DEM_SPHERE,
     DEM_CONE,
-    DEM_MESH
+    DEM_MESH,
+    DEM_DISC
 } dem_wall_kind;
 
 /* Triangles, your own or read by dem_read_stl(). For your own arrays, set the first four fields; the rest is 0. */
@@ -246,8 +256,8 @@ typedef struct dem_wall_motion {
 /* A wall: its shape, the motion that was set, and its state now. Read only; functions change it. */
 typedef struct dem_wall {
     int kind, material, enabled;
-    double radius;              /* cylinder, sphere; cone: at its low end, which is the origin [m] */
-    double high_radius, length; /* cone: radius at the other end; distance of the ends [m] */
+    double radius;              /* cylinder, sphere; cone: at its low end, which is the origin; disc: of its hole [m] */
+    double high_radius, length; /* cone: radius at the other end; distance of the ends; disc: radius; 0 [m] */
     int inside;                 /* cylinder, sphere: 1 if particles are inside, 0 if outside */
     double aperture, wire;      /* screen [m] */
     int profile, circular;      /* screen */

@@ -7,13 +7,14 @@
 
 /* Adds the pressure on a link between two solids, or through a face, from node (x, y, z) of the sphere along j. There the mean of the
    densities that the two spheres would have counts for both, so that the film pushes them apart with equal forces. */
-static inline void filtration__film_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
-                                         int z, int j) {
+static inline void filtration__film_link(filtration__lattice *l, int32_t index, filtration__ball *b,
+                                         filtration__surface *sum, int x, int y, int z, int j) {
     const int n[3] = {l->nx, l->ny, l->nz};
     int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
     double d[3];
     for (int a = 0; a < 3; a++) d[a] = s[a] + 0.5 * l->c[j][a] - b->centre[a];
-    if (!filtration__inside(l, s, &mirrored) || mirrored || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
+    if (!filtration__inside(l, s, &mirrored) || mirrored || l->owner[filtration__node(l, s[0], s[1], s[2])] != index)
+        return;
     double density = filtration__density_at(b, d);
     if (filtration__inside(l, p, &mirrored)) {
         const int32_t owner = l->owner[filtration__node(l, p[0], p[1], p[2])];

@@ -140,6 +140,8 @@ static inline void filtration__set_shape(const filtration_fluid_def *d, filtrati
                                 : cc == 1 ? 1.0 / 18.0
                                           : 1.0 / 36.0);
         l->whole_weight[i] = (int)(72.0 * l->w[i] + 0.5);
+        l->squared_c[i] = cc;
+        for (int a = 0; a < 3; a++) l->real_c[i][a] = l->c[i][a];
     }
     l->single = d->precision == FILTRATION_FLOAT;
     l->half_way = d->boundary == FILTRATION_HALF_WAY;
@@ -156,6 +158,7 @@ static inline void filtration__set_shape(const filtration_fluid_def *d, filtrati
     l->bundle = l->q * l->stride;
     l->rows = (ptrdiff_t)(l->ny + 2 * l->ghost_y) * (l->nz + 2 * l->ghost_z);
     l->fluid_nodes = (ptrdiff_t)l->nx * l->ny * l->nz;
+    filtration__list_places(l);
     l->block_bytes = (size_t)(l->rows * l->bundle + line) * (l->single ? sizeof(float) : sizeof(double)) + FILTRATION__LINE;
 }
 

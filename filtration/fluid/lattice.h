@@ -13,9 +13,10 @@
 enum { FILTRATION__ROW_SOLID = 1, FILTRATION__ROW_BAD = 2 };
 
 /* Directions: rest, then pairs of opposite ones, so that the opposite of i needs no table. */
-static const signed char filtration__c19[19][3] = {{0, 0, 0},  {1, 0, 0},   {-1, 0, 0},  {0, 1, 0},  {0, -1, 0}, {0, 0, 1},   {0, 0, -1},
-                                                   {1, 1, 0},  {-1, -1, 0}, {1, -1, 0},  {-1, 1, 0}, {1, 0, 1},  {-1, 0, -1}, {1, 0, -1},
-                                                   {-1, 0, 1}, {0, 1, 1},   {0, -1, -1}, {0, 1, -1}, {0, -1, 1}};
+static const signed char filtration__c19[19][3] = {{0, 0, 0},  {1, 0, 0},   {-1, 0, 0},  {0, 1, 0},   {0, -1, 0},
+                                                   {0, 0, 1},  {0, 0, -1},  {1, 1, 0},   {-1, -1, 0}, {1, -1, 0},
+                                                   {-1, 1, 0}, {1, 0, 1},   {-1, 0, -1}, {1, 0, -1},  {-1, 0, 1},
+                                                   {0, 1, 1},  {0, -1, -1}, {0, 1, -1},  {0, -1, 1}};
 static const signed char filtration__c15[15][3] = {{0, 0, 0},   {1, 0, 0},  {-1, 0, 0},  {0, 1, 0},    {0, -1, 0},
                                                    {0, 0, 1},   {0, 0, -1}, {1, 1, 1},   {-1, -1, -1}, {1, 1, -1},
                                                    {-1, -1, 1}, {1, -1, 1}, {-1, 1, -1}, {-1, 1, 1},   {1, -1, -1}};
@@ -38,10 +39,10 @@ typedef struct filtration__entry {
 typedef struct filtration__ball {
     double centre[3], velocity[3], spin[3], radius; /* radius 0: no sphere */
     double force[2][3], torque[2][3];               /* of this step and the one before */
-    double density, slope[3];                       /* at its surface: deviation density + slope . d, d from the centre */
-    int64_t steps;                                  /* number of steps since it was added */
-    int64_t films;                                  /* number of links to other solids and through faces */
-    int64_t hull[3];                                /* sum over its links of 72 w c [-]: 0 where its surface is closed */
+    double density, slope[3]; /* at its surface: deviation density + slope . d, d from the centre */
+    int64_t steps;            /* number of steps since it was added */
+    int64_t films;            /* number of links to other solids and through faces */
+    int64_t hull[3];          /* sum over its links of 72 w c [-]: 0 where its surface is closed */
 } filtration__ball;
 
 /* Relaxation and forcing of one step, of the kernel's precision. */
@@ -66,8 +67,12 @@ typedef struct filtration__lattice {
     double face_velocity[6][3], face_density[6]; /* lattice units [-] */
     double w[FILTRATION__Q];
     int whole_weight[FILTRATION__Q]; /* 72 w */
+    double real_c[FILTRATION__Q][3], squared_c[FILTRATION__Q];
     filtration__rates rates;
     int periodic_x, half_way, refill;
+    /* Of nodes whose neighbours all lie in the box, between steps; the first index is `odd`: where an outgoing and an incoming population
+       is, after the place of the node itself; how far the next node is, in places and in nodes. */
+    ptrdiff_t out_at[2][FILTRATION__Q], in_at[2][FILTRATION__Q], next_place[FILTRATION__Q], next_node[FILTRATION__Q];
     int left;                   /* 1: spheres have left nodes since the mass was corrected */
     int odd;                    /* which step of the pair comes next */
     int32_t *owner;             /* [nz][ny][nx]: FILTRATION__FLUID, FILTRATION__SOLID or a sphere */
@@ -86,7 +91,9 @@ typedef struct filtration__lattice {
     int64_t updated[FILTRATION__TASKS];        /* nodes */
 } filtration__lattice;
 
-static inline double filtration__dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static inline double filtration__dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 /* Returns the deviation of density at a sphere's surface, or in a film beside it; d: from its centre. */
 static inline double filtration__density_at(const filtration__ball *b, const double d[3]) {
@@ -139,13 +146,36 @@ static inline ptrdiff_t filtration__outgoing(const filtration__lattice *l, int x
 /* Returns where the next step reads the incoming population i of a node; between steps. */
 static inline ptrdiff_t filtration__incoming(const filtration__lattice *l, int x, int y, int z, int i) {
     if (l->odd) return filtration__abroad(l, x, y, z, i);
-    if (l->periodic_x && x == 0 && l->c[i][0] > 0) x = l->nx; /* still in the halo, which is folded back when the step begins */
+    if (l->periodic_x && x == 0 && l->c[i][0] > 0)
+        x = l->nx; /* still in the halo, which is folded back when the step begins */
     else if (l->periodic_x && x == l->nx - 1 && l->c[i][0] < 0) x = -1;
     return filtration__home(l, x, y, z, i);
 }
 
 static inline ptrdiff_t filtration__node(const filtration__lattice *l, int x, int y, int z) {
     return ((ptrdiff_t)z * l->ny + y) * l->nx + x;
+}
+
+/* Finds the places of populations of nodes whose neighbours all lie in the box. */
+static inline void filtration__list_places(filtration__lattice *l) {
+    for (int i = 0; i < l->q; i++) {
+        const signed char *c = l->c[i];
+        const int o = filtration__opposite(i);
+        l->next_place[i] = ((ptrdiff_t)c[2] * (l->ny + 2 * l->ghost_y) + c[1]) * l->bundle + c[0];
+        l->next_node[i] = ((ptrdiff_t)c[2] * l->ny + c[1]) * l->nx + c[0];
+        l->out_at[0][i] = l->next_place[i] + i * l->stride, l->out_at[1][i] = o * l->stride;
+        l->in_at[0][i] = i * l->stride, l->in_at[1][i] = o * l->stride - l->next_place[i];
+    }
+}
+
+/* Returns whether all neighbours of a node lie in the box. */
+static inline int filtration__is_inner(const filtration__lattice *l, int x, int y, int z) {
+    return x > 0 && y > 0 && z > 0 && x < l->nx - 1 && y < l->ny - 1 && z < l->nz - 1;
+}
+
+/* Returns the place of direction 0 of such a node, as filtration__home does. */
+static inline ptrdiff_t filtration__inner_place(const filtration__lattice *l, int x, int y, int z) {
+    return ((ptrdiff_t)(z + l->ghost_z) * (l->ny + 2 * l->ghost_y) + y + l->ghost_y) * l->bundle + l->lead + x;
 }
 
 /* Returns the equilibrium of direction i: weight times r + 3 c.u + 4.5 (c.u)^2 - 1.5 u^2 (He and Luo 1997). */

@@ -13,7 +13,8 @@ typedef struct filtration__cut {
 /* Reads the outgoing population i of the node behind (against i). Returns 0 if that node is not fluid. */
 static inline int filtration__behind(const filtration__lattice *l, const filtration__cut *k, double *h) {
     int p[3] = {k->x - l->c[k->i][0], k->y - l->c[k->i][1], k->z - l->c[k->i][2]}, mirrored;
-    if (!filtration__inside(l, p, &mirrored) || l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) return 0;
+    if (!filtration__inside(l, p, &mirrored) || l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID)
+        return 0;
     int i = mirrored ? filtration__turned(l, k->i, mirrored) : k->i;
     *h = filtration__get(l, filtration__outgoing(l, p[0], p[1], p[2], i));
     return 1;
@@ -36,6 +37,24 @@ static inline double filtration__bounce(filtration__lattice *l, const filtration
     return out;
 }
 
+/* The same at a node whose neighbours all lie in the box; place: of the node, node: its number. */
+FILTRATION__INLINE double filtration__bounce_inner(filtration__lattice *l, ptrdiff_t place, ptrdiff_t node, int i,
+                                                   double fraction, double cu, double *back) {
+    const ptrdiff_t *at = l->out_at[l->odd];
+    const int opposite = filtration__opposite(i);
+    const double out = filtration__get(l, place + at[i]);
+    if (l->half_way || l->owner[node - l->next_node[i]] != FILTRATION__FLUID) {
+        *back = out - 6.0 * l->w[i] * cu;
+    } else {
+        const double behind = filtration__get(l, place - l->next_place[i] + at[i]),
+                     other = filtration__get(l, place + at[opposite]);
+        const double weight = 1.0 / (1.0 + 2.0 * fraction);
+        *back = out + (1.0 - 2.0 * fraction) * weight * (behind - other) - 12.0 * weight * l->w[i] * cu;
+    }
+    filtration__put(l, place + l->in_at[l->odd][opposite], *back);
+    return out;
+}
+
 static inline filtration__cut filtration__link_cut(const filtration__link *link) {
     filtration__cut k = {link->x, link->y, link->z, link->i, (double)link->fraction};
     return k;
@@ -47,8 +66,16 @@ FILTRATION__STATIC void filtration__link_task(void *context, int task) {
     double back;
     filtration__task_range(l->link_count, task, &first, &end);
     for (ptrdiff_t n = first; n < end; n++) {
-        filtration__cut k = filtration__link_cut(&l->links[n]);
-        if (l->owner[filtration__node(l, k.x, k.y, k.z)] == FILTRATION__FLUID) filtration__bounce(l, &k, 0.0, &back);
+        const filtration__link *link = &l->links[n];
+        const ptrdiff_t node = filtration__node(l, link->x, link->y, link->z);
+        if (l->owner[node] != FILTRATION__FLUID) continue;
+        if (filtration__is_inner(l, link->x, link->y, link->z)) {
+            const ptrdiff_t place = filtration__inner_place(l, link->x, link->y, link->z);
+            filtration__bounce_inner(l, place, node, link->i, (double)link->fraction, 0.0, &back);
+        } else {
+            const filtration__cut k = filtration__link_cut(link);
+            filtration__bounce(l, &k, 0.0, &back);
+        }
     }
 }
 
@@ -62,7 +89,8 @@ static inline int filtration__meets_solid(const filtration__lattice *l, int x, i
     return filtration__inside(l, p, &mirrored) && l->owner[filtration__node(l, p[0], p[1], p[2])] == FILTRATION__SOLID;
 }
 
-static inline double filtration__solid_fraction(const filtration_fluid_def *def, const filtration__lattice *l, int x, int y, int z, int i) {
+static inline double filtration__solid_fraction(const filtration_fluid_def *def, const filtration__lattice *l, int x,
+                                                int y, int z, int i) {
     double a[3], b[3], q = 0.5;
     filtration__point(def, x, y, z, a);
     filtration__point(def, x + l->c[i][0], y + l->c[i][1], z + l->c[i][2], b);

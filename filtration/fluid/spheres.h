@@ -72,26 +72,27 @@ typedef struct filtration__surface {
     double weight, density, place[3], rise[3]; /* sums of w, w r, w d, w r d */
     double spread[6];                          /* of w d d: xx, yy, zz, yz, zx, xy */
     double arm[3];                             /* of w (d x c) */
+    double force[3], torque[3];
+    int64_t links[FILTRATION__Q]; /* number along each direction */
 } filtration__surface;
 
-/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Half of what goes and comes is w times the density there. */
-static inline void filtration__exchange(const filtration__lattice *l, filtration__ball *b, filtration__surface *s, int i, const double d[3],
-                                        const double u[3], double out, double back) {
-    const double w = l->w[i], c[3] = {(double)l->c[i][0], (double)l->c[i][1], (double)l->c[i][2]}, wr = 0.5 * (out + back);
-    double f[3];
-    for (int a = 0; a < 3; a++) {
-        const int y = (a + 1) % 3, z = (a + 2) % 3;
-        f[a] = c[a] * (out + back) - u[a] * (out - back);
-        b->force[0][a] += f[a];
-        b->hull[a] += l->c[i][a] * l->whole_weight[i];
-        s->place[a] += w * d[a], s->rise[a] += wr * d[a];
-        s->spread[a] += w * d[a] * d[a], s->spread[3 + a] += w * d[y] * d[z];
-        s->arm[a] += w * (d[y] * c[z] - d[z] * c[y]);
-    }
+/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Half of what goes and comes is w times the
+   density there. d: from the centre, u: velocity of the surface. Written out, because there is a link for every few nodes
+   of a cake. */
+FILTRATION__INLINE void filtration__exchange(const filtration__lattice *l, filtration__surface *s, int i,
+                                             const double d[3], const double u[3], double out, double back) {
+    const double *c = l->real_c[i], w = l->w[i], both = out + back, less = out - back, wr = 0.5 * both;
+    const double fx = c[0] * both - u[0] * less, fy = c[1] * both - u[1] * less, fz = c[2] * both - u[2] * less;
+    const double wx = w * d[0], wy = w * d[1], wz = w * d[2];
+    s->force[0] += fx, s->force[1] += fy, s->force[2] += fz;
+    s->torque[0] += d[1] * fz - d[2] * fy, s->torque[1] += d[2] * fx - d[0] * fz, s->torque[2] += d[0] * fy - d[1] * fx;
+    s->links[i]++;
     s->weight += w, s->density += wr;
-    b->torque[0][0] += d[1] * f[2] - d[2] * f[1];
-    b->torque[0][1] += d[2] * f[0] - d[0] * f[2];
-    b->torque[0][2] += d[0] * f[1] - d[1] * f[0];
+    s->place[0] += wx, s->place[1] += wy, s->place[2] += wz;
+    s->rise[0] += wr * d[0], s->rise[1] += wr * d[1], s->rise[2] += wr * d[2];
+    s->spread[0] += wx * d[0], s->spread[1] += wy * d[1], s->spread[2] += wz * d[2];
+    s->spread[3] += wy * d[2], s->spread[4] += wz * d[0], s->spread[5] += wx * d[1];
+    s->arm[0] += wy * c[2] - wz * c[1], s->arm[1] += wz * c[0] - wx * c[2], s->arm[2] += wx * c[1] - wy * c[0];
 }
 
 /* Fits density + slope . d to the density at a sphere's links, by least squares; the more of the surface is hidden, the more the slope is
@@ -110,46 +111,66 @@ static inline void filtration__fit_density(filtration__ball *b, const filtration
     const double whole = m[0] * minor[0] + m[5] * minor[1] + m[4] * minor[2];
     if (whole > 0.0) {
         b->slope[0] = (right[0] * minor[0] + right[1] * minor[1] + right[2] * minor[2]) / whole;
-        b->slope[1] = (right[0] * minor[1] + right[1] * (m[0] * m[2] - m[4] * m[4]) + right[2] * (m[4] * m[5] - m[0] * m[3])) / whole;
-        b->slope[2] = (right[0] * minor[2] + right[1] * (m[4] * m[5] - m[0] * m[3]) + right[2] * (m[0] * m[1] - m[5] * m[5])) / whole;
+        b->slope[1] =
+            (right[0] * minor[1] + right[1] * (m[0] * m[2] - m[4] * m[4]) + right[2] * (m[4] * m[5] - m[0] * m[3])) /
+            whole;
+        b->slope[2] =
+            (right[0] * minor[2] + right[1] * (m[4] * m[5] - m[0] * m[3]) + right[2] * (m[0] * m[1] - m[5] * m[5])) /
+            whole;
     }
     b->density = s->density / s->weight - filtration__dot(b->slope, mean);
 }
 
 /* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one; otherwise counts a film. */
-static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
-                                         int z, int j) {
-    int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
-    double d[3], e[3], u[3], back, cd = 0.0, dd = 0.0, cc = 0.0;
+static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b,
+                                         filtration__surface *sum, int x, int y, int z, int j) {
+    const signed char *c = l->c[j];
+    int s[3] = {x, y, z}, p[3] = {x + c[0], y + c[1], z + c[2]}, mirrored;
+    double d[3], e[3], u[3], back;
+    const int inner = filtration__is_inner(l, p[0], p[1], p[2]);
     for (int a = 0; a < 3; a++) d[a] = p[a] - b->centre[a];
-    if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
-    const int from_image = mirrored;
-    if (!filtration__inside(l, p, &mirrored)) {
-        b->films += !from_image;
-        return;
+    if (!inner) {
+        if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
+        const int from_image = mirrored, there = filtration__inside(l, p, &mirrored);
+        if (there && mirrored) return;
+        if (!there || l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) {
+            b->films += !from_image;
+            return;
+        }
     }
-    if (mirrored) return;
-    if (l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) {
-        b->films += !from_image;
-        return;
+    const ptrdiff_t node = filtration__node(l, p[0], p[1], p[2]);
+    if (inner) {
+        if (l->owner[node - l->next_node[j]] != index) return;
+        if (l->owner[node] != FILTRATION__FLUID) {
+            b->films++;
+            return;
+        }
     }
-    for (int a = 0; a < 3; a++) cd -= d[a] * l->c[j][a], dd += d[a] * d[a], cc += (double)(l->c[j][a] * l->c[j][a]);
-    double root = cd * cd - cc * (dd - b->radius * b->radius);
-    filtration__cut k = {p[0], p[1], p[2], filtration__opposite(j), l->half_way ? 0.5 : (-cd - sqrt(root > 0.0 ? root : 0.0)) / cc};
-    for (int a = 0; a < 3; a++) e[a] = d[a] - k.fraction * l->c[j][a];
+    const double *r = l->real_c[j], cc = l->squared_c[j];
+    const double cd = -(d[0] * r[0]) - d[1] * r[1] - d[2] * r[2], dd = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    const double root = cd * cd - cc * (dd - b->radius * b->radius);
+    const double fraction = l->half_way ? 0.5 : (-cd - sqrt(root > 0.0 ? root : 0.0)) / cc;
+    const int i = filtration__opposite(j);
+    for (int a = 0; a < 3; a++) e[a] = d[a] - fraction * r[a];
     filtration__surface_velocity(b, e, u);
-    double cu = -(l->c[j][0] * u[0] + l->c[j][1] * u[1] + l->c[j][2] * u[2]);
-    double out = filtration__bounce(l, &k, cu, &back);
-    filtration__exchange(l, b, sum, k.i, e, u, out, back);
+    const double cu = -(r[0] * u[0] + r[1] * u[1] + r[2] * u[2]);
+    double out;
+    if (inner) {
+        out = filtration__bounce_inner(l, filtration__inner_place(l, p[0], p[1], p[2]), node, i, fraction, cu, &back);
+    } else {
+        const filtration__cut k = {p[0], p[1], p[2], i, fraction};
+        out = filtration__bounce(l, &k, cu, &back);
+    }
+    filtration__exchange(l, sum, i, e, u, out, back);
 }
 
 /* What is done with a link of a sphere, from its node (x, y, z) along j. */
-typedef void (*filtration__link_fn)(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum, int x, int y,
-                                    int z, int j);
+typedef void (*filtration__link_fn)(filtration__lattice *l, int32_t index, filtration__ball *b,
+                                    filtration__surface *sum, int x, int y, int z, int j);
 
 /* Visits all links of a sphere: in every row those of its nodes whose neighbour along j is outside. */
-FILTRATION__INLINE void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__surface *sum,
-                                               const filtration__link_fn link) {
+FILTRATION__INLINE void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b,
+                                               filtration__surface *sum, const filtration__link_fn link) {
     int y0, y1, z0, z1;
     filtration__extent(b, 1, &y0, &y1);
     filtration__extent(b, 2, &z0, &z1);
@@ -186,7 +207,11 @@ FILTRATION__STATIC void filtration__ball_task(void *context, int task) {
         b->films = b->hull[0] = b->hull[1] = b->hull[2] = 0;
         filtration__ball_links(l, (int32_t)n, b, &sum, filtration__ball_link);
         filtration__fit_density(b, &sum);
-        for (int a = 0; a < 3; a++) b->torque[0][a] -= 2.0 * b->density * sum.arm[a]; /* a constant pressure turns no sphere */
+        for (int a = 0; a < 3; a++) {
+            b->force[0][a] = sum.force[a];
+            b->torque[0][a] = sum.torque[a] - 2.0 * b->density * sum.arm[a]; /* a constant pressure turns no sphere */
+            for (int i = 1; i < l->q; i++) b->hull[a] += sum.links[i] * l->c[i][a] * l->whole_weight[i];
+        }
         b->steps++;
     }
 }
@@ -205,7 +230,8 @@ static inline double filtration__moments(const filtration__lattice *l, int x, in
 
 /* Sets the populations of a node that a sphere has left. d: from the sphere's centre. Without a fluid neighbour: the density at the
    sphere's surface. */
-static inline void filtration__fill(filtration__lattice *l, const filtration__ball *b, int x, int y, int z, const double d[3]) {
+static inline void filtration__fill(filtration__lattice *l, const filtration__ball *b, int x, int y, int z,
+                                    const double d[3]) {
     double r = 0.0, u[3], near_u[3] = {0, 0, 0}, best = -HUGE_VAL, near_r = 0.0, mean[FILTRATION__Q] = {0};
     int count = 0, from[3] = {0, 0, 0}, mirrored;
     for (int j = 1; j < l->q; j++) {
@@ -228,14 +254,16 @@ static inline void filtration__fill(filtration__lattice *l, const filtration__ba
     for (int i = 0; i < l->q; i++) {
         double h = filtration__equilibrium(l, i, r, u);
         if (count && l->refill == (int)FILTRATION_REFILL_NONEQUILIBRIUM)
-            h += filtration__get(l, filtration__incoming(l, from[0], from[1], from[2], i)) - filtration__equilibrium(l, i, near_r, near_u);
+            h += filtration__get(l, filtration__incoming(l, from[0], from[1], from[2], i)) -
+                 filtration__equilibrium(l, i, near_r, near_u);
         if (count && l->refill == (int)FILTRATION_REFILL_INTERPOLATION) h = mean[i] / count;
         filtration__put(l, filtration__incoming(l, x, y, z, i), h);
     }
 }
 
 /* Fills the nodes that a sphere has left, all from old fluid. A second call with done 1 makes them fluid. */
-static inline void filtration__fill_left(filtration__lattice *l, const filtration__ball *now, const filtration__ball *before, int done) {
+static inline void filtration__fill_left(filtration__lattice *l, const filtration__ball *now,
+                                         const filtration__ball *before, int done) {
     int y0, y1, z0, z1, mirrored;
     filtration__extent(before, 1, &y0, &y1);
     filtration__extent(before, 2, &z0, &z1);

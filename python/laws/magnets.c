@@ -11,7 +11,7 @@ DEM_INLINE void magnets_force(const dem_contact *c, double *state, dem_response 
     r->normal -= c->gap < 0.0 ? PULL : 0.0;
 }
 
-static const dem_law magnets = {"magnets", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, magnets_force, NULL, NULL};
+static const dem_law magnets = {"linear, magnets", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, magnets_force, NULL, NULL};
 DEM_KERNEL(magnets_kernel, magnets, DEM_LINEAR | DEM_FRICTION)
 
 size_t law_world_size(void);

@@ -994,6 +994,7 @@ def _python_function(function):
         return function(*args, **keywords)
 
     call.__name__ = function.name[len(function.lower) + 1:] or function.name
+    call.__name__ += "_" * iskeyword(call.__name__)  # classifier_for is classifier.for_
     call.__qualname__ = call.__name__
     call.__signature__ = _signature(function)
     call.method_signature = _signature(function, True)
@@ -1011,7 +1012,7 @@ def _method(function, handle):
         return function(self, *args, **keywords)
 
     prefix = handle if function.c_name.startswith(handle + "_") else handle.split("_")[0]
-    call.__name__ = call.__qualname__ = function.c_name[len(prefix) + 1:]
+    call.__name__ = call.__qualname__ = function.c_name[len(prefix) + 1:] + "_" * iskeyword(function.c_name[len(prefix) + 1:])
     call.__doc__, call.__signature__, call.c_name = function.__doc__, function.method_signature, function.c_name
     return call
 

@@ -495,7 +495,7 @@ class Wall:
     _VECTORS = ("position", "velocity", "normal", "force", "torque", "impulse")
     _NUMBERS = ("kind", "material", "enabled", "spin", "coordinate", "rate")
     _KINDS = {value: name for name, value in _core._constants["dem"].items() if name in
-              ("PLANE", "CYLINDER", "SCREEN", "SPHERE", "CONE", "MESH", "EXIT")}
+              ("PLANE", "CYLINDER", "SCREEN", "SPHERE", "CONE", "MESH", "EXIT", "DISC")}
 
     def __init__(self, world, index):
         self._world, self.index = world, _core.number("int", index, "wall")

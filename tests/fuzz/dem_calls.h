@@ -70,6 +70,7 @@ enum {
     ADD_CYLINDER,
     ADD_SPHERE_WALL,
     ADD_CONE,
+    ADD_DISC,
     ADD_SCREEN,
     ADD_BOX,
     ADD_MESH,
@@ -234,6 +235,7 @@ static int add_wall(dem_world *w, const call *c) {
     const int material = pick(c, 0, 2);
     dem_screen screen = dem_default_screen();
     dem_cone cone = dem_default_cone();
+    dem_disc disc = dem_default_disc();
     switch (c->kind) {
     case ADD_PLANE: return dem_add_plane(w, material, x, n);
     case ADD_CYLINDER: return dem_add_cylinder(w, material, x, n, size, c->pick[1] % 2);
@@ -244,6 +246,9 @@ static int add_wall(dem_world *w, const call *c) {
     case ADD_CONE:
         cone.low = x, cone.high = vector(c, 7, HALF), cone.low_radius = size, cone.high_radius = number(c, 10, 0.0, HALF);
         return dem_add_cone(w, material, &cone);
+    case ADD_DISC:
+        disc.centre = x, disc.normal = n, disc.radius = size, disc.hole_radius = number(c, 10, 0.0, size);
+        return dem_add_disc(w, material, &disc);
     default:
         screen.aperture = number(c, 7, 2e-3, 8e-3), screen.wire = number(c, 8, 1e-3, 3e-3);
         screen.half_x = size, screen.half_y = number(c, 9, 5e-3, HALF), screen.circular = c->pick[1] % 2;

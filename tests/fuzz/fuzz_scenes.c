@@ -40,8 +40,9 @@ static void draw_wall(dem_world *w, scene_random *r) {
     const double size = scene_between(r, 2e-3, HALF);
     dem_screen screen = dem_default_screen();
     dem_cone cone = dem_default_cone();
+    dem_disc disc = dem_default_disc();
     int wall = -1;
-    switch (one_of(r, 8)) {
+    switch (one_of(r, 9)) {
     case 0: wall = dem_add_plane(w, 1, dem__scale(HALF, n), dem__scale(-1.0, n)); break;
     case 1: wall = dem_add_cylinder(w, 1, x, n, size, 0); break;
     case 2: wall = dem_add_cylinder(w, 1, dem_vec3(0, 0, 0), n, 2.0 * HALF, 1); break;
@@ -57,6 +58,10 @@ static void draw_wall(dem_world *w, scene_random *r) {
         screen.profile = one_of(r, 2) ? DEM_ROUND : DEM_SEMICIRCLE;
         screen.centre = x, screen.normal = n, screen.direction = scene_vector(r, 1.0);
         wall = dem_add_screen(w, 1, &screen);
+        break;
+    case 7:
+        disc.centre = x, disc.normal = n, disc.radius = size, disc.hole_radius = scene_between(r, 0.0, size);
+        wall = dem_add_disc(w, 1, &disc);
         break;
     default: wall = dem_add_exit(w, dem__scale(2.0 * HALF, n), dem__scale(-1.0, n)); break;
     }

@@ -92,16 +92,46 @@ static int column_of(const report *r, const char *name) {
     return -1;
 }
 
+static int refuse_column(report *r, const tree *at, const char *word) {
+    const char **names = tree_memory(r->s->file, (size_t)r->columns * sizeof *names);
+    for (int c = 0; names && c < r->columns; c++) names[c] = r->column[c];
+    return names ? fields_refuse_word(r->s->file, at, "column", word, names, r->columns) : -1;
+}
+
 static int check_stops(report *r) {
     const stop_def *stop = r->s->def->stop.item;
-    for (int k = 0; k < r->s->def->stop.n; k++) {
-        if (column_of(r, stop[k].column) >= 0) continue;
-        const char **names = tree_memory(r->s->file, (size_t)r->columns * sizeof *names);
-        for (int c = 0; names && c < r->columns; c++) names[c] = r->column[c];
-        return names ? fields_refuse_word(r->s->file, fields_where(&stop[k].part, "column"), "column", stop[k].column, names, r->columns)
-                     : -1;
-    }
+    for (int k = 0; k < r->s->def->stop.n; k++)
+        if (column_of(r, stop[k].column) < 0) return refuse_column(r, fields_where(&stop[k].part, "column"), stop[k].column);
     return 0;
+}
+
+/* The next word of `curves`; NULL at the end. "left_*, out_kg; kinetic_J" has three, in two panels. */
+static const char *next_word(const char *at, char *word, size_t size) {
+    at += strspn(at, " ,;\n");
+    const size_t length = strcspn(at, " ,;\n");
+    if (length == 0) return NULL;
+    snprintf(word, size, "%.*s", (int)length, at);
+    return at + length;
+}
+
+/* Whether a word of `curves` means a column: its name, or the beginning of it before '*'. */
+static int means(const char *word, const char *column) {
+    const size_t length = strlen(word);
+    if (length > 0 && word[length - 1] == '*') return strncmp(word, column, length - 1) == 0;
+    return strcmp(word, column) == 0;
+}
+
+static int check_curves(report *r) {
+    const output_def *o = &r->s->def->output;
+    char word[NAME];
+    int panels = 1;
+    for (const char *at = o->curves; at && (at = next_word(at, word, sizeof word)) != NULL;) {
+        int found = 0;
+        for (int c = 1; c < r->columns; c++) found |= means(word, r->column[c]);
+        if (!found) return refuse_column(r, fields_where(&o->part, "curves"), word);
+    }
+    for (const char *c = o->curves; c && *c; c++) panels += *c == ';';
+    return panels <= 6 ? 0 : tree_fail(r->s->file, fields_where(&o->part, "curves"), "curves: %d panels; allowed are at most 6", panels);
 }
 
 report *report_open(scene *s, const char *folder) {
@@ -119,7 +149,7 @@ report *report_open(scene *s, const char *folder) {
     if (check_columns(r)) return NULL;
     for (int k = 0; k < def->measure.regions.n; k++)
         if (scene_region(s->file, &m[k].region, &r->region[k])) return NULL;
-    if (check_stops(r)) return NULL;
+    if (check_stops(r) || check_curves(r)) return NULL;
     r->look.speed = def->output.colour == 1 ? def->output.top_speed : 0.0;
     memcpy(r->look.direction, def->output.view, sizeof r->look.direction);
     for (int g = 0; g < s->groups && g < 8; g++) r->look.names[r->look.n_names++] = s->group[g].name;
@@ -300,27 +330,92 @@ const stop_def *report_end(report *r) {
 
 /* ---- the end ---- */
 
-/* 0, or not, after a printed line. */
-static int draw_curves(const report *r) {
+/* "feed_3.5-7mm" as one says it: "feed 3.5 to 7 mm". */
+static const char *said(const char *name, char *text, size_t size) {
+    size_t n = 0;
+    for (const char *c = name; *c && n + 5 < size; c++) {
+        const int after_digit = c > name && c[-1] >= '0' && c[-1] <= '9';
+        if (*c == '_') text[n++] = ' ';
+        else if (*c == '-' && after_digit && c[1] >= '0' && c[1] <= '9') n += (size_t)snprintf(text + n, size - n, " to ");
+        else if (strncmp(c, "mm", 2) == 0 && after_digit && (!c[2] || c[2] == '_')) n += (size_t)snprintf(text + n, size - n, " m");
+        else text[n++] = *c;
+    }
+    text[n] = '\0';
+    return text;
+}
+
+/* The unit that a column's name ends with. */
+static const char *unit_of(const char *column) {
+    static const char *const units[][2] = {{"_kg", "kg"}, {"_m_s", "m/s"}, {"_N", "N"}, {"_J", "J"}, {"_Pa", "Pa"}, {"_N_m", "N m"}, {"_W", "W"}, {"_s", "s"}};
+    for (size_t k = 0; k < sizeof units / sizeof *units; k++) {
+        const size_t length = strlen(column), ending = strlen(units[k][0]);
+        if (length > ending && strcmp(column + length - ending, units[k][0]) == 0) return units[k][1];
+    }
+    return "-";
+}
+
+static void draw_column(const report *r, riddle_plot *p, int c, const char *label, const double *x, double *y) {
+    char text[NAME + 40];
+    for (int k = 0; k < r->rows; k++) y[k] = r->row[(size_t)k * (size_t)r->columns + (size_t)c];
+    riddle_plot_line(p, said(label, text, sizeof text), x, y, r->rows);
+}
+
+/* What `curves` names: a panel for each part between ';'. */
+static void draw_chosen(const report *r, riddle_plot *p, const double *x, double *y) {
+    char word[NAME], label[NAME + 40];
+    int panel = 0;
+    for (const char *at = r->s->def->output.curves; at; panel++) {
+        const char *end = strchr(at, ';'), *word_end;
+        const char *unit = NULL, *only = NULL;
+        int n = 0;
+        for (int c = 1; c < r->columns; c++)
+            for (const char *w = at; (word_end = next_word(w, word, sizeof word)) != NULL && (!end || word_end <= end); w = word_end)
+                if (means(word, r->column[c])) {
+                    unit = !unit || strcmp(unit, unit_of(r->column[c])) == 0 ? unit_of(r->column[c]) : "units as named";
+                    only = r->column[c];
+                    n++;
+                    break;
+                }
+        snprintf(label, sizeof label, "%s%s[%s]", n == 1 ? only : "", n == 1 ? " " : "", unit ? unit : "-");
+        riddle_plot_panel(p, 0, panel, "time [s]", label);
+        for (int c = 1; c < r->columns; c++)
+            for (const char *w = at; (word_end = next_word(w, word, sizeof word)) != NULL && (!end || word_end <= end); w = word_end)
+                if (means(word, r->column[c])) {
+                    draw_column(r, p, c, r->column[c], x, y);
+                    break;
+                }
+        at = end ? end + 1 : NULL;
+    }
+}
+
+/* Without `curves`: what is left of each class, and masses. */
+static void draw_usual(const report *r, riddle_plot *p, const double *x, double *y) {
     const scene *s = r->s;
-    riddle_plot *p = riddle_plot_new(s->def->title, 1, 2);
-    double *x = malloc(((size_t)r->rows + 1) * 2 * sizeof *x), *y = x + r->rows;
     const int shown = s->groups < CURVES ? s->groups : CURVES;
-    for (int k = 0; x && k < r->rows; k++) x[k] = r->row[(size_t)k * (size_t)r->columns];
     riddle_plot_panel(p, 0, 0, "time [s]", "share left of what was fed [-]");
-    for (int c = 0; x && c < shown; c++) {
+    for (int c = 0; c < shown; c++) {
         const int g = shown > 1 ? c * (s->groups - 1) / (shown - 1) : 0; /* of many classes some, from end to end */
-        for (int k = 0; k < r->rows; k++) y[k] = r->row[(size_t)k * (size_t)r->columns + FIXED + (size_t)g];
-        riddle_plot_line(p, s->group[g].name, x, y, r->rows);
+        draw_column(r, p, FIXED + g, s->group[g].name, x, y);
     }
     riddle_plot_range_y(p, 0.0, 1.02);
     riddle_plot_panel(p, 0, 1, "time [s]", "mass [kg]");
-    for (int c = 2; x && c < r->columns; c++) {
+    for (int c = 2; c < r->columns; c++) {
         const size_t length = strlen(r->column[c]);
         if (length < 3 || strcmp(r->column[c] + length - 3, "_kg") != 0 || (c != 2 && c < FIXED + s->groups)) continue;
-        for (int k = 0; k < r->rows; k++) y[k] = r->row[(size_t)k * (size_t)r->columns + (size_t)c];
-        riddle_plot_line(p, c == 2 ? "particles" : r->column[c], x, y, r->rows);
+        draw_column(r, p, c, c == 2 ? "particles" : r->column[c], x, y);
     }
+}
+
+/* 0, or not, after a printed line. */
+static int draw_curves(const report *r) {
+    const char *chosen = r->s->def->output.curves;
+    int panels = chosen ? 1 : 2;
+    for (const char *c = chosen; c && *c; c++) panels += *c == ';';
+    riddle_plot *p = riddle_plot_new(r->s->def->title, 1, panels);
+    double *x = malloc(((size_t)r->rows + 1) * 2 * sizeof *x), *y = x + r->rows;
+    for (int k = 0; x && k < r->rows; k++) x[k] = r->row[(size_t)k * (size_t)r->columns];
+    if (x && chosen) draw_chosen(r, p, x, y);
+    else if (x) draw_usual(r, p, x, y);
     const int failed = riddle_plot_write(p, r->folder, "curves.svg") != RIDDLE_IO_OK;
     free(x);
     return failed;

@@ -85,6 +85,13 @@ static const scene_field cone_fields[] = {
     NUMBER(cone_shape, high_radius, UNIT_LENGTH, AT_LEAST_0, MUST, "at the high end; 0: a tip"),
 };
 SECTION(cone, cone_shape, "cone", "A cone, frustum or tube that ends: a thin sheet, touched from both sides.");
+static const scene_field disc_fields[] = {
+    VECTOR(disc_shape, centre, UNIT_LENGTH, "[0, 0, 0]", "of the disc"),
+    VECTOR(disc_shape, normal, UNIT_NONE, "[0, 0, 1]", "perpendicular to it; of any length"),
+    NUMBER(disc_shape, radius, UNIT_LENGTH, POSITIVE, MUST, "of its outer rim"),
+    NUMBER(disc_shape, hole_radius, UNIT_LENGTH, AT_LEAST_0, "0", "of a round hole in its middle; less than `radius`"),
+};
+SECTION(disc, disc_shape, "disc", "A flat, thin disc, touched from both sides: a bottom, with or without a hole.");
 static const scene_field ball_fields[] = {
     VECTOR(ball_shape, centre, UNIT_LENGTH, "[0, 0, 0]", "of the sphere"),
     NUMBER(ball_shape, radius, UNIT_LENGTH, POSITIVE, MUST, "of the surface"),
@@ -164,6 +171,7 @@ static const scene_field wall_fields[] = {
     PART(wall_def, box, box, "", 1, "a block or a container, at any angle"),
     PART(wall_def, cylinder, cylinder, "", 1, "an endless cylinder"),
     PART(wall_def, cone, cone, "", 1, "a cone, frustum or tube"),
+    PART(wall_def, disc, disc, "", 1, "a flat bottom, with or without a hole"),
     PART(wall_def, sphere, ball, "", 1, "a sphere"),
     PART(wall_def, screen, screen, "", 1, "a wire screen"),
     PART(wall_def, mesh, mesh, "", 1, "triangles from an STL file"),
@@ -340,6 +348,9 @@ static const scene_field output_fields[] = {
     {"movie", FIELD_YES, UNIT_NONE, offsetof(output_def, movie), ANY, "no", 0, NO_WORDS, "`scene.mp4`, by ffmpeg"},
     {"movie_rate", FIELD_NUMBER, UNIT_NONE, offsetof(output_def, movie_rate), 1e-6, 1e3, false, "1", 0, NO_WORDS,
      "simulated seconds in a second of the movie"},
+    TEXT(output_def, curves, "",
+         "columns of `measured.csv` that `curves.svg` shows, a panel for each part between `;`: `left_*; kinetic_J, largest_overlap`; default: what "
+         "is left of each class, and masses"),
 };
 SECTION(output, output_def, "output", "`scene.png` and `curves.svg` are always written.");
 static const scene_field stop_fields[] = {

@@ -36,6 +36,10 @@ typedef struct cone_shape {
     scene_part part;
     double low[3], high[3], low_radius, high_radius;
 } cone_shape;
+typedef struct disc_shape {
+    scene_part part;
+    double centre[3], normal[3], radius, hole_radius;
+} disc_shape;
 typedef struct ball_shape {
     scene_part part;
     double centre[3], radius;
@@ -84,6 +88,7 @@ typedef struct wall_def {
     box_shape box;
     cylinder_shape cylinder;
     cone_shape cone;
+    disc_shape disc;
     ball_shape sphere;
     screen_shape screen;
     mesh_shape mesh;
@@ -194,6 +199,7 @@ typedef struct output_def {
     double frames, tables, picture, save, view[3], top_speed;
     int colour, movie;
     double movie_rate;
+    const char *curves;
 } output_def;
 typedef struct stop_def {
     scene_part part;

@@ -183,6 +183,15 @@ static int add_mesh(scene *s, int material, const mesh_shape *shape) {
     return wall;
 }
 
+static int add_disc(scene *s, int material, const disc_shape *shape) {
+    dem_disc disc = dem_default_disc();
+    disc.centre = scene_vec(shape->centre), disc.normal = scene_vec(shape->normal);
+    disc.radius = shape->radius, disc.hole_radius = shape->hole_radius;
+    if (!(shape->hole_radius < shape->radius))
+        return tree_fail(s->file, fields_where(&shape->part, "hole_radius"), "hole_radius: less than radius");
+    return dem_add_disc(&s->world, material, &disc);
+}
+
 static int add_screen(scene *s, int material, const screen_shape *shape) {
     dem_screen screen = dem_default_screen();
     screen.aperture = shape->aperture, screen.wire = shape->wire;
@@ -206,6 +215,7 @@ static int add_shape(scene *s, const wall_def *w, int material) {
         return dem_add_cylinder(world, material, scene_vec(w->cylinder.point), scene_vec(w->cylinder.axis), w->cylinder.radius,
                                 w->cylinder.side);
     if (w->sphere.part.where) return dem_add_sphere_wall(world, material, scene_vec(w->sphere.centre), w->sphere.radius, w->sphere.side);
+    if (w->disc.part.where) return add_disc(s, material, &w->disc);
     if (w->screen.part.where) return add_screen(s, material, &w->screen);
     if (w->mesh.part.where) return add_mesh(s, material, &w->mesh);
     if (w->lifters.part.where) return add_lifters(s, material, &w->lifters);
