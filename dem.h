@@ -251,6 +251,17 @@ typedef struct dem_vec {
     double x, y, z;
 } dem_vec;
 
+DEM_INLINE dem_vec dem_vec3(double x, double y, double z) {
+    dem_vec v;
+    v.x = x, v.y = y, v.z = z;
+    return v;
+}
+
+/* Returns component 0, 1 or 2. By name, because a compiler may assume that an access beyond the address of x is not to
+   the vector. */
+DEM_INLINE double dem_axis(dem_vec v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+DEM_INLINE double *dem_axis_of(dem_vec *v, int axis) { return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z; }
+
 /* An orientation: the rotation from a body's own frame to the world's, as a quaternion of length 1. */
 typedef struct dem_quaternion {
     double w, x, y, z; /* cosine of half the angle; unit axis times the sine of half the angle */
@@ -762,17 +773,6 @@ typedef struct dem_link_kernel {
 
 /* ---------------------------------------------------------------------------------------------------- >>base/api.h */
 /* The public functions, declared and explained. */
-
-DEM_INLINE dem_vec dem_vec3(double x, double y, double z) {
-    dem_vec v;
-    v.x = x, v.y = y, v.z = z;
-    return v;
-}
-
-/* Returns component 0, 1 or 2. By name, because a compiler may assume that an access beyond the address of x is not to
-   the vector. */
-DEM_INLINE double dem_axis(dem_vec v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-DEM_INLINE double *dem_axis_of(dem_vec *v, int axis) { return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z; }
 
 DEM_API const char *dem_status_text(dem_status status); /* never NULL */
 

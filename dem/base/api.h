@@ -2,17 +2,6 @@
 #pragma once
 #include "law.h"
 
-DEM_INLINE dem_vec dem_vec3(double x, double y, double z) {
-    dem_vec v;
-    v.x = x, v.y = y, v.z = z;
-    return v;
-}
-
-/* Returns component 0, 1 or 2. By name, because a compiler may assume that an access beyond the address of x is not to
-   the vector. */
-DEM_INLINE double dem_axis(dem_vec v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-DEM_INLINE double *dem_axis_of(dem_vec *v, int axis) { return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z; }
-
 DEM_API const char *dem_status_text(dem_status status); /* never NULL */
 
 /* Returns 1 if this header, as built, computes the same bits as elsewhere: doubles evaluated as doubles, no fused
