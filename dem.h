@@ -26,9 +26,9 @@
              resistance with a lever arm in metres, relative and capped. A law of your own: dem_law and DEM_KERNEL below.
    Bodies    spheres, clumps of them (dem_add_clumps, docs/dem_bodies.md), and convex polyhedra with rounded edges (dem_add_convex,
              docs/dem_convex.md).
-   Walls     plane, cylinder, wire screen, cone, disc, sphere, box, triangle mesh (STL); each at rest, vibrating, turning, moving, prescribed
-             or driven by a force or torque. A wall supplies geometry (normal, gap, surface velocity, inverse mass 0); everything after
-             that is the pair's kernel.
+   Walls     plane, cylinder, wire screen, cone, disc, sphere, box, triangle mesh (STL); each at rest, vibrating, turning,
+             moving, prescribed or driven by a force or torque. A wall supplies geometry (normal, gap, surface velocity,
+             inverse mass 0); everything after that is the pair's kernel.
    Time      A particle is on a parabola from the step at which its last force ended; only particles that touch something take steps.
              Velocity Verlet with the dashpot's velocity predicted and the first and last step of a contact resolved in time: second
              order in dt with damping, third for the restitution of a linear contact.
@@ -806,8 +806,8 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
                                    int material, int group);
 /* Makes a shape of n spheres, overlapping or not. centres: shape [n][3] [m], in a frame of the shape's own, anywhere;
    diameters: [n] [m] > 0. Volume, centre of mass and moments are those of the union at one density, to 1e-8 of the
-   whole in the worst case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere within another is left out: it can touch
-   nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
+   whole in the worst case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere
+   within another is left out: it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
 DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
 DEM_API double dem_clump_diameter(const dem_clump *clump); /* of the sphere of the same volume [m] */
 /* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]; diameters: of spheres of the same volume, [n]
@@ -949,7 +949,8 @@ typedef struct dem_source {
     int by_number;       /* 0: shares are of mass */
     double due, due_mass; /* what the feeds below still owe [-], [kg]; at first 0. They may be ahead by half a body */
 } dem_source;
-/* As dem_fill, dem_fill_mass, dem_feed_number and dem_feed_mass. Of a fill, what finds no place is missed by its class. */
+/* As dem_fill, dem_fill_mass, dem_feed_number and dem_feed_mass. Of a fill, what finds no place is missed by its class.
+   */
 DEM_API dem_status dem_fill_source(dem_world *world, dem_source *source, ptrdiff_t count);
 DEM_API dem_status dem_fill_source_mass(dem_world *world, dem_source *source, double mass);
 DEM_API dem_status dem_feed_source(dem_world *world, dem_source *source, double rate, double duration);
@@ -1244,9 +1245,9 @@ DEM_API uint64_t dem_hash(const dem_world *world);
    writes only if capacity is enough (call it with NULL, 0 first). 0 for what is no world, and from hooks: a step is
    half done there. */
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
-/* Makes a world from saved bytes; its runs continue with the same bits, under a law with the name, version and number of
-   states of that which made the contacts (see dem_law). As for dem_init, *world must not be in use.
-   allocator may be NULL. DEM_BAD_DATA, DEM_OUT_OF_MEMORY: nothing is allocated then. */
+/* Makes a world from saved bytes; its runs continue with the same bits, under a law with the name, version and number
+   of states of that which made the contacts (see dem_law). As for dem_init, *world must not be in use. allocator may be
+   NULL. DEM_BAD_DATA, DEM_OUT_OF_MEMORY: nothing is allocated then. */
 DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator);
 
 /* ---- pure laws, NaN outside their domain ---- */
@@ -1325,6 +1326,45 @@ DEM_API const dem_convex *dem_get_shape(const dem_world *world,
 /* Counts the overlaps that are too deep, in the last step: pairs of polyhedra whose cores overlapped, spheres whose
    centre was in a core, and walls that cut a core. 0 is right. */
 DEM_API int64_t dem_core_overlaps(const dem_world *world);
+
+/* ---------------------------------------------------------------------------------------------- >>base/triangles.h */
+/* The triangles of a mesh, in a tree of boxes. walls/mesh_tree.h makes it, walls/mesh_touch.h searches it. */
+
+/* A node of the tree. */
+typedef struct dem__node {
+    double low[3], high[3];
+    int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
+} dem__node;
+enum { DEM__LEAF = 4 };
+
+/* Flags of entry `at` of dem__mesh_edges: of an edge, and of the corner at which it begins. */
+enum {
+    DEM__EDGE = 1,     /* a sharp edge, which protrudes on one side, or a rim */
+    DEM__RIM = 2,      /* edge of one triangle, or of more than two: can be touched from all around */
+    DEM__CORNER = 4,   /* the corner is sharp, and this is its entry */
+    DEM__FROM_END = 8, /* the edge begins at a sharp corner */
+    DEM__TO_END = 16   /* the edge ends at one */
+};
+
+/* Sharp edges and corners of a mesh. Entry 3 k + c is the edge of triangle k from its corner c, and that corner. Edges
+   and corners that triangles share have one entry. */
+typedef struct dem__mesh_edges {
+    size_t bytes;
+    dem_vec *outward; /* of an edge: direction away from both of its faces; 0 for a rim */
+    dem_vec *tip;     /* of a corner: direction away from all of its edges; 0 at a rim */
+    uint8_t *kind;    /* DEM__EDGE, .. */
+} dem__mesh_edges;
+
+/* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in
+   depth-first order; `skip` is the next node that is not below this one. */
+typedef struct dem__tree {
+    size_t bytes;
+    dem__mesh_edges *edges; /* sharp edges and corners; NULL until there are polyhedra */
+    int32_t vertices, triangles, nodes;
+    dem_vec *vertex, *normal;
+    int32_t *corner; /* [triangles][3] */
+    dem__node *node;
+} dem__tree;
 
 /* ------------------------------------------------------------------------------------------ >>base/portable_math.h */
 /* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
@@ -1697,23 +1737,6 @@ DEM_INLINE dem_vec dem__cross(dem_vec a, dem_vec b) {
 }
 DEM_INLINE double dem__length(dem_vec a) { return sqrt(dem__dot(a, a)); }
 
-/* Returns the sine of an angle, and its cosine: the bits of riddle_sin and riddle_cos, which both find the quarter
-   turn. */
-static DEM__NOINLINE double dem__sine(double angle, double *cosine) {
-    int quarter;
-    const double r = riddle__within_quarter(angle, &quarter);
-    *cosine = riddle__sin_quarter(r, quarter + 1);
-    return riddle__sin_quarter(r, quarter);
-}
-
-/* Rotates v by an angle [rad] about a unit axis (Rodrigues). */
-static DEM__NOINLINE dem_vec dem__rotated(dem_vec v, dem_vec axis, double angle) {
-    double turns = angle / (2.0 * RIDDLE_PI), phase = 2.0 * RIDDLE_PI * (turns - floor(turns));
-    double c, s = dem__sine(phase, &c);
-    return dem__add(dem__add(dem__scale(c, v), dem__scale(s, dem__cross(axis, v))),
-                    dem__scale((1.0 - c) * dem__dot(axis, v), axis));
-}
-
 DEM_INLINE double dem__clamp(double v, double low, double high) { return v < low ? low : (v > high ? high : v); }
 
 /* ---------------------------------------------------------------------------------------------------- >>gas/laws.h */
@@ -1916,45 +1939,6 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
 
 /* Bodies: the parts that no other one includes. */
 #ifdef DEM__BODIES
-
-/* ---------------------------------------------------------------------------------------------- >>base/triangles.h */
-/* The triangles of a mesh, in a tree of boxes. walls/mesh_tree.h makes it, walls/mesh_touch.h searches it. */
-
-/* A node of the tree. */
-typedef struct dem__node {
-    double low[3], high[3];
-    int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
-} dem__node;
-enum { DEM__LEAF = 4 };
-
-/* Flags of entry `at` of dem__mesh_edges: of an edge, and of the corner at which it begins. */
-enum {
-    DEM__EDGE = 1,     /* a sharp edge, which protrudes on one side, or a rim */
-    DEM__RIM = 2,      /* edge of one triangle, or of more than two: can be touched from all around */
-    DEM__CORNER = 4,   /* the corner is sharp, and this is its entry */
-    DEM__FROM_END = 8, /* the edge begins at a sharp corner */
-    DEM__TO_END = 16   /* the edge ends at one */
-};
-
-/* Sharp edges and corners of a mesh. Entry 3 k + c is the edge of triangle k from its corner c, and that corner. Edges
-   and corners that triangles share have one entry. */
-typedef struct dem__mesh_edges {
-    size_t bytes;
-    dem_vec *outward; /* of an edge: direction away from both of its faces; 0 for a rim */
-    dem_vec *tip;     /* of a corner: direction away from all of its edges; 0 at a rim */
-    uint8_t *kind;    /* DEM__EDGE, .. */
-} dem__mesh_edges;
-
-/* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in
-   depth-first order; `skip` is the next node that is not below this one. */
-typedef struct dem__tree {
-    size_t bytes;
-    dem__mesh_edges *edges; /* sharp edges and corners; NULL until there are polyhedra */
-    int32_t vertices, triangles, nodes;
-    dem_vec *vertex, *normal;
-    int32_t *corner; /* [triangles][3] */
-    dem__node *node;
-} dem__tree;
 
 /* ------------------------------------------------------------------------------------------------ >>base/feature.h */
 /* What a feature adds to spheres and walls, as a table of functions: links, rigid bodies, polyhedra, a force field, the
@@ -3854,6 +3838,157 @@ static inline int dem__add_wall(dem_world *w, const dem__wall_kind *kind, int ma
     a->asked.motion_start = w->time;
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return w->walls++;
+}
+
+/* -------------------------------------------------------------------------------------------- >>walls/kinematics.h */
+/* Where a wall is at a time, and how it moves there: vibration, rotation, the caller's function, or a force's drive. */
+
+/* Returns the sine of an angle, and its cosine: the bits of riddle_sin and riddle_cos, which both find the quarter
+   turn. */
+static DEM__NOINLINE double dem__sine(double angle, double *cosine) {
+    int quarter;
+    const double r = riddle__within_quarter(angle, &quarter);
+    *cosine = riddle__sin_quarter(r, quarter + 1);
+    return riddle__sin_quarter(r, quarter);
+}
+
+/* Rotates v by an angle [rad] about a unit axis (Rodrigues). */
+static DEM__NOINLINE dem_vec dem__rotated(dem_vec v, dem_vec axis, double angle) {
+    double turns = angle / (2.0 * RIDDLE_PI), phase = 2.0 * RIDDLE_PI * (turns - floor(turns));
+    double c, s = dem__sine(phase, &c);
+    return dem__add(dem__add(dem__scale(c, v), dem__scale(s, dem__cross(axis, v))),
+                    dem__scale((1.0 - c) * dem__dot(axis, v), axis));
+}
+
+/* Returns the displacement of a harmonic vibration from its start [m], and its velocity and acceleration. start: sine
+   of the phase; angle: 2 pi times frequency and time. */
+DEM_INLINE double dem__vibration(double amplitude, double phase, double start, double angle, double rate,
+                                 double *velocity, double *acceleration) {
+    if (amplitude == 0.0) {
+        *velocity = *acceleration = 0.0;
+        return 0.0;
+    }
+    double c, s = dem__sine(angle + phase, &c);
+    *velocity = amplitude * rate * c;
+    *acceleration = -amplitude * rate * rate * s;
+    return amplitude * (s - start);
+}
+
+/* Sets the sines of a vibration's phases, which do not change while it lasts. */
+static inline void dem__set_phase_sine(dem_wall *w) {
+    const dem_vec phase = w->asked.phase;
+    w->phase_sine =
+        dem_vec3(riddle_sin(phase.x) + 0.0, riddle_sin(phase.y) + 0.0, riddle_sin(phase.z) + 0.0); /* no -0 */
+}
+
+/* Displacement, velocity and acceleration of a wall by vibration. */
+typedef struct dem__sway {
+    dem_vec shift, velocity, acceleration;
+} dem__sway;
+static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
+    const double rate = 2.0 * RIDDLE_PI * w->asked.frequency, turns = w->asked.frequency * t;
+    const double angle = 2.0 * RIDDLE_PI * (turns - floor(turns));
+    const dem_vec size = w->asked.amplitude, phase = w->asked.phase, start = w->phase_sine;
+    dem__sway s;
+    s.shift.x = dem__vibration(size.x, phase.x, start.x, angle, rate, &s.velocity.x, &s.acceleration.x);
+    s.shift.y = dem__vibration(size.y, phase.y, start.y, angle, rate, &s.velocity.y, &s.acceleration.y);
+    s.shift.z = dem__vibration(size.z, phase.z, start.z, angle, rate, &s.velocity.z, &s.acceleration.z);
+    return s;
+}
+
+/* Returns whether two walls vibrate alike, as a deck and its side wall do. */
+DEM_INLINE int dem__sways_like(const dem_wall *a, const dem_wall *b) {
+    return memcmp(&a->asked.amplitude, &b->asked.amplitude, sizeof a->asked.amplitude) == 0 &&
+           memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 &&
+           a->asked.frequency == b->asked.frequency && a->asked.motion_start == b->asked.motion_start;
+}
+
+/* Returns the position of a wall in a pose; axis: its axes in the pose. */
+static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_vec *axis) {
+    const double angle = dem__length(pose->turn);
+    dem_vec arm = dem__sub(w->asked.origin, w->asked.spin_centre);
+    for (int k = 0; k < 3; k++) axis[k] = w->asked.rest_axis[k];
+    if (angle != 0.0) { /* true for NaN, which is passed on */
+        const dem_vec about = dem__scale(1.0 / angle, pose->turn);
+        for (int k = 0; k < 3; k++) axis[k] = dem__rotated(axis[k], about, angle);
+        arm = dem__rotated(arm, about, angle);
+    }
+    return dem__add(dem__add(w->asked.spin_centre, arm), pose->shift);
+}
+
+/* Moves a prescribed wall to its place at a time. Its velocity, acceleration and spin are central differences. */
+static inline void dem__prescribed_wall(dem_wall *w, double time) {
+    dem_vec at[3], axis[3][3], omega = dem_vec3(0.0, 0.0, 0.0);
+    const double rate = 0.5 / w->asked.interval;
+    if (!w->asked.motion) return;
+    for (int k = 0; k < 3; k++) {
+        dem_pose pose;
+        memset(&pose, 0, sizeof pose);
+        w->asked.motion(w->asked.motion_user, time + (k - 1) * w->asked.interval, &pose);
+        at[k] = dem__posed(w, &pose, axis[k]);
+    }
+    for (int k = 0; k < 3; k++) { /* omega = 1/2 sum of a x da/dt over the axes */
+        w->axis[k] = axis[1][k];
+        omega = dem__add(omega, dem__scale(0.5 * rate, dem__cross(axis[1][k], dem__sub(axis[2][k], axis[0][k]))));
+    }
+    w->position = at[1];
+    w->velocity = dem__scale(rate, dem__sub(at[2], at[0]));
+    w->acceleration = dem__scale(4.0 * rate * rate, dem__sub(dem__add(at[0], at[2]), dem__scale(2.0, at[1])));
+    w->spin = dem__length(omega);
+    if (w->spin > 0.0) w->spin_axis = dem__scale(1.0 / w->spin, omega);
+}
+
+/* Sets velocity and acceleration of a controlled wall at its present place. rate: its speed [m/s] or spin [rad/s]. */
+static inline void dem__rated_wall(dem_wall *w, double rate) {
+    if (w->asked.drive == DEM_FORCE_CONTROLLED) {
+        w->velocity = dem__scale(rate, w->spin_axis), w->acceleration = dem__scale(w->rate_change, w->spin_axis);
+        return;
+    }
+    const dem_vec arm = dem__sub(w->position, w->asked.spin_centre), across = dem__cross(w->spin_axis, arm);
+    w->spin = rate, w->spin_rate = w->rate_change;
+    w->velocity = dem__scale(rate, across);
+    w->acceleration =
+        dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
+}
+
+/* Moves a controlled wall to its place at a time: predicted from the last step, as a particle is. */
+static inline void dem__controlled_wall(dem_wall *w, double time) {
+    const double tau = time - w->asked.motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
+    dem_pose pose;
+    memset(&pose, 0, sizeof pose);
+    if (w->asked.drive == DEM_FORCE_CONTROLLED) pose.shift = dem__scale(way, w->spin_axis);
+    else pose.turn = dem__scale(way, w->spin_axis);
+    w->position = dem__posed(w, &pose, w->axis);
+    dem__rated_wall(w, w->rate + tau * w->rate_change);
+}
+
+/* Moves a kinematic wall to its place t after its motion began [s]. */
+static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *sway) {
+    const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->asked.drift));
+    w->velocity = dem__add(sway->velocity, w->asked.drift);
+    w->acceleration = sway->acceleration;
+    dem_vec origin = w->asked.origin;
+    if (w->spin != 0.0) {
+        double angle = w->spin * t;
+        for (int k = 0; k < 3; k++) w->axis[k] = dem__rotated(w->asked.rest_axis[k], w->spin_axis, angle);
+        dem_vec arm = dem__rotated(dem__sub(w->asked.origin, w->asked.spin_centre), w->spin_axis, angle),
+                omega = dem__scale(w->spin, w->spin_axis);
+        dem_vec turning = dem__cross(omega, arm);
+        origin = dem__add(w->asked.spin_centre, arm);
+        w->velocity = dem__add(w->velocity, turning);
+        w->acceleration = dem__add(w->acceleration, dem__cross(omega, turning));
+    }
+    w->position = dem__add(origin, shift);
+}
+
+/* Moves a wall to its place at a time [s]. */
+static inline void dem__move_wall(dem_wall *w, double time) {
+    if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
+    else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
+    else {
+        const dem__sway sway = dem__sway_at(w, time - w->asked.motion_start);
+        dem__kinematic_wall(w, time - w->asked.motion_start, &sway);
+    }
 }
 
 /* ------------------------------------------------------------------------------------------------- >>walls/sheet.h */
@@ -5930,140 +6065,6 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
     int32_t cx, cy, cz;
     dem__cells(g, 0, at.x, 0.0, &cx), dem__cells(g, 1, at.y, 0.0, &cy), dem__cells(g, 2, at.z, 0.0, &cz);
     return g->first + ((ptrdiff_t)cz * g->n[1] + cy) * g->n[0] + cx;
-}
-
-/* -------------------------------------------------------------------------------------------- >>walls/kinematics.h */
-/* Where a wall is at a time, and how it moves there: vibration, rotation, the caller's function, or a force's drive. */
-
-/* Returns the displacement of a harmonic vibration from its start [m], and its velocity and acceleration. start: sine
-   of the phase; angle: 2 pi times frequency and time. */
-DEM_INLINE double dem__vibration(double amplitude, double phase, double start, double angle, double rate,
-                                 double *velocity, double *acceleration) {
-    if (amplitude == 0.0) {
-        *velocity = *acceleration = 0.0;
-        return 0.0;
-    }
-    double c, s = dem__sine(angle + phase, &c);
-    *velocity = amplitude * rate * c;
-    *acceleration = -amplitude * rate * rate * s;
-    return amplitude * (s - start);
-}
-
-/* Sets the sines of a vibration's phases, which do not change while it lasts. */
-static inline void dem__set_phase_sine(dem_wall *w) {
-    const dem_vec phase = w->asked.phase;
-    w->phase_sine =
-        dem_vec3(riddle_sin(phase.x) + 0.0, riddle_sin(phase.y) + 0.0, riddle_sin(phase.z) + 0.0); /* no -0 */
-}
-
-/* Displacement, velocity and acceleration of a wall by vibration. */
-typedef struct dem__sway {
-    dem_vec shift, velocity, acceleration;
-} dem__sway;
-static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
-    const double rate = 2.0 * RIDDLE_PI * w->asked.frequency, turns = w->asked.frequency * t;
-    const double angle = 2.0 * RIDDLE_PI * (turns - floor(turns));
-    const dem_vec size = w->asked.amplitude, phase = w->asked.phase, start = w->phase_sine;
-    dem__sway s;
-    s.shift.x = dem__vibration(size.x, phase.x, start.x, angle, rate, &s.velocity.x, &s.acceleration.x);
-    s.shift.y = dem__vibration(size.y, phase.y, start.y, angle, rate, &s.velocity.y, &s.acceleration.y);
-    s.shift.z = dem__vibration(size.z, phase.z, start.z, angle, rate, &s.velocity.z, &s.acceleration.z);
-    return s;
-}
-
-/* Returns whether two walls vibrate alike, as a deck and its side wall do. */
-DEM_INLINE int dem__sways_like(const dem_wall *a, const dem_wall *b) {
-    return memcmp(&a->asked.amplitude, &b->asked.amplitude, sizeof a->asked.amplitude) == 0 &&
-           memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 &&
-           a->asked.frequency == b->asked.frequency && a->asked.motion_start == b->asked.motion_start;
-}
-
-/* Returns the position of a wall in a pose; axis: its axes in the pose. */
-static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_vec *axis) {
-    const double angle = dem__length(pose->turn);
-    dem_vec arm = dem__sub(w->asked.origin, w->asked.spin_centre);
-    for (int k = 0; k < 3; k++) axis[k] = w->asked.rest_axis[k];
-    if (angle != 0.0) { /* true for NaN, which is passed on */
-        const dem_vec about = dem__scale(1.0 / angle, pose->turn);
-        for (int k = 0; k < 3; k++) axis[k] = dem__rotated(axis[k], about, angle);
-        arm = dem__rotated(arm, about, angle);
-    }
-    return dem__add(dem__add(w->asked.spin_centre, arm), pose->shift);
-}
-
-/* Moves a prescribed wall to its place at a time. Its velocity, acceleration and spin are central differences. */
-static inline void dem__prescribed_wall(dem_wall *w, double time) {
-    dem_vec at[3], axis[3][3], omega = dem_vec3(0.0, 0.0, 0.0);
-    const double rate = 0.5 / w->asked.interval;
-    if (!w->asked.motion) return;
-    for (int k = 0; k < 3; k++) {
-        dem_pose pose;
-        memset(&pose, 0, sizeof pose);
-        w->asked.motion(w->asked.motion_user, time + (k - 1) * w->asked.interval, &pose);
-        at[k] = dem__posed(w, &pose, axis[k]);
-    }
-    for (int k = 0; k < 3; k++) { /* omega = 1/2 sum of a x da/dt over the axes */
-        w->axis[k] = axis[1][k];
-        omega = dem__add(omega, dem__scale(0.5 * rate, dem__cross(axis[1][k], dem__sub(axis[2][k], axis[0][k]))));
-    }
-    w->position = at[1];
-    w->velocity = dem__scale(rate, dem__sub(at[2], at[0]));
-    w->acceleration = dem__scale(4.0 * rate * rate, dem__sub(dem__add(at[0], at[2]), dem__scale(2.0, at[1])));
-    w->spin = dem__length(omega);
-    if (w->spin > 0.0) w->spin_axis = dem__scale(1.0 / w->spin, omega);
-}
-
-/* Sets velocity and acceleration of a controlled wall at its present place. rate: its speed [m/s] or spin [rad/s]. */
-static inline void dem__rated_wall(dem_wall *w, double rate) {
-    if (w->asked.drive == DEM_FORCE_CONTROLLED) {
-        w->velocity = dem__scale(rate, w->spin_axis), w->acceleration = dem__scale(w->rate_change, w->spin_axis);
-        return;
-    }
-    const dem_vec arm = dem__sub(w->position, w->asked.spin_centre), across = dem__cross(w->spin_axis, arm);
-    w->spin = rate, w->spin_rate = w->rate_change;
-    w->velocity = dem__scale(rate, across);
-    w->acceleration =
-        dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
-}
-
-/* Moves a controlled wall to its place at a time: predicted from the last step, as a particle is. */
-static inline void dem__controlled_wall(dem_wall *w, double time) {
-    const double tau = time - w->asked.motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
-    dem_pose pose;
-    memset(&pose, 0, sizeof pose);
-    if (w->asked.drive == DEM_FORCE_CONTROLLED) pose.shift = dem__scale(way, w->spin_axis);
-    else pose.turn = dem__scale(way, w->spin_axis);
-    w->position = dem__posed(w, &pose, w->axis);
-    dem__rated_wall(w, w->rate + tau * w->rate_change);
-}
-
-/* Moves a kinematic wall to its place t after its motion began [s]. */
-static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *sway) {
-    const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->asked.drift));
-    w->velocity = dem__add(sway->velocity, w->asked.drift);
-    w->acceleration = sway->acceleration;
-    dem_vec origin = w->asked.origin;
-    if (w->spin != 0.0) {
-        double angle = w->spin * t;
-        for (int k = 0; k < 3; k++) w->axis[k] = dem__rotated(w->asked.rest_axis[k], w->spin_axis, angle);
-        dem_vec arm = dem__rotated(dem__sub(w->asked.origin, w->asked.spin_centre), w->spin_axis, angle),
-                omega = dem__scale(w->spin, w->spin_axis);
-        dem_vec turning = dem__cross(omega, arm);
-        origin = dem__add(w->asked.spin_centre, arm);
-        w->velocity = dem__add(w->velocity, turning);
-        w->acceleration = dem__add(w->acceleration, dem__cross(omega, turning));
-    }
-    w->position = dem__add(origin, shift);
-}
-
-/* Moves a wall to its place at a time [s]. */
-static inline void dem__move_wall(dem_wall *w, double time) {
-    if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
-    else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
-    else {
-        const dem__sway sway = dem__sway_at(w, time - w->asked.motion_start);
-        dem__kinematic_wall(w, time - w->asked.motion_start, &sway);
-    }
 }
 
 /* ------------------------------------------------------------------------------------------------ >>walls/motion.h */
@@ -12766,10 +12767,11 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
 }
 
 /* ------------------------------------------------------------------------------------------------ >>bodies/union.h */
-/* Volume and moments of a union of balls, from its surface (Gauss's theorem): pure functions. Each ball's surface is cut
-   along latitudes about z. On a latitude other balls cover arcs; between them the integrals of products of the normal's
-   components are closed forms. Between the latitudes at which an arc begins or ends they are smooth but for square roots
-   at both ends, which a substitution takes away, so that Gauss's rule with 16 points finds them to rounding. */
+/* Volume and moments of a union of balls, from its surface (Gauss's theorem): pure functions. Each ball's surface is
+   cut along latitudes about z. On a latitude other balls cover arcs; between them the integrals of products of the
+   normal's components are closed forms. Between the latitudes at which an arc begins or ends they are smooth but for
+   square roots at both ends, which a substitution takes away, so that Gauss's rule with 16 points finds them to
+   rounding. */
 
 /* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
 typedef struct dem__content {
@@ -12789,7 +12791,9 @@ typedef struct dem__cover {
     double h, across, angle; /* across, angle: length and angle of d about z */
 } dem__cover;
 
-enum { DEM__CAPS = DEM_CLUMP_MAX, DEM__LATITUDES = 2 + 2 * DEM__CAPS + DEM__CAPS * DEM__CAPS };
+/* Rims of m caps meet in at most 6 m - 12 exposed places, each cap has two ends; where many meet in one place, rounding
+   may find some more. A latitude that finds no room is only a kink, which zones that are halved find, too. */
+enum { DEM__CAPS = DEM_CLUMP_MAX, DEM__LATITUDES = 10 * DEM__CAPS };
 
 /* Lists what others cover of ball i. Returns their number. */
 static inline int dem__find_caps(int n, const dem_vec *centre, const double *radius, int i, dem__cover *cap) {
@@ -12813,6 +12817,16 @@ static inline int dem__is_covered(int m, const dem__cover *cap, dem_vec n, int a
     return 0;
 }
 
+/* Adds a latitude to a list in ascending order. Returns the new length. */
+static inline int dem__add_latitude(double *t, int count, double z) {
+    int k = count;
+    while (t[k - 1] > z) k--;
+    if (count == DEM__LATITUDES || z - t[k - 1] < 1e-15 || (k < count && t[k] - z < 1e-15)) return count;
+    memmove(t + k + 1, t + k, (size_t)(count - k) * sizeof *t);
+    t[k] = z;
+    return count + 1;
+}
+
 /* Lists the latitudes, from -1 to 1, at which the exposed part changes its kind: where the rim of a cap is highest and
    lowest, and where two rims meet. */
 static inline int dem__find_latitudes(int m, const dem__cover *cap, double *t) {
@@ -12828,7 +12842,8 @@ static inline int dem__find_latitudes(int m, const dem__cover *cap, double *t) {
                 const double up = side * sqrt(left) / (square * cap[a].across);
                 n = dem__plus(n, up, dem_vec3(-d.z * d.x, -d.z * d.y, cap[a].across * cap[a].across));
             }
-            if (z > -1.0 && z < 1.0 && !(cap[a].across > 0.0 && dem__is_covered(m, cap, n, a, a))) t[count++] = z;
+            if (z > -1.0 && z < 1.0 && !(cap[a].across > 0.0 && dem__is_covered(m, cap, n, a, a)))
+                count = dem__add_latitude(t, count, z);
         }
         for (int b = 0; b < a; b++) {
             const dem_vec axis = dem__cross(d, cap[b].d);
@@ -12839,7 +12854,8 @@ static inline int dem__find_latitudes(int m, const dem__cover *cap, double *t) {
             const double rest = 1.0 - dem__dot(foot, foot);
             for (double side = -1.0; side < 2.0 && rest > 0.0; side += 2.0) {
                 const dem_vec n = dem__plus(foot, side * sqrt(rest / det), axis);
-                if (n.z > -1.0 && n.z < 1.0 && !dem__is_covered(m, cap, n, a, b)) t[count++] = n.z;
+                if (n.z > -1.0 && n.z < 1.0 && !dem__is_covered(m, cap, n, a, b))
+                    count = dem__add_latitude(t, count, n.z);
             }
         }
     }
@@ -12961,12 +12977,6 @@ static inline void dem__expose(int m, const dem__cover *cap, dem__exposed *e) {
     double t[DEM__LATITUDES];
     const int count = dem__find_latitudes(m, cap, t);
     memset(e, 0, sizeof *e);
-    for (int k = 1; k < count; k++) {
-        const double x = t[k];
-        int q = k;
-        for (; q > 0 && t[q - 1] > x; q--) t[q] = t[q - 1];
-        t[q] = x;
-    }
     for (int k = 1; k < count; k++) {
         const dem__zone z = {0.5 * (t[k] + t[k - 1]), 0.5 * (t[k] - t[k - 1]), -1.0, 1.0};
         if (z.half > 1e-16) dem__expose_zone(e, z, m, cap);
@@ -14105,7 +14115,8 @@ static inline int dem__has_room(const dem_world *w, const dem__room *room, const
     return 1;
 }
 
-/* Finds a free place for a body of a feed by random tries in the region of its source, with the source's generator. Returns 0 if there was none. */
+/* Finds a free place for a body of a feed by random tries in the region of its source, with the source's generator.
+   Returns 0 if there was none. */
 static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *source, const dem_feed *feed, double radius,
                                   dem_vec *x, dem_quaternion *turn) {
     const double reach = radius * dem__feed_reach(w, feed);

@@ -26,8 +26,9 @@
    Memory   from the world's allocator, given back before the call returns; of a surface, by dem_io_free_surface.
    Errors   of files: riddle_io_status, with its line (riddle_io.h); else dem_status.
    Threads  a world is only read. Bits: nothing of the simulation depends on what is written.
-   Linking  with dem.h, riddle_io.h and riddle_plot.h beside it. Every function is static inline; for one shared copy #define DEM_IO_API extern before
-            every inclusion, and DEM_IO_IMPLEMENTATION as well in one file; those headers have their own switches. */
+   Linking  with dem.h, riddle_io.h and riddle_plot.h beside it. Every function is static inline; for one shared copy #define
+            DEM_IO_API extern before every inclusion, and DEM_IO_IMPLEMENTATION as well in one file; those headers have their own
+            switches. */
 #ifndef DEM_IO_H
 #define DEM_IO_H
 

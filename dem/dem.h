@@ -25,9 +25,9 @@
              resistance with a lever arm in metres, relative and capped. A law of your own: dem_law and DEM_KERNEL below.
    Bodies    spheres, clumps of them (dem_add_clumps, docs/dem_bodies.md), and convex polyhedra with rounded edges (dem_add_convex,
              docs/dem_convex.md).
-   Walls     plane, cylinder, wire screen, cone, disc, sphere, box, triangle mesh (STL); each at rest, vibrating, turning, moving, prescribed
-             or driven by a force or torque. A wall supplies geometry (normal, gap, surface velocity, inverse mass 0); everything after
-             that is the pair's kernel.
+   Walls     plane, cylinder, wire screen, cone, disc, sphere, box, triangle mesh (STL); each at rest, vibrating, turning,
+             moving, prescribed or driven by a force or torque. A wall supplies geometry (normal, gap, surface velocity,
+             inverse mass 0); everything after that is the pair's kernel.
    Time      A particle is on a parabola from the step at which its last force ended; only particles that touch something take steps.
              Velocity Verlet with the dashpot's velocity predicted and the first and last step of a contact resolved in time: second
              order in dt with damping, third for the restitution of a linear contact.
@@ -70,6 +70,7 @@ extern "C" {
 /* Declarations, and the pure functions that laws of a user call. */
 #include "base/api.h"
 #include "base/polyhedron.h"
+#include "base/triangles.h"
 #include "contacts/laws.h"
 #include "gas/laws.h"
 

@@ -34,8 +34,8 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
                                    int material, int group);
 /* Makes a shape of n spheres, overlapping or not. centres: shape [n][3] [m], in a frame of the shape's own, anywhere;
    diameters: [n] [m] > 0. Volume, centre of mass and moments are those of the union at one density, to 1e-8 of the
-   whole in the worst case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere within another is left out: it can touch
-   nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
+   whole in the worst case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere
+   within another is left out: it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
 DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
 DEM_API double dem_clump_diameter(const dem_clump *clump); /* of the sphere of the same volume [m] */
 /* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]; diameters: of spheres of the same volume, [n]
@@ -177,7 +177,8 @@ typedef struct dem_source {
     int by_number;       /* 0: shares are of mass */
     double due, due_mass; /* what the feeds below still owe [-], [kg]; at first 0. They may be ahead by half a body */
 } dem_source;
-/* As dem_fill, dem_fill_mass, dem_feed_number and dem_feed_mass. Of a fill, what finds no place is missed by its class. */
+/* As dem_fill, dem_fill_mass, dem_feed_number and dem_feed_mass. Of a fill, what finds no place is missed by its class.
+   */
 DEM_API dem_status dem_fill_source(dem_world *world, dem_source *source, ptrdiff_t count);
 DEM_API dem_status dem_fill_source_mass(dem_world *world, dem_source *source, double mass);
 DEM_API dem_status dem_feed_source(dem_world *world, dem_source *source, double rate, double duration);
@@ -472,9 +473,9 @@ DEM_API uint64_t dem_hash(const dem_world *world);
    writes only if capacity is enough (call it with NULL, 0 first). 0 for what is no world, and from hooks: a step is
    half done there. */
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
-/* Makes a world from saved bytes; its runs continue with the same bits, under a law with the name, version and number of
-   states of that which made the contacts (see dem_law). As for dem_init, *world must not be in use.
-   allocator may be NULL. DEM_BAD_DATA, DEM_OUT_OF_MEMORY: nothing is allocated then. */
+/* Makes a world from saved bytes; its runs continue with the same bits, under a law with the name, version and number
+   of states of that which made the contacts (see dem_law). As for dem_init, *world must not be in use. allocator may be
+   NULL. DEM_BAD_DATA, DEM_OUT_OF_MEMORY: nothing is allocated then. */
 DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator);
 
 /* ---- pure laws, NaN outside their domain ---- */

@@ -23,21 +23,4 @@ DEM_INLINE dem_vec dem__cross(dem_vec a, dem_vec b) {
 }
 DEM_INLINE double dem__length(dem_vec a) { return sqrt(dem__dot(a, a)); }
 
-/* Returns the sine of an angle, and its cosine: the bits of riddle_sin and riddle_cos, which both find the quarter
-   turn. */
-static DEM__NOINLINE double dem__sine(double angle, double *cosine) {
-    int quarter;
-    const double r = riddle__within_quarter(angle, &quarter);
-    *cosine = riddle__sin_quarter(r, quarter + 1);
-    return riddle__sin_quarter(r, quarter);
-}
-
-/* Rotates v by an angle [rad] about a unit axis (Rodrigues). */
-static DEM__NOINLINE dem_vec dem__rotated(dem_vec v, dem_vec axis, double angle) {
-    double turns = angle / (2.0 * RIDDLE_PI), phase = 2.0 * RIDDLE_PI * (turns - floor(turns));
-    double c, s = dem__sine(phase, &c);
-    return dem__add(dem__add(dem__scale(c, v), dem__scale(s, dem__cross(axis, v))),
-                    dem__scale((1.0 - c) * dem__dot(axis, v), axis));
-}
-
 DEM_INLINE double dem__clamp(double v, double low, double high) { return v < low ? low : (v > high ? high : v); }

@@ -1,7 +1,8 @@
-/* Volume and moments of a union of balls, from its surface (Gauss's theorem): pure functions. Each ball's surface is cut
-   along latitudes about z. On a latitude other balls cover arcs; between them the integrals of products of the normal's
-   components are closed forms. Between the latitudes at which an arc begins or ends they are smooth but for square roots
-   at both ends, which a substitution takes away, so that Gauss's rule with 16 points finds them to rounding. */
+/* Volume and moments of a union of balls, from its surface (Gauss's theorem): pure functions. Each ball's surface is
+   cut along latitudes about z. On a latitude other balls cover arcs; between them the integrals of products of the
+   normal's components are closed forms. Between the latitudes at which an arc begins or ends they are smooth but for
+   square roots at both ends, which a substitution takes away, so that Gauss's rule with 16 points finds them to
+   rounding. */
 #pragma once
 #include "../motion/rotation.h"
 #include "../../base/portable_math.h"
@@ -24,7 +25,9 @@ typedef struct dem__cover {
     double h, across, angle; /* across, angle: length and angle of d about z */
 } dem__cover;
 
-enum { DEM__CAPS = DEM_CLUMP_MAX, DEM__LATITUDES = 2 + 2 * DEM__CAPS + DEM__CAPS * DEM__CAPS };
+/* Rims of m caps meet in at most 6 m - 12 exposed places, each cap has two ends; where many meet in one place, rounding
+   may find some more. A latitude that finds no room is only a kink, which zones that are halved find, too. */
+enum { DEM__CAPS = DEM_CLUMP_MAX, DEM__LATITUDES = 10 * DEM__CAPS };
 
 /* Lists what others cover of ball i. Returns their number. */
 static inline int dem__find_caps(int n, const dem_vec *centre, const double *radius, int i, dem__cover *cap) {
@@ -48,6 +51,16 @@ static inline int dem__is_covered(int m, const dem__cover *cap, dem_vec n, int a
     return 0;
 }
 
+/* Adds a latitude to a list in ascending order. Returns the new length. */
+static inline int dem__add_latitude(double *t, int count, double z) {
+    int k = count;
+    while (t[k - 1] > z) k--;
+    if (count == DEM__LATITUDES || z - t[k - 1] < 1e-15 || (k < count && t[k] - z < 1e-15)) return count;
+    memmove(t + k + 1, t + k, (size_t)(count - k) * sizeof *t);
+    t[k] = z;
+    return count + 1;
+}
+
 /* Lists the latitudes, from -1 to 1, at which the exposed part changes its kind: where the rim of a cap is highest and
    lowest, and where two rims meet. */
 static inline int dem__find_latitudes(int m, const dem__cover *cap, double *t) {
@@ -63,7 +76,8 @@ static inline int dem__find_latitudes(int m, const dem__cover *cap, double *t) {
                 const double up = side * sqrt(left) / (square * cap[a].across);
                 n = dem__plus(n, up, dem_vec3(-d.z * d.x, -d.z * d.y, cap[a].across * cap[a].across));
             }
-            if (z > -1.0 && z < 1.0 && !(cap[a].across > 0.0 && dem__is_covered(m, cap, n, a, a))) t[count++] = z;
+            if (z > -1.0 && z < 1.0 && !(cap[a].across > 0.0 && dem__is_covered(m, cap, n, a, a)))
+                count = dem__add_latitude(t, count, z);
         }
         for (int b = 0; b < a; b++) {
             const dem_vec axis = dem__cross(d, cap[b].d);
@@ -74,7 +88,8 @@ static inline int dem__find_latitudes(int m, const dem__cover *cap, double *t) {
             const double rest = 1.0 - dem__dot(foot, foot);
             for (double side = -1.0; side < 2.0 && rest > 0.0; side += 2.0) {
                 const dem_vec n = dem__plus(foot, side * sqrt(rest / det), axis);
-                if (n.z > -1.0 && n.z < 1.0 && !dem__is_covered(m, cap, n, a, b)) t[count++] = n.z;
+                if (n.z > -1.0 && n.z < 1.0 && !dem__is_covered(m, cap, n, a, b))
+                    count = dem__add_latitude(t, count, n.z);
             }
         }
     }
@@ -196,12 +211,6 @@ static inline void dem__expose(int m, const dem__cover *cap, dem__exposed *e) {
     double t[DEM__LATITUDES];
     const int count = dem__find_latitudes(m, cap, t);
     memset(e, 0, sizeof *e);
-    for (int k = 1; k < count; k++) {
-        const double x = t[k];
-        int q = k;
-        for (; q > 0 && t[q - 1] > x; q--) t[q] = t[q - 1];
-        t[q] = x;
-    }
     for (int k = 1; k < count; k++) {
         const dem__zone z = {0.5 * (t[k] + t[k - 1]), 0.5 * (t[k] - t[k - 1]), -1.0, 1.0};
         if (z.half > 1e-16) dem__expose_zone(e, z, m, cap);

@@ -92,7 +92,8 @@ static inline int dem__has_room(const dem_world *w, const dem__room *room, const
     return 1;
 }
 
-/* Finds a free place for a body of a feed by random tries in the region of its source, with the source's generator. Returns 0 if there was none. */
+/* Finds a free place for a body of a feed by random tries in the region of its source, with the source's generator.
+   Returns 0 if there was none. */
 static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *source, const dem_feed *feed, double radius,
                                   dem_vec *x, dem_quaternion *turn) {
     const double reach = radius * dem__feed_reach(w, feed);

@@ -1,6 +1,24 @@
 /* Where a wall is at a time, and how it moves there: vibration, rotation, the caller's function, or a force's drive. */
 #pragma once
+#include "../../base/portable_math.h"
 #include "../base/vectors.h"
+
+/* Returns the sine of an angle, and its cosine: the bits of riddle_sin and riddle_cos, which both find the quarter
+   turn. */
+static DEM__NOINLINE double dem__sine(double angle, double *cosine) {
+    int quarter;
+    const double r = riddle__within_quarter(angle, &quarter);
+    *cosine = riddle__sin_quarter(r, quarter + 1);
+    return riddle__sin_quarter(r, quarter);
+}
+
+/* Rotates v by an angle [rad] about a unit axis (Rodrigues). */
+static DEM__NOINLINE dem_vec dem__rotated(dem_vec v, dem_vec axis, double angle) {
+    double turns = angle / (2.0 * RIDDLE_PI), phase = 2.0 * RIDDLE_PI * (turns - floor(turns));
+    double c, s = dem__sine(phase, &c);
+    return dem__add(dem__add(dem__scale(c, v), dem__scale(s, dem__cross(axis, v))),
+                    dem__scale((1.0 - c) * dem__dot(axis, v), axis));
+}
 
 /* Returns the displacement of a harmonic vibration from its start [m], and its velocity and acceleration. start: sine
    of the phase; angle: 2 pi times frequency and time. */

@@ -1,6 +1,7 @@
 /* What thin sheets share: their circular rims. */
 #pragma once
 #include "add.h"
+#include "kinematics.h"
 
 enum { DEM__RIM_POINTS = 16 }; /* points of a rim at which faces of polyhedra can touch it */
 
