@@ -611,28 +611,20 @@ typedef struct typed {
     const char *sizes, *checkpoint, *resume;
 } typed;
 
-/* Largest u dx / nu that the lattice resolves, and up to which it is stable with a smaller Lambda. */
-static const double resolved = 18.0, stable = 30.0;
+/* Largest u dx / nu that the lattice resolves: faster jets become unsteady between the wires, and the run stops. */
+static const double resolved = 18.0;
 
-/* Start step and Lambda from the largest speed in the pores: that of a free jet and a fifth more, less what viscosity takes (fitted to the
+/* Start step from the largest speed in the pores: that of a free jet and a fifth more, less what viscosity takes (fitted to the
    paper's twill from 500 to 5000 Pa). Refuses what cannot be resolved. */
 static void choose_start(const program *self, const typed *t, duty *d) {
     const double friction = 8.0 * d->viscosity * d->wire / (d->opening * d->opening) / d->density;
     const double jet = sqrt(friction * friction + 1.44 * 2.0 * d->pressure / d->density) - friction;
     const double cell = jet * d->voxel * d->density / d->viscosity;
     char text[300];
-    if (!(cell <= stable)) {
-        snprintf(text, sizeof text,
-                 "at most %.3g with %.3g um voxels, or voxels of %.2g um: the liquid has about %.2g m/s in the pores",
-                 d->pressure * stable * stable / (cell * cell), 1e6 * d->voxel, 1e6 * d->voxel * stable / cell, jet);
+    if (!(cell <= resolved)) {
+        snprintf(text, sizeof text, "at most %.2g with %.3g um voxels, or voxels of %.2g um: the liquid has about %.2g m/s in the pores",
+                 d->pressure * resolved * resolved / (cell * cell), 1e6 * d->voxel, 1e6 * d->voxel * resolved / cell, jet);
         program_refuse(self, "pressure-pa", NULL, text);
-    }
-    if (cell > resolved) {
-        d->magic = 0.06;
-        common_print("Coarse: u dx / nu is about %.0f in the pores, above %.0f. The resistance of the cloth comes out "
-                     "up to a third too high; voxels "
-                     "of %.2g um resolve it.\n",
-                     cell, resolved, 1e6 * d->voxel * resolved / cell);
     }
     d->tau = t->tau > 0.0 ? t->tau : fmin(0.5 + 3.0 * 0.12 / cell, 0.6);
     d->fastest_tau = fmax(d->voxel > 4e-6 ? 0.6 : 0.69, d->tau);
