@@ -52,7 +52,7 @@ static inline int dem__is_covered(int m, const dem__cover *cap, dem_vec n, int a
 }
 
 /* Adds a latitude to a list in ascending order. Returns the new length. */
-static inline int dem__add_latitude(double *t, int count, double z) {
+static inline int dem__insert_latitude(double *t, int count, double z) {
     int k = count;
     while (t[k - 1] > z) k--;
     if (count == DEM__LATITUDES || z - t[k - 1] < 1e-15 || (k < count && t[k] - z < 1e-15)) return count;
@@ -77,7 +77,7 @@ static inline int dem__find_latitudes(int m, const dem__cover *cap, double *t) {
                 n = dem__plus(n, up, dem_vec3(-d.z * d.x, -d.z * d.y, cap[a].across * cap[a].across));
             }
             if (z > -1.0 && z < 1.0 && !(cap[a].across > 0.0 && dem__is_covered(m, cap, n, a, a)))
-                count = dem__add_latitude(t, count, z);
+                count = dem__insert_latitude(t, count, z);
         }
         for (int b = 0; b < a; b++) {
             const dem_vec axis = dem__cross(d, cap[b].d);
@@ -89,7 +89,7 @@ static inline int dem__find_latitudes(int m, const dem__cover *cap, double *t) {
             for (double side = -1.0; side < 2.0 && rest > 0.0; side += 2.0) {
                 const dem_vec n = dem__plus(foot, side * sqrt(rest / det), axis);
                 if (n.z > -1.0 && n.z < 1.0 && !dem__is_covered(m, cap, n, a, b))
-                    count = dem__add_latitude(t, count, n.z);
+                    count = dem__insert_latitude(t, count, n.z);
             }
         }
     }

@@ -1,7 +1,7 @@
 /* Where a wall is at a time, and how it moves there: vibration, rotation, the caller's function, or a force's drive. */
 #pragma once
-#include "../../base/portable_math.h"
 #include "../base/vectors.h"
+#include "../../base/portable_math.h"
 
 /* Returns the sine of an angle, and its cosine: the bits of riddle_sin and riddle_cos, which both find the quarter
    turn. */
