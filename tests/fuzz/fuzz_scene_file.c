@@ -12,7 +12,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
         def.liquid.part.where = NULL; /* its tables take long */
         failed = scene_make(&s, &def, &file, 1, 1);
         FUZZ_ASSERT(failed || (s.tick > 0.0 && s.sources > 0 && s.groups > 0 && s.world.def.dt > 0.0));
-        for (int k = 0; k < s.sources; k++) FUZZ_ASSERT(failed || s.source[k].amount >= 0.0);
+        for (int k = 0; k < s.sources; k++) FUZZ_ASSERT(failed || (s.source[k].feed && s.source[k].density > 0.0 && s.source[k].cube > 0.0));
         scene_free(&s);
     }
     FUZZ_ASSERT(failed == (file.message[0] != '\0' ? -1 : 0) || failed == 1);
