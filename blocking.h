@@ -1766,8 +1766,8 @@ static inline blocking__region blocking__region_of(const blocking__data *d, cons
     r.student = dof >= 1.0 ? blocking_student(def->z, dof) : HUGE_VAL;
     r.variance = d->sigma ? 1.0 : dof >= 1.0 ? r.least / dof : HUGE_VAL;
     r.target = r.student < HUGE_VAL ? r.least + r.student * r.student * r.variance : HUGE_VAL;
-    /* Where a constant is within the target, any k fits, and the best one follows the noise more than one parameter does: without the factors,
-       found by trials, ranges of readings that do not change hold 90 to 93 of 100 */
+    /* Where a constant is within the target, any k fits, and the best one follows the noise more than one parameter does:
+       without the factors, found by trials, ranges of readings that do not change hold 90 to 93 of 100 */
     double constant = 0.0;
     for (size_t i = 0; i < d->n; i++) constant += blocking__weight(d, i) * blocking__square(d->f[i] - d->f_mean);
     if (constant <= r.target && r.target < HUGE_VAL) r.target = r.least + (d->sigma ? 1.6 : 1.3) * r.student * r.student * r.variance;
