@@ -24,5 +24,5 @@ DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
 }
 
 DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element) {
-    return world && i >= 0 && i < world->count ? dem__link_of(world, i, j, element) : -1;
+    return dem_link_count(world) > 0 && i >= 0 && i < world->count ? dem__link_of(world, i, j, element) : -1;
 }
