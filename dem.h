@@ -10738,13 +10738,13 @@ static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, 
 static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *kernel, int features) {
     if (!dem__is_thread_count(w->def.threads)) return DEM_BAD_DEFINITION;
     if (w->status == DEM_NOT_FINITE || w->status == DEM_TOO_FAST) return w->status;
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
+    }
     for (int k = 0; k < w->engine->features; k++) {
         const dem__feature *f = w->engine->feature[k];
         const dem_status status = f->check_run ? f->check_run(w, kernel) : DEM_OK;
         if (status != DEM_OK) return status;
-    }
-    for (int k = 0; k < w->walls; k++) {
-        if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
     }
     const double narrowest = dem__narrowest(w);
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {

@@ -47,20 +47,19 @@ static duty paper_duty(void) {
     return d;
 }
 
-/* Classes from the cumulative volume share Q3 of an instrument, in % or as a fraction, at rising sizes: between two sizes q3 is constant, and a
-   class has the diameter of its mean volume. */
-static const char *classes_of_q3(const csv_data *data, duty *d) {
-    double x[MOST_CLASSES + 1], Q3[MOST_CLASSES + 1], Q0[MOST_CLASSES + 1];
-    if (data->rows < 2 || data->rows > MOST_CLASSES + 1) return "Q3 at 2 to 65 sizes";
-    for (int i = 0; i < data->rows; i++) x[i] = csv_value(data, i, "diameter_um"), Q3[i] = csv_value(data, i, "q3");
-    const double whole = Q3[data->rows - 1] > 1.5 ? 100.0 : 1.0;
-    if (!(fabs(Q3[data->rows - 1] / whole - 1.0) <= 0.01)) return "a Q3 that ends at 1 or 100 %";
-    for (int i = 0; i < data->rows; i++) Q3[i] /= Q3[data->rows - 1];
-    if (filtration_number_distribution((size_t)data->rows, x, Q3, Q0) != FILTRATION_OK)
-        return "rising sizes and a Q3 that begins with 0 and does not fall";
+/* Classes of a curve Q3, cumulative by volume: between two sizes q3 is constant, and a class has the diameter of its mean
+   volume. Returns what is wrong, or NULL. */
+static const char *classes_of_curve(const sheet_sizes *data, duty *d) {
+    double Q3[MOST_CLASSES + 1], Q0[MOST_CLASSES + 1];
+    const double *x = data->size;
+    if (data->amount[0][0] > 1e-3 || data->above[0] > 1e-3)
+        return "a curve from 0 to 1: its first size passes nothing, its last one everything";
+    for (int i = 0; i < data->n; i++) Q3[i] = i > 0 ? data->amount[0][i] / data->amount[0][data->n - 1] : 0.0;
+    if (filtration_number_distribution((size_t)data->n, x, Q3, Q0) != FILTRATION_OK)
+        return "rising sizes above 0 and a curve that does not fall";
     d->classes = 0;
-    for (int i = 1; i < data->rows; i++) {
-        const double low = 1e6 / x[i - 1], high = 1e6 / x[i];
+    for (int i = 1; i < data->n; i++) {
+        const double low = 1.0 / x[i - 1], high = 1.0 / x[i];
         if (!(Q0[i] > Q0[i - 1])) continue;
         d->diameter[d->classes] = 1.0 / cbrt(0.5 * low * high * (low + high));
         d->share[d->classes++] = Q0[i] - Q0[i - 1];
@@ -68,15 +67,10 @@ static const char *classes_of_q3(const csv_data *data, duty *d) {
     return NULL;
 }
 
-static const char *classes_of_shares(const csv_data *data, duty *d) {
-    const bool by_number = csv_column(data, "number_share") >= 0;
-    if (data->rows < 1 || data->rows > MOST_CLASSES) return "1 to 64 rows";
-    d->classes = data->rows;
-    for (int i = 0; i < data->rows; i++) {
-        d->diameter[i] = 1e-6 * csv_value(data, i, "diameter_um");
-        d->share[i] = csv_value(data, i, by_number ? "number_share" : "volume_share");
-    }
-    const double power = by_number ? 0.0 : -3.0;
+static const char *classes_of_shares(const sheet_sizes *data, duty *d) {
+    d->classes = data->n;
+    for (int i = 0; i < data->n; i++) d->diameter[i] = data->size[i], d->share[i] = data->amount[0][i];
+    const double power = data->by_number == 1 ? 0.0 : -3.0;
     if (filtration_convert_shares((size_t)d->classes, d->diameter, d->share, power, d->share) == FILTRATION_OK)
         return NULL;
     return "diameters above 0 and shares of at least 0, not all 0";
@@ -84,20 +78,20 @@ static const char *classes_of_shares(const csv_data *data, duty *d) {
 
 static void read_sizes(const program *self, const char *path, duty *d) {
     static const char *const wanted =
-        "a file with the columns diameter_um and number_share, volume_share or q3 (cumulative, by volume)";
-    csv_data data;
-    char message[400], text[600];
-    if (csv_read(path, &data, message, sizeof message) != 0) {
+        "a file with the columns diameter_um and number_share, volume_share or q3 (cumulative, by volume), up to 64 rows";
+    sheet_sizes data;
+    char message[600], text[800];
+    if (sheet_read_sizes(path, NULL, 1, &data, message, sizeof message) != 0) {
         snprintf(text, sizeof text, "%s; this one: %s", wanted, message);
         program_refuse(self, "sizes", path, text);
     }
-    const bool cumulative = csv_column(&data, "q3") >= 0;
-    if (csv_column(&data, "diameter_um") < 0 ||
-        (!cumulative && csv_column(&data, "number_share") < 0 && csv_column(&data, "volume_share") < 0))
-        program_refuse(self, "sizes", path, wanted);
-    const char *lacking = cumulative ? classes_of_q3(&data, d) : classes_of_shares(&data, d);
-    csv_free(&data);
+    const int below = !data.single; /* of a curve: classes between two sizes */
+    if (data.by_number < 0 && data.single) program_refuse(self, "sizes", path, wanted);
+    if (data.n - below < 1 || data.n - below > MOST_CLASSES) program_refuse(self, "sizes", path, wanted);
+    const char *lacking = below ? classes_of_curve(&data, d) : classes_of_shares(&data, d);
     if (lacking) program_refuse(self, "sizes", path, lacking);
+    common_print("%s\n", data.how);
+    sheet_free_sizes(&data);
     for (int i = 0; i < d->classes; i++)
         if (!(d->diameter[i] >= 4.0 * d->voxel && d->diameter[i] <= 0.5 * d->width))
             program_refuse(self, "sizes", path, "diameters of at least 4 voxels and at most half the box");
