@@ -12665,6 +12665,14 @@ static inline int dem__has_field(const dem__file *file, const dem_world *w) {
     return dem__is_flag(w->engine->field.on) ? w->engine->field.on : -1;
 }
 
+static inline dem_status dem__load_flights(const dem__file *file, dem_world *w, dem__group *g) {
+    (void)file, (void)g;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->engine->field.until[i] < 0) return DEM_BAD_DATA;
+    }
+    return DEM_OK;
+}
+
 static inline const dem__feature *dem__feature_field(void) {
     static const dem__feature row = {
         3,                              /* place */
@@ -12711,7 +12719,7 @@ static inline const dem__feature *dem__feature_field(void) {
         NULL,                           /* save */
         dem__has_field,                 /* is_used */
         NULL,                           /* load_first */
-        NULL,                           /* load */
+        dem__load_flights,              /* load */
         NULL,                           /* loaded */
         NULL,                           /* hash_particle */
         NULL,                           /* hash_before_contacts */
@@ -13596,8 +13604,8 @@ typedef struct dem__body_def {
 
 /* Makes room for n more bodies with `pieces` particles in all. Returns 0 when out of memory. */
 static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
-    return dem__grow_bodies(w, n) && dem__take_feature(w, dem__feature_bodies()) == DEM_OK &&
-           dem__reserve_particles(w, pieces);
+    return dem__take_feature(w, dem__feature_bodies()) == DEM_OK && /* first: it frees the bodies */
+           dem__grow_bodies(w, n) && dem__reserve_particles(w, pieces);
 }
 
 /* Adds a body at rest, for which dem__reserve_bodies has made room. Returns the number of its first particle. */

@@ -4438,9 +4438,10 @@ static inline double filtration__cloth_axis(const filtration_cloth *cloth, int w
                                             double *second) {
     const double pitch = cloth->wire + cloth->opening, place = s / pitch - 0.5, crossing = floor(place),
                  amplitude = 0.5 * cloth->wire;
-    const double here = filtration__cloth_side(cloth, warp, own, (int)crossing);
+    const int other = (int)(crossing - 4.0 * floor(0.25 * crossing)); /* weaves repeat after four wires */
+    const double here = filtration__cloth_side(cloth, warp, own, other);
     *first = *second = 0.0;
-    if (filtration__cloth_side(cloth, warp, own, (int)crossing + 1) == here) return here * amplitude;
+    if (filtration__cloth_side(cloth, warp, own, other + 1) == here) return here * amplitude;
     const double turn = RIDDLE_PI / pitch, angle = RIDDLE_PI * (place - crossing),
                  height = here * amplitude * riddle_cos(angle);
     *first = -here * amplitude * turn * riddle_sin(angle);
@@ -4515,8 +4516,9 @@ FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, c
     if (!cloth || !point) return (double)NAN;
     const double z = point[2] - cloth->centre, above = fabs(z) - cloth->wire, pitch = cloth->wire + cloth->opening;
     const double x = point[0] - cloth->offset[0], y = point[1] - cloth->offset[1];
-    const double far = fabs(x) > fabs(y) ? fabs(x) : fabs(y);
-    if (!(far < 1e9 * pitch && pitch < 1e100 && fabs(z) < 1e100 && cloth->reach <= 4.0 * pitch))
+    const double most = 1e9 * pitch;
+    if (!(fabs(x) < most && fabs(y) < most && fabs(z) < 1e100 && pitch < 1e100) ||
+        !(cloth->reach >= 0.0 && cloth->reach <= 4.0 * pitch))
         return (double)NAN; /* more wires than integers count, or a cloth that filtration_cloth_make did not make */
     if (above > cloth->reach) return above;
     const double nearest = filtration__wires_distance(cloth, 1, x, y, z, cloth->reach);

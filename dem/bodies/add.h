@@ -105,8 +105,8 @@ typedef struct dem__body_def {
 
 /* Makes room for n more bodies with `pieces` particles in all. Returns 0 when out of memory. */
 static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
-    return dem__grow_bodies(w, n) && dem__take_feature(w, dem__feature_bodies()) == DEM_OK &&
-           dem__reserve_particles(w, pieces);
+    return dem__take_feature(w, dem__feature_bodies()) == DEM_OK && /* first: it frees the bodies */
+           dem__grow_bodies(w, n) && dem__reserve_particles(w, pieces);
 }
 
 /* Adds a body at rest, for which dem__reserve_bodies has made room. Returns the number of its first particle. */

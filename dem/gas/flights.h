@@ -334,6 +334,14 @@ static inline int dem__has_field(const dem__file *file, const dem_world *w) {
     return dem__is_flag(w->engine->field.on) ? w->engine->field.on : -1;
 }
 
+static inline dem_status dem__load_flights(const dem__file *file, dem_world *w, dem__group *g) {
+    (void)file, (void)g;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->engine->field.until[i] < 0) return DEM_BAD_DATA;
+    }
+    return DEM_OK;
+}
+
 static inline const dem__feature *dem__feature_field(void) {
     static const dem__feature row = {
         3,                              /* place */
@@ -380,7 +388,7 @@ static inline const dem__feature *dem__feature_field(void) {
         NULL,                           /* save */
         dem__has_field,                 /* is_used */
         NULL,                           /* load_first */
-        NULL,                           /* load */
+        dem__load_flights,              /* load */
         NULL,                           /* loaded */
         NULL,                           /* hash_particle */
         NULL,                           /* hash_before_contacts */
