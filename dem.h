@@ -2482,6 +2482,20 @@ typedef struct dem__engine {
             if ((w)->engine->feature[f_]->member) (ok) = (w)->engine->feature[f_]->member arguments;                   \
         }                                                                                                              \
     } while (0)
+/* The same for a member that returns a number to be added to a sum. */
+#define DEM__ADD_UP(w, sum, member, arguments)                                                                         \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
+            if ((w)->engine->feature[f_]->member) (sum) += (w)->engine->feature[f_]->member arguments;                 \
+        }                                                                                                              \
+    } while (0)
+/* The same for a member that returns a status: nothing after the first that is not DEM_OK. */
+#define DEM__CHECK(w, status, member, arguments)                                                                       \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features && (status) == DEM_OK; f_++) {                                     \
+            if ((w)->engine->feature[f_]->member) (status) = (w)->engine->feature[f_]->member arguments;               \
+        }                                                                                                              \
+    } while (0)
 
 /* Adds a feature to a world that may have it already. */
 static inline void dem__add_feature(dem_world *w, const dem__feature *feature) {
@@ -2559,10 +2573,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
     list[n].address = &bodies->bound, list[n++].size = sizeof(dem__bound);
     list[n].address = &bodies->sum, list[n++].size = sizeof(dem__sum);
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        if (f->list_arrays) n += f->list_arrays(w, list + n);
-    }
+    DEM__ADD_UP(w, n, list_arrays, (w, list + n));
     return n;
 }
 
@@ -2584,10 +2595,7 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) {
         list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
     }
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        if (f->list_contact_arrays) n += f->list_contact_arrays(w, list + n);
-    }
+    DEM__ADD_UP(w, n, list_contact_arrays, (w, list + n));
     list[n].address = &contacts->ended, list[n++].size = 1;
     /* ... with constants of their own, ... */
     for (int k = 0; k < DEM__OWN_ARRAYS; k++, n++) list[n].address = own[k], list[n].size = sizeof(double);
@@ -6330,9 +6338,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
         c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
     c->tolerance += swing;
-    for (int k = 0; k < w->engine->features; k++) {
-        if (w->engine->feature[k]->drift) c->tolerance += w->engine->feature[k]->drift(w, i);
-    }
+    DEM__ADD_UP(w, c->tolerance, drift, (w, i));
     c->reach = w->particle[i].radius + 0.5 * pairs->touch_gap + pairs->position_tolerance - t * c->tolerance;
     dem__set_tolerance_left(w, i, turn);
 }
@@ -7042,6 +7048,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     if (!keeps) dem__release_unloaded(w);
     dem__list_active(w);
+    dem_status status = DEM_OK;
     double smallest, largest;
     if (!dem__list_positions(w, &smallest, &largest)) return 0;
     dem__choose_frame(w);
@@ -7052,11 +7059,8 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        const dem_status status = f->listed ? f->listed(w) : DEM_OK;
-        if (status != DEM_OK) return dem__fail_to_list(w, status);
-    }
+    DEM__CHECK(w, status, listed, (w));
+    if (status != DEM_OK) return dem__fail_to_list(w, status);
     pairs->next_check = w->step + DEM__STEPS_MAX;
     pairs->listed_step = w->step;
     w->rebuilds++;
@@ -10741,11 +10745,9 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
     }
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        const dem_status status = f->check_run ? f->check_run(w, kernel) : DEM_OK;
-        if (status != DEM_OK) return status;
-    }
+    dem_status status = DEM_OK;
+    DEM__CHECK(w, status, check_run, (w, kernel));
+    if (status != DEM_OK) return status;
     const double narrowest = dem__narrowest(w);
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
@@ -13370,8 +13372,7 @@ static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
 /* Return how many forces act between particles, and one of them: contacts come first, then those of features. */
 static inline ptrdiff_t dem__forces(const dem_world *w) {
     ptrdiff_t n = w->engine->contacts.count;
-    for (int k = 0; k < w->engine->features; k++)
-        n += w->engine->feature[k]->forces ? w->engine->feature[k]->forces(w) : 0;
+    DEM__ADD_UP(w, n, forces, (w));
     return n;
 }
 static inline dem_contact_info dem__get_force(const dem_world *w, ptrdiff_t k) {
@@ -18442,11 +18443,9 @@ static inline dem_status dem__read_state(const dem__file *file, dem_world *w, de
         DEM__TELL(w, add_particle, (w, i));
     }
     if (!dem__read_group(file, g, present) || !dem__read_contacts(file, w, g)) return DEM_BAD_DATA;
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        const dem_status status = f->load ? f->load(file, w, g) : DEM_OK;
-        if (status != DEM_OK) return status;
-    }
+    dem_status status = DEM_OK;
+    DEM__CHECK(w, status, load, (file, w, g));
+    if (status != DEM_OK) return status;
     if (w->passed_count > 0) dem__passed_fields(w->passed, g);
     return w->passed_count == 0 || dem__read_group(file, g, w->passed_count) ? DEM_OK : DEM_BAD_DATA;
 }
@@ -18518,10 +18517,7 @@ static inline dem_status dem__read_file(const dem__file *file, dem_world *w) {
     dem__group g;
     if (!dem__read_world(file, w, &g)) return DEM_BAD_DATA;
     dem_status status = dem__read_walls(file, w, &g);
-    for (int k = 0; k < w->engine->features && status == DEM_OK; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        if (f->load_first) status = f->load_first(file, w, &g);
-    }
+    DEM__CHECK(w, status, load_first, (file, w, &g));
     if (status == DEM_OK) status = dem__read_state(file, w, &g);
     if (status != DEM_OK) return status;
     if (!dem__are_sound_particles(w) || !dem__are_sound_contacts(w)) return DEM_BAD_DATA;

@@ -369,6 +369,20 @@ typedef struct dem__engine {
             if ((w)->engine->feature[f_]->member) (ok) = (w)->engine->feature[f_]->member arguments;                   \
         }                                                                                                              \
     } while (0)
+/* The same for a member that returns a number to be added to a sum. */
+#define DEM__ADD_UP(w, sum, member, arguments)                                                                         \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
+            if ((w)->engine->feature[f_]->member) (sum) += (w)->engine->feature[f_]->member arguments;                 \
+        }                                                                                                              \
+    } while (0)
+/* The same for a member that returns a status: nothing after the first that is not DEM_OK. */
+#define DEM__CHECK(w, status, member, arguments)                                                                       \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features && (status) == DEM_OK; f_++) {                                     \
+            if ((w)->engine->feature[f_]->member) (status) = (w)->engine->feature[f_]->member arguments;               \
+        }                                                                                                              \
+    } while (0)
 
 /* Adds a feature to a world that may have it already. */
 static inline void dem__add_feature(dem_world *w, const dem__feature *feature) {
