@@ -16729,6 +16729,163 @@ static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, c
     return dem__find_edge_points(&sa, &sb, low_a > high_b, out, n);
 }
 
+/* -------------------------------------------------------------------------------------------- >>polyhedra/behind.h */
+/* Polyhedra that a thin sheet cuts: which of their points are behind it, and how deep. A sheet has no inside, a body
+   has: the side of its centre is in front. Reads a wall, a shape and its place. Promises: overlap and normal of a point
+   that passes the sheet are continuous; nothing is computed here unless a core is cut. */
+
+/* Returns the place at which the line from p to q passes through triangle k of a tree, 0 .. 1; above 1: none. */
+static inline double dem__passes_at(const dem__tree *t, int32_t k, dem_vec p, dem_vec q) {
+    const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]],
+                  c = t->vertex[t->corner[3 * k + 2]];
+    const dem_vec u = dem__sub(q, p), pa = dem__sub(a, p), pb = dem__sub(b, p), pc = dem__sub(c, p);
+    const double from = -dem__dot(t->normal[k], pa), to = -dem__dot(t->normal[k], dem__sub(a, q));
+    if (!(from * to < 0.0)) return HUGE_VAL;
+    const double ab = dem__dot(u, dem__cross(pa, pb)), bc = dem__dot(u, dem__cross(pb, pc)),
+                 ca = dem__dot(u, dem__cross(pc, pa));
+    const int passes = (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
+    return passes ? from / (from - to) : HUGE_VAL;
+}
+
+/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that
+   along the normal of the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart
+   in another direction. */
+static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t,
+                                              int32_t k, double enough) {
+    const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
+    const double height = dem__dot(d, up);
+    double most = fabs(height) - dem__reach_along(s, core, dem__scale(height > 0.0 ? -1.0 : 1.0, up));
+    dem_vec corner[3];
+    if (most >= enough) return most;
+    for (int c = 0; c < 3; c++) corner[c] = dem__into_core(core, dem__sub(t->vertex[t->corner[3 * k + c]], core->x));
+    for (int f = 0; f < s->faces; f++) {
+        const dem_vec n = dem__point(s->plane[f]);
+        const double a = dem__dot(n, corner[0]), b = dem__dot(n, corner[1]), c = dem__dot(n, corner[2]);
+        const double lowest = a < b ? (a < c ? a : c) : b < c ? b : c, apart = lowest - s->plane[f][3];
+        most = apart > most ? apart : most;
+    }
+    return most;
+}
+
+/* Returns a core's place in the frame of a wall. */
+static inline dem__placed dem__in_frame(const dem_wall *wall, const dem__placed *place) {
+    dem__placed core;
+    core.x = dem__to_frame(wall, dem__sub(place->x, wall->position));
+    for (int k = 0; k < 3; k++) core.axis[k] = dem__to_frame(wall, place->axis[k]);
+    return core;
+}
+
+/* Returns whether a triangle of a mesh may cut a core. */
+static inline int dem__may_cut(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
+    const dem__tree *t = wall->tree;
+    const dem__placed core = dem__in_frame(wall, place);
+    const double reach = s->reach - s->radius;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, core.x, reach)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            if (!(dem__apart_from_triangle(s, &core, t, k, 0.0) > 0.0)) return 1;
+        }
+    }
+    return 0;
+}
+
+/* Finds the first triangle through which the line from p to q passes. Returns its number, -1: none; at: where. */
+static inline int32_t dem__first_passed(const dem__tree *t, dem_vec p, dem_vec q, dem_vec *at) {
+    const dem_vec u = dem__sub(q, p), middle = dem__plus(p, 0.5, u);
+    const double half = 0.5 * dem__length(u);
+    double first = 1.0;
+    int32_t found = -1;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, middle, 1.000001 * half)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            const double here = dem__passes_at(t, k, p, q);
+            if (here < first) first = here, found = k;
+        }
+    }
+    *at = dem__plus(p, first, u);
+    return found;
+}
+
+/* A place behind a sheet, in the mesh's frame. */
+typedef struct dem__behind {
+    const dem__tree *tree;
+    dem_vec centre, x, at; /* of the body; the place; where the line between them passes the sheet first */
+    int32_t first, best;   /* triangle there; triangle that is nearest */
+    double distance;       /* to the nearest [m] */
+    dem_vec normal;        /* from the nearest triangle to the front */
+} dem__behind;
+
+/* Returns the normal of a triangle that points to the centre's side, or 0 if the place is on that side. */
+static inline dem_vec dem__front_of(const dem__behind *q, int32_t k) {
+    const dem_vec n = q->tree->normal[k], a = q->tree->vertex[q->tree->corner[3 * k]];
+    const double centre = dem__dot(n, dem__sub(q->centre, a)), x = dem__dot(n, dem__sub(q->x, a));
+    return dem__scale(centre > 0.0 && x < 0.0 ? 1.0 : centre < 0.0 && x > 0.0 ? -1.0 : 0.0, n);
+}
+
+/* Takes triangle k if it is the nearest one behind which the place is. One that is as good as parallel to the first one
+   and behind that is the far side of a plate, which does not count. */
+static inline void dem__try_behind(dem__behind *q, int32_t k) {
+    const dem_vec front = dem__front_of(q, k), a = q->tree->vertex[q->tree->corner[3 * k]];
+    double distance;
+    int inside;
+    if (dem__dot(front, front) == 0.0) return;
+    const dem_vec v = dem__from_triangle(q->tree, k, q->x, &distance, &inside);
+    if (!(distance < q->distance)) return;
+    const double above = dem__dot(front, dem__sub(q->at, a));
+    if (k != q->first && dem__dot(front, dem__front_of(q, q->first)) > DEM__SMOOTH && above > 1e-3 * distance) return;
+    const dem_vec up = inside || !(distance > 0.0) ? front : dem__scale(-1.0 / distance, v);
+    q->distance = distance, q->best = k, q->normal = up;
+    if (dem__dot(up, front) > DEM__SMOOTH) return;
+    q->normal = front; /* beyond a rim: behind its plane */
+}
+
+/* Finds how deep a place is behind a mesh, seen from a body's centre. Returns 0 if it is not. */
+static inline int dem__find_behind(const dem_wall *wall, dem_vec centre, dem_vec x, dem__touch *out) {
+    dem__behind q;
+    q.tree = wall->tree, q.distance = HUGE_VAL;
+    q.centre = dem__to_frame(wall, dem__sub(centre, wall->position)),
+    q.x = dem__to_frame(wall, dem__sub(x, wall->position));
+    q.first = dem__first_passed(q.tree, q.centre, q.x, &q.at);
+    if (q.first < 0) return 0;
+    dem__try_behind(&q, q.first);
+    for (int32_t b = 0; b < q.tree->nodes;) {
+        const dem__node *node = &q.tree->node[b];
+        if (dem__is_far(node, q.x, q.distance)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) dem__try_behind(&q, k);
+    }
+    if (!(q.distance < HUGE_VAL)) return 0;
+    const dem_vec a = q.tree->vertex[q.tree->corner[3 * q.best]];
+    if (dem__dot(q.normal, dem__front_of(&q, q.best)) >= 1.0 - 1e-12)
+        q.distance = fabs(dem__dot(q.normal, dem__sub(q.x, a)));
+    out->gap = -q.distance, out->normal = dem__from_frame(wall, q.normal);
+    out->curvature = 0.0, out->element = 0, out->face = -1;
+    return 1;
+}
+
+/* Returns whether a curved sheet may cut a core: an edge passes through it. */
+static inline int dem__sheet_cuts(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
+    dem_vec corner[DEM_CORNERS_MAX];
+    for (int k = 0; k < s->corners; k++) corner[k] = dem__sub(dem__corner_at(s, place, k), w->position);
+    for (int e = 0; e < s->edges; e++) {
+        if (w->kind__->crosses(w, corner[s->edge[e][0]], corner[s->edge[e][1]])) return 1;
+    }
+    return 0;
+}
+
 /* ---------------------------------------------------------------------------------------- >>polyhedra/mesh_edges.h */
 /* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. The
    table is made once for each mesh, in a world with polyhedra. */
@@ -16865,6 +17022,7 @@ typedef struct dem__at_wall {
     dem__placed core; /* with x = 0 */
     dem__placed_edge edge[DEM_EDGES_MAX];
     int edges; /* length of the list; 0 until edges are needed */
+    int is_cut; /* whether a sheet may cut the core: only then corners can be behind it */
     int n;
     dem__convex_point *out;
 } dem__at_wall;
@@ -16956,13 +17114,41 @@ static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, doubl
     q->n++;
 }
 
+/* Finds the touches of a sphere of the rounding at x with a sheet that may cut the core. Behind the sheet its overlap
+   counts on, along the normal to the front. Returns their number. */
+static inline int dem__touch_cutting(const dem__at_wall *q, dem_vec x, double limit, dem__touch *touch) {
+    const dem_wall *wall = q->wall;
+    dem__touch behind;
+    double least;
+    int kept = 0, is_behind = 0;
+    int found = dem__touch_wall(wall, x, q->shape->radius, limit, touch, &least);
+    if (dem__has(wall, DEM__TRIANGULATED)) is_behind = dem__find_behind(wall, q->centre, x, &behind);
+    else if (wall->kind__->crosses(wall, dem__sub(q->centre, wall->position), dem__sub(x, wall->position))) {
+        dem__touch_wall(wall, x, q->shape->radius, HUGE_VAL, &behind, &least);
+        behind.gap = -q->shape->radius - behind.gap, behind.normal = dem__scale(-1.0, behind.normal);
+        is_behind = 1;
+    }
+    if (!is_behind) return found;
+    behind.gap -= q->shape->radius;
+    for (int m = 0; m < found; m++) { /* other surfaces stay, this one's far side does not */
+        if (dem__dot(touch[m].normal, behind.normal) > -0.5 && dem__dot(touch[m].normal, behind.normal) < 0.5)
+            touch[kept++] = touch[m];
+    }
+    kept = kept < DEM__TOUCHES ? kept : DEM__TOUCHES - 1;
+    for (int m = kept; m > 0; m--) touch[m] = touch[m - 1];
+    touch[0] = behind;
+    return kept + 1;
+}
+
 /* Adds the points of the polyhedron's corners, which are spheres. */
 static inline void dem__touch_with_corners(dem__at_wall *q) {
     dem__touch touch[DEM__TOUCHES];
     double least;
     for (int k = 0; k < q->shape->corners; k++) {
-        const dem_vec arm = dem__from_core_frame(&q->core, dem__point(q->shape->corner[k]));
-        const int found = dem__touch_wall(q->wall, dem__add(q->centre, arm), q->shape->radius, 0.0, touch, &least);
+        const dem_vec arm = dem__from_core_frame(&q->core, dem__point(q->shape->corner[k])),
+                      x = dem__add(q->centre, arm);
+        const int found = q->is_cut ? dem__touch_cutting(q, x, 0.0, touch)
+                                    : dem__touch_wall(q->wall, x, q->shape->radius, 0.0, touch, &least);
         for (int m = 0; m < found && q->n < DEM__POINTS_MAX; m++) {
             dem__convex_point *point = &q->out[q->n];
             int is_new = touch[m].gap < 0.0;
@@ -16979,10 +17165,11 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
 /* Returns the touch of a sheet with the sphere about the point at t of an edge. */
 static inline dem__touch dem__touch_sheet_along(const dem__at_wall *q, const dem__placed_edge *e, double t) {
     dem__touch touch[DEM__TOUCHES];
+    const dem_vec x = dem__add(q->centre, dem__plus(e->from, t, e->along));
     double least;
     touch->normal = q->wall->axis[2];
-    dem__touch_wall(q->wall, dem__add(q->centre, dem__plus(e->from, t, e->along)), q->shape->radius, HUGE_VAL, touch,
-                    &least);
+    if (q->is_cut) dem__touch_cutting(q, x, HUGE_VAL, touch);
+    else dem__touch_wall(q->wall, x, q->shape->radius, HUGE_VAL, touch, &least);
     return touch[0];
 }
 
@@ -17067,39 +17254,20 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     q.visitor.corner = dem__touch_wall_corner, q.visitor.edge = dem__cross_wall_edge;
     q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
     q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);
+    q.is_cut = 0;
+    if (dem__has(wall, DEM__TRIANGULATED)) q.is_cut = dem__may_cut(wall, s, place);
+    else if (wall->kind__->crosses) q.is_cut = dem__sheet_cuts(wall, s, place);
     if (dem__corners_at(wall) != DEM__CORNERS_NONE) dem__touch_with_corners(&q);
     if (dem__has(wall, DEM__CURVED_SHEET)) dem__touch_sheet_with_edges(&q);
     if (wall->kind__->edges) wall->kind__->edges(wall, place->x, s->reach, &q.visitor);
     return q.n;
 }
 
-/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that
-   along the normal of the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart
-   in another direction. */
-static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t,
-                                              int32_t k, double enough) {
-    const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
-    const double height = dem__dot(d, up);
-    double most = fabs(height) - dem__reach_along(s, core, dem__scale(height > 0.0 ? -1.0 : 1.0, up));
-    dem_vec corner[3];
-    if (most >= enough) return most;
-    for (int c = 0; c < 3; c++) corner[c] = dem__into_core(core, dem__sub(t->vertex[t->corner[3 * k + c]], core->x));
-    for (int f = 0; f < s->faces; f++) {
-        const dem_vec n = dem__point(s->plane[f]);
-        const double a = dem__dot(n, corner[0]), b = dem__dot(n, corner[1]), c = dem__dot(n, corner[2]);
-        const double lowest = a < b ? (a < c ? a : c) : b < c ? b : c, apart = lowest - s->plane[f][3];
-        most = apart > most ? apart : most;
-    }
-    return most;
-}
-
 /* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: of the core. */
 static inline double dem__clear_of_mesh(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
     const dem__tree *t = wall->tree;
-    dem__placed core;
+    const dem__placed core = dem__in_frame(wall, place);
     double least = s->reach;
-    core.x = dem__to_frame(wall, dem__sub(place->x, wall->position));
-    for (int k = 0; k < 3; k++) core.axis[k] = dem__to_frame(wall, place->axis[k]);
     for (int32_t b = 0; b < t->nodes && least > 0.0;) {
         const dem__node *node = &t->node[b];
         if (dem__is_far(node, core.x, s->reach + least)) {
