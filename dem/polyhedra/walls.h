@@ -14,7 +14,7 @@ typedef struct dem__at_wall {
     dem_vec centre;   /* of the polyhedron */
     dem__placed core; /* with x = 0 */
     dem__placed_edge edge[DEM_EDGES_MAX];
-    int edges; /* length of the list; 0 until edges are needed */
+    int edges;  /* length of the list; 0 until edges are needed */
     int is_cut; /* whether a sheet may cut the core: only then corners can be behind it */
     int n;
     dem__convex_point *out;
@@ -76,18 +76,56 @@ static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_e
     return 0;
 }
 
-/* Adds the points of all edges of the polyhedron at an edge of a wall. */
+/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
+static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
+    double low = 0.0, high = 1.0;
+    for (int f = 0; f < s->faces; f++) {
+        const dem_vec n = dem__point(s->plane[f]);
+        const double from = dem__dot(n, p) - s->plane[f][3], to = dem__dot(n, q) - s->plane[f][3];
+        if (from >= 0.0 && to >= 0.0) return 0;
+        if (from > 0.0 && from / (from - to) > low) low = from / (from - to);
+        if (to > 0.0 && from / (from - to) < high) high = from / (from - to);
+    }
+    return low < high;
+}
+
+/* Returns the least distance of a face of a core from its centre [m]. */
+static inline double dem__half_width(const dem_convex *s) {
+    double least = s->reach;
+    for (int f = 0; f < s->faces; f++) least = s->plane[f][3] < least ? s->plane[f][3] : least;
+    return least;
+}
+
+/* Finds the direction in which an edge of a wall, which is in the core, is nearest to its surface, among those at which
+   edges of the core cross it. Returns 0 if there is none. */
+static inline int dem__find_way_out(const dem__at_wall *q, const dem__placed_edge *e, dem_vec *way) {
+    double nearest = HUGE_VAL, s, distance;
+    dem_vec n;
+    for (int k = 0; k < q->edges; k++) {
+        if (!dem__find_crossing(&q->edge[k], e, 0, &s, &n, &distance) || !(fabs(distance) < nearest)) continue;
+        nearest = fabs(distance), *way = n;
+    }
+    return nearest < HUGE_VAL;
+}
+
+/* Adds the points of all edges of the polyhedron at an edge of a wall. Where this is in the core, edges of the core
+   tell the side, and only those count through which it came. */
 static inline void dem__cross_wall_edge(dem__edge_visitor *v, const dem__wall_edge *of) {
     dem__at_wall *q = (dem__at_wall *)(void *)v;
     dem__placed_edge e;
+    dem_vec way;
     if (q->n == DEM__POINTS_MAX || !dem__set_wall_edge(q, of, &e)) return;
     const double radii = q->shape->radius + of->radius;
     if (dem__is_beyond_face(q, &e, DEM__WINDOW * radii)) return;
     dem__list_edges(q);
+    const int is_deep =
+        dem__core_holds_line(q->shape, dem__into_core(&q->core, of->from), dem__into_core(&q->core, of->to)) &&
+        dem__find_way_out(q, &e, &way);
+    if (is_deep) e.deep = dem__half_width(q->shape);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
-        const int n =
-            dem__cross_edges(&q->edge[k], &e, radii, !e.sided, of->key + 5 * q->edge[k].number, q->out + q->n);
-        if (n == 0) continue;
+        const int n = dem__cross_edges(&q->edge[k], &e, radii, !e.sided && !is_deep, of->key + 5 * q->edge[k].number,
+                                       q->out + q->n);
+        if (n == 0 || (is_deep && !(dem__dot(q->out[q->n].normal, way) > 0.7))) continue;
         const double up = dem__dot(q->out[q->n].normal, of->side);
         if (of->sign == 0.0 || (of->sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
     }
@@ -320,18 +358,6 @@ static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s,
         }
     }
     return 0;
-}
-/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
-static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
-    double low = 0.0, high = 1.0;
-    for (int f = 0; f < s->faces; f++) {
-        const dem_vec n = dem__point(s->plane[f]);
-        const double from = dem__dot(n, p) - s->plane[f][3], to = dem__dot(n, q) - s->plane[f][3];
-        if (from >= 0.0 && to >= 0.0) return 0;
-        if (from > 0.0 && from / (from - to) > low) low = from / (from - to);
-        if (to > 0.0 && from / (from - to) < high) high = from / (from - to);
-    }
-    return low < high;
 }
 /* Looks for the axis of a bar that passes through a core. */
 typedef struct dem__axis_visitor {
