@@ -68,6 +68,58 @@ static void test_rest(void **state) {
     dem_free(&w);
 }
 
+/* What is read of a contact is what acts: its normal, point and force give the force and the torque that a fixed body and a wall feel. A
+   cube and a ball slide and roll over a fixed brick, across a periodic edge, another cube over a tilted plane. */
+static void test_contacts_read(void **state) {
+    (void)state;
+    dem_def def = dem_default_def();
+    dem_world w;
+    dem_add_material(&def, 1000.0, 1e7, 0.3);
+    dem_pair_def *pair = dem_pair(&def, 0, 0);
+    pair->stiffness = 2e3, pair->restitution = 0.6, pair->friction = 0.5;
+    def.dt = 1e-5, def.periodic[0] = 1, def.low = dem_vec3(-0.05, -1, -1), def.high = dem_vec3(0.05, 1, 1);
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    const int cube = brick(&w, 0.01, 0.01, 0.01, 0.05), slab = brick(&w, 0.03, 0.03, 0.01, 0.05);
+    const int plane = dem_add_plane(&w, 0, dem_vec3(0, 0.2, 0), dem_vec3(0, 0.2, 1));
+    const double at[3] = {-0.049, 0.004, 0.0074}, d = 5e-3, high[3] = {0.01, 0.2, 0.0085}, turn[4] = {1, 0.3, 0.1, 0.2};
+    put(&w, slab, 0.049, 0, 0, 1, 0.1, 0.05, 0.2);
+    assert_int_equal(dem_fix(&w, 0, 1), DEM_OK);
+    put(&w, cube, 0.044, -0.006, 0.0145, 1, 0.3, 0.1, 0.2);
+    assert_int_equal(dem_add_convex(&w, cube, 1, high, turn, 0, 1), DEM_OK);
+    assert_int_equal(dem_add_spheres(&w, 1, at, &d, 0, 0), DEM_OK);
+    dem_set_wall_groups(&w, plane, 2u);
+    double worst = 0.0, rubs = 0.0;
+    int seen = 0, pairs = 0;
+    for (int k = 0; k < 600; k++) {
+        dem_vec force, torque, impulse, on_body = {0, 0, 0}, twist = {0, 0, 0}, on_wall = {0, 0, 0}, wall_twist = {0, 0, 0};
+        RUN(&w, 1e-4);
+        assert_int_equal(dem_get_fixed_force(&w, 0, &force, &torque, &impulse), DEM_OK);
+        for (ptrdiff_t q = 0; q < dem_contact_count(&w); q++) {
+            const dem_contact_info c = dem_get_contact(&w, q);
+            const dem_vec f = c.force, x = c.j < 0 ? w.wall[plane].position : dem_position(&w, 0);
+            dem_vec r = dem_vec3(c.point.x - x.x, c.point.y - x.y, c.point.z - x.z);
+            r.x -= 0.1 * floor(r.x / 0.1 + 0.5);
+            const dem_vec t = dem_vec3(r.y * f.z - r.z * f.y, r.z * f.x - r.x * f.z, r.x * f.y - r.y * f.x);
+            const double along = f.x * c.normal.x + f.y * c.normal.y + f.z * c.normal.z;
+            const double aside = sqrt(fabs(f.x * f.x + f.y * f.y + f.z * f.z - along * along));
+            dem_vec *sum = c.j < 0 ? &on_wall : &on_body, *turn = c.j < 0 ? &wall_twist : &twist;
+            const double sign = c.j < 0 ? -1.0 : c.i == 0 ? 1.0 : -1.0;
+            if (c.j > 0 && c.i != 0) continue; /* the slab's alone */
+            sum->x += sign * f.x, sum->y += sign * f.y, sum->z += sign * f.z, turn->x += sign * t.x, turn->y += sign * t.y, turn->z += sign * t.z;
+            near(c.normal.x * c.normal.x + c.normal.y * c.normal.y + c.normal.z * c.normal.z, 1.0, 1e-12);
+            assert_true(aside <= 0.5 * fabs(along) * (1 + 1e-9) + 1e-12);
+            rubs = fmax(rubs, aside / (fabs(along) + 1e-12)), seen++, pairs += c.j >= 0;
+        }
+        worst = fmax(worst, fabs(force.x - on_body.x) + fabs(force.y - on_body.y) + fabs(force.z - on_body.z));
+        worst = fmax(worst, 100.0 * (fabs(torque.x - twist.x) + fabs(torque.y - twist.y) + fabs(torque.z - twist.z)));
+        worst = fmax(worst, fabs(w.wall[plane].force.x - on_wall.x) + fabs(w.wall[plane].force.z - on_wall.z));
+        worst = fmax(worst, 100.0 * (fabs(w.wall[plane].torque.x - wall_twist.x) + fabs(w.wall[plane].torque.z - wall_twist.z)));
+    }
+    assert_true(pairs > 50 && seen - pairs > 20 && rubs > 0.4);
+    near(worst, 0.0, 1e-13);
+    dem_free(&w);
+}
+
 /* Down a slope of 30 degrees: g (sin - mu cos). */
 static void test_slide(void **state) {
     (void)state;
@@ -533,6 +585,7 @@ static void test_as_given(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rest),
+        cmocka_unit_test(test_contacts_read),
         cmocka_unit_test(test_slide),
         cmocka_unit_test(test_tip),
         cmocka_unit_test(test_rock),

@@ -371,7 +371,8 @@ typedef struct dem_contact_info {
     double gap;     /* [m] */
     dem_vec force;  /* on i [N] */
     dem_vec normal,
-        point;   /* from j to i; place of the contact, which divides the distance of the centres as the radii do [m] */
+        point;   /* from j to i; place of the contact, which divides the distance of the centres as the radii do; of
+                    polyhedra: of the corner, edge or face that touches, so that force acts on i at `point` [m] */
     int element; /* screen: the bar; mesh: 0, 1 ... tell a particle's contacts with it apart */
     double state[DEM_STATE_MAX]; /* of the law */
 } dem_contact_info;

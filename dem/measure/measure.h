@@ -1,7 +1,6 @@
 /* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. */
 #pragma once
 #include "branches.h"
-#include "getters.h"
 #include "../feed/sources.h"
 
 /* Returns the volume of the unit ball where z > c. */
