@@ -1146,7 +1146,8 @@ typedef struct dem_contact_info {
     double gap;     /* [m] */
     dem_vec force;  /* on i [N] */
     dem_vec normal,
-        point;   /* from j to i; place of the contact, which divides the distance of the centres as the radii do [m] */
+        point;   /* from j to i; place of the contact, which divides the distance of the centres as the radii do; of
+                    polyhedra: of the corner, edge or face that touches, so that force acts on i at `point` [m] */
     int element; /* screen: the bar; mesh: 0, 1 ... tell a particle's contacts with it apart */
     double state[DEM_STATE_MAX]; /* of the law */
 } dem_contact_info;
@@ -1975,8 +1976,20 @@ struct dem__group;
 struct dem__stream;
 struct dem__file;
 
+/* Features are called in this order. */
+enum {
+    DEM__LEDGER_FEATURE,
+    DEM__FIXED_FEATURE,
+    DEM__LINKS_FEATURE,
+    DEM__FIELD_FEATURE,
+    DEM__MESHES_FEATURE,
+    DEM__BODIES_FEATURE,
+    DEM__POLYHEDRA_FEATURE,
+    DEM__FEATURES_MAX
+};
+
 typedef struct dem__feature {
-    int place;      /* features are called in the order of this number */
+    int place;      /* DEM__LEDGER_FEATURE and so on */
     int adds_loads; /* it adds to the loads of particles */
     int exclusive;  /* it moves particles between steps: a world has at most one such feature */
 
@@ -2046,7 +2059,13 @@ typedef struct dem__feature {
     void (*hash)(uint64_t *hash, const dem_world *w);
 } dem__feature;
 
-enum { DEM__FEATURES_MAX = 8 };
+/* Returns a table without members. */
+static inline dem__feature dem__new_feature(int place) {
+    dem__feature feature;
+    memset(&feature, 0, sizeof feature);
+    feature.place = place;
+    return feature;
+}
 
 /* ---------------------------------------------------------------------------------------- >>base/polyhedra_state.h */
 /* The engine's state of polyhedra. */
@@ -2456,7 +2475,7 @@ typedef struct dem__pace {
 } dem__pace;
 
 typedef struct dem__engine {
-    const dem__feature *feature[DEM__FEATURES_MAX]; /* those that the world has, in the order of `place` */
+    dem__feature feature[DEM__FEATURES_MAX]; /* those that the world has, in the order of `place` */
     int features;
     dem__run run;
     dem__bodies bodies;
@@ -2481,32 +2500,46 @@ typedef struct dem__engine {
 #define DEM__TELL(w, member, arguments)                                                                                \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
-            if ((w)->engine->feature[f_]->member) (w)->engine->feature[f_]->member arguments;                          \
+            if ((w)->engine->feature[f_].member) (w)->engine->feature[f_].member arguments;                          \
         }                                                                                                              \
     } while (0)
 /* The same for a member that returns 0 after a failure: does nothing from then on. ok: an int, 1 at first. */
 #define DEM__ASK(w, ok, member, arguments)                                                                             \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features && (ok); f_++) {                                                   \
-            if ((w)->engine->feature[f_]->member) (ok) = (w)->engine->feature[f_]->member arguments;                   \
+            if ((w)->engine->feature[f_].member) (ok) = (w)->engine->feature[f_].member arguments;                   \
+        }                                                                                                              \
+    } while (0)
+/* The same for a member that returns a number to be added to a sum. */
+#define DEM__ADD_UP(w, sum, member, arguments)                                                                         \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
+            if ((w)->engine->feature[f_].member) (sum) += (w)->engine->feature[f_].member arguments;                 \
+        }                                                                                                              \
+    } while (0)
+/* The same for a member that returns a status: nothing after the first that is not DEM_OK. */
+#define DEM__CHECK(w, status, member, arguments)                                                                       \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features && (status) == DEM_OK; f_++) {                                     \
+            if ((w)->engine->feature[f_].member) (status) = (w)->engine->feature[f_].member arguments;               \
         }                                                                                                              \
     } while (0)
 
 /* Adds a feature to a world that may have it already. */
-static inline void dem__add_feature(dem_world *w, const dem__feature *feature) {
+static inline void dem__add_feature(dem_world *w, dem__feature feature) {
     dem__engine *e = w->engine;
     int k = e->features;
     for (int q = 0; q < e->features; q++) {
-        if (e->feature[q]->place == feature->place) return; /* another file has a table of its own */
+        if (e->feature[q].place == feature.place) return;
     }
-    for (e->features++; k > 0 && e->feature[k - 1]->place > feature->place; k--) e->feature[k] = e->feature[k - 1];
+    for (e->features++; k > 0 && e->feature[k - 1].place > feature.place; k--) e->feature[k] = e->feature[k - 1];
     e->feature[k] = feature;
 }
-static inline void dem__drop_feature(dem_world *w, const dem__feature *feature) {
+static inline void dem__drop_feature(dem_world *w, int place) {
     dem__engine *e = w->engine;
     int left = 0;
     for (int q = 0; q < e->features; q++) {
-        if (e->feature[q]->place != feature->place) e->feature[left++] = e->feature[q];
+        if (e->feature[q].place != place) e->feature[left++] = e->feature[q];
     }
     e->features = left;
 }
@@ -2568,10 +2601,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
     list[n].address = &bodies->bound, list[n++].size = sizeof(dem__bound);
     list[n].address = &bodies->sum, list[n++].size = sizeof(dem__sum);
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        if (f->list_arrays) n += f->list_arrays(w, list + n);
-    }
+    DEM__ADD_UP(w, n, list_arrays, (w, list + n));
     return n;
 }
 
@@ -2593,10 +2623,7 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) {
         list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
     }
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        if (f->list_contact_arrays) n += f->list_contact_arrays(w, list + n);
-    }
+    DEM__ADD_UP(w, n, list_contact_arrays, (w, list + n));
     list[n].address = &contacts->ended, list[n++].size = 1;
     /* ... with constants of their own, ... */
     for (int k = 0; k < DEM__OWN_ARRAYS; k++, n++) list[n].address = own[k], list[n].size = sizeof(double);
@@ -2701,18 +2728,18 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
 
 /* Adds a feature to a world and makes room for its numbers of particles. DEM_BAD_ARGUMENT: another feature excludes it.
    After a failure nothing has changed. */
-static inline dem_status dem__take_feature(dem_world *w, const dem__feature *feature) {
+static inline dem_status dem__take_feature(dem_world *w, dem__feature feature) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__array list[DEM__ARRAYS_MAX];
     for (int k = 0; k < w->engine->features; k++) {
-        if (w->engine->feature[k]->place == feature->place) return DEM_OK;
-        if (w->engine->feature[k]->exclusive && feature->exclusive) return DEM_BAD_ARGUMENT;
+        if (w->engine->feature[k].place == feature.place) return DEM_OK;
+        if (w->engine->feature[k].exclusive && feature.exclusive) return DEM_BAD_ARGUMENT;
     }
     dem__add_feature(w, feature);
     if (bodies->capacity == 0 || dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes,
                                                  &bodies->capacity, bodies->capacity))
         return DEM_OK;
-    dem__drop_feature(w, feature);
+    dem__drop_feature(w, feature.place);
     return DEM_OUT_OF_MEMORY;
 }
 
@@ -3302,7 +3329,7 @@ DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
 static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
     dem_vec error = dem_vec3(0.0, 0.0, 0.0);
     for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
+        const dem__feature *f = &w->engine->feature[k];
         if (f->velocity_error) error = f->velocity_error(w, i, tau);
     }
     return error;
@@ -5832,7 +5859,7 @@ static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t
 static inline int dem__begins_early(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
     int early = 0;
     for (int k = 0; k < w->engine->features && !early; k++) {
-        const dem__feature *f = w->engine->feature[k];
+        const dem__feature *f = &w->engine->feature[k];
         if (f->begins_early) early = f->begins_early(w, i, -1 - wall, element);
     }
     return early;
@@ -6356,9 +6383,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
         c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
     c->tolerance += swing;
-    for (int k = 0; k < w->engine->features; k++) {
-        if (w->engine->feature[k]->drift) c->tolerance += w->engine->feature[k]->drift(w, i);
-    }
+    DEM__ADD_UP(w, c->tolerance, drift, (w, i));
     c->reach = w->particle[i].radius + 0.5 * pairs->touch_gap + pairs->position_tolerance - t * c->tolerance;
     dem__set_tolerance_left(w, i, turn);
 }
@@ -7068,6 +7093,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     if (!keeps) dem__release_unloaded(w);
     dem__list_active(w);
+    dem_status status = DEM_OK;
     double smallest, largest;
     if (!dem__list_positions(w, &smallest, &largest)) return 0;
     dem__choose_frame(w);
@@ -7078,11 +7104,8 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        const dem_status status = f->listed ? f->listed(w) : DEM_OK;
-        if (status != DEM_OK) return dem__fail_to_list(w, status);
-    }
+    DEM__CHECK(w, status, listed, (w));
+    if (status != DEM_OK) return dem__fail_to_list(w, status);
     pairs->next_check = w->step + DEM__STEPS_MAX;
     pairs->listed_step = w->step;
     w->rebuilds++;
@@ -9871,59 +9894,20 @@ static inline int dem__has_ledger(const dem__file *file, const dem_world *w) {
     return ledger->on;
 }
 
-static inline const dem__feature *dem__feature_ledger(void) {
-    static const dem__feature row = {
-        0,                                  /* place */
-        0,                                  /* adds_loads */
-        0,                                  /* exclusive */
-        NULL,                               /* list_arrays */
-        dem__list_contact_arrays_of_ledger, /* list_contact_arrays */
-        NULL,                               /* release */
-        NULL,                               /* add_particle */
-        NULL,                               /* begin_change */
-        NULL,                               /* end_change */
-        NULL,                               /* set_time_step */
-        NULL,                               /* remove_particle */
-        NULL,                               /* renumber */
-        NULL,                               /* check_run */
-        NULL,                               /* prepare_run */
-        dem__switch_ledger,                 /* set_law */
-        dem__note_stored,                   /* find_forces */
-        dem__book_stored,                   /* forces_found */
-        dem__open_ledger,                   /* begin_run */
-        NULL,                               /* begin_ledger */
-        NULL,                               /* end_run */
-        NULL,                               /* keep_up */
-        NULL,                               /* listed */
-        NULL,                               /* drift */
-        NULL,                               /* begins_early */
-        NULL,                               /* begin_step */
-        NULL,                               /* follow */
-        NULL,                               /* detect */
-        dem__begin_books_of_contacts,       /* contacts_begun */
-        dem__book_step,                     /* add_forces */
-        dem__book_contact_end,              /* end_contact */
-        NULL,                               /* leave */
-        NULL,                               /* begin_flights */
-        NULL,                               /* end_step */
-        NULL,                               /* forces */
-        NULL,                               /* force */
-        NULL,                               /* velocity_error */
-        NULL,                               /* correct_velocity */
-        NULL,                               /* open_books */
-        dem__world_fields_of_ledger,        /* world_fields */
-        NULL,                               /* particle_fields */
-        dem__contact_fields_of_ledger,      /* contact_fields */
-        NULL,                               /* save */
-        dem__has_ledger,                    /* is_used */
-        NULL,                               /* load_first */
-        NULL,                               /* load */
-        NULL,                               /* loaded */
-        NULL,                               /* hash_particle */
-        NULL,                               /* hash_before_contacts */
-        NULL,                               /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_ledger(void) {
+    dem__feature f = dem__new_feature(DEM__LEDGER_FEATURE);
+    f.list_contact_arrays = dem__list_contact_arrays_of_ledger;
+    f.set_law = dem__switch_ledger;
+    f.find_forces = dem__note_stored;
+    f.forces_found = dem__book_stored;
+    f.begin_run = dem__open_ledger;
+    f.contacts_begun = dem__begin_books_of_contacts;
+    f.add_forces = dem__book_step;
+    f.end_contact = dem__book_contact_end;
+    f.world_fields = dem__world_fields_of_ledger;
+    f.contact_fields = dem__contact_fields_of_ledger;
+    f.is_used = dem__has_ledger;
+    return f;
 }
 
 /* ------------------------------------------------------------------------------------------------ >>motion/fixed.h */
@@ -9964,59 +9948,16 @@ static inline void dem__hash_fixed(uint64_t *hash, const dem_world *w, ptrdiff_t
     if (f->on) dem__hash_f64(hash, f->load, 6), dem__hash_vec(hash, f->impulse);
 }
 
-static inline const dem__feature *dem__feature_fixed(void) {
-    static const dem__feature row = {
-        1,                             /* place */
-        0,                             /* adds_loads */
-        0,                             /* exclusive */
-        dem__list_arrays_of_fixed,     /* list_arrays */
-        NULL,                          /* list_contact_arrays */
-        NULL,                          /* release */
-        dem__add_unfixed,              /* add_particle */
-        NULL,                          /* begin_change */
-        NULL,                          /* end_change */
-        NULL,                          /* set_time_step */
-        NULL,                          /* remove_particle */
-        NULL,                          /* renumber */
-        NULL,                          /* check_run */
-        NULL,                          /* prepare_run */
-        NULL,                          /* set_law */
-        NULL,                          /* find_forces */
-        NULL,                          /* forces_found */
-        NULL,                          /* begin_run */
-        NULL,                          /* begin_ledger */
-        NULL,                          /* end_run */
-        NULL,                          /* keep_up */
-        NULL,                          /* listed */
-        NULL,                          /* drift */
-        NULL,                          /* begins_early */
-        NULL,                          /* begin_step */
-        NULL,                          /* follow */
-        NULL,                          /* detect */
-        NULL,                          /* contacts_begun */
-        NULL,                          /* add_forces */
-        NULL,                          /* end_contact */
-        NULL,                          /* leave */
-        NULL,                          /* begin_flights */
-        NULL,                          /* end_step */
-        NULL,                          /* forces */
-        NULL,                          /* force */
-        NULL,                          /* velocity_error */
-        NULL,                          /* correct_velocity */
-        NULL,                          /* open_books */
-        dem__world_fields_of_fixed,    /* world_fields */
-        dem__particle_fields_of_fixed, /* particle_fields */
-        NULL,                          /* contact_fields */
-        NULL,                          /* save */
-        dem__has_fixed,                /* is_used */
-        NULL,                          /* load_first */
-        NULL,                          /* load */
-        dem__derive_fixed,             /* loaded */
-        dem__hash_fixed,               /* hash_particle */
-        NULL,                          /* hash_before_contacts */
-        NULL,                          /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_fixed(void) {
+    dem__feature f = dem__new_feature(DEM__FIXED_FEATURE);
+    f.list_arrays = dem__list_arrays_of_fixed;
+    f.add_particle = dem__add_unfixed;
+    f.world_fields = dem__world_fields_of_fixed;
+    f.particle_fields = dem__particle_fields_of_fixed;
+    f.is_used = dem__has_fixed;
+    f.loaded = dem__derive_fixed;
+    f.hash_particle = dem__hash_fixed;
+    return f;
 }
 
 DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
@@ -10665,7 +10606,7 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
     w->engine->bodies.adds_loads = w->engine->bodies.loads_on;
-    for (int k = 0; k < w->engine->features; k++) w->engine->bodies.adds_loads |= w->engine->feature[k]->adds_loads;
+    for (int k = 0; k < w->engine->features; k++) w->engine->bodies.adds_loads |= w->engine->feature[k].adds_loads;
     dem__prepare_pairs(w);
     const ptrdiff_t begun = run->needs_forces ? dem__begin_contacts_present(w) : 0;
     if (begun < 0) return 0;
@@ -10783,11 +10724,9 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
     }
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        const dem_status status = f->check_run ? f->check_run(w, kernel) : DEM_OK;
-        if (status != DEM_OK) return status;
-    }
+    dem_status status = DEM_OK;
+    DEM__CHECK(w, status, check_run, (w, kernel));
+    if (status != DEM_OK) return status;
     const double narrowest = dem__narrowest(w);
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
@@ -10810,7 +10749,7 @@ static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int 
     if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
                          dem__next_slot(w) + 1)) {
         contacts->states = states, contacts->constants = constants;
-        if (books) dem__drop_feature(w, dem__feature_ledger());
+        if (books) dem__drop_feature(w, DEM__LEDGER_FEATURE);
         return 0;
     }
     w->engine->ledger.on |= books;
@@ -10852,7 +10791,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     int going = dem__prepare_run(w, kernel, features);
     for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
     for (int k = 0; k < w->engine->features; k++) {
-        if (w->engine->feature[k]->end_run) going = w->engine->feature[k]->end_run(w, going);
+        if (w->engine->feature[k].end_run) going = w->engine->feature[k].end_run(w, going);
     }
     w->engine->run.running = 0;
     const double met = 0.5 * sqrt(w->engine->run.stiffest); /* of the contacts that have begun */
@@ -11350,10 +11289,23 @@ DEM_API ptrdiff_t dem_contact_count(const dem_world *world) {
     return world && world->engine ? world->engine->contacts.count : 0;
 }
 
-/* Computes normal and point of the contact in a slot, or of a link (slot -1), from the present positions. */
+/* Sets normal and point of a polyhedron's contact to those that the kernel uses. */
+static inline void dem__get_place(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
+    const double gap = w->engine->contacts.touch[DEM__PLACE_GAP][slot], radius = dem__touching_radius(w, info->i);
+    const double part = info->j >= 0 ? radius / (radius + dem__touching_radius(w, info->j)) : 1.0;
+    info->normal = dem__place_normal(w, slot);
+    info->point = dem__add(dem_position(w, info->i), dem__plus(dem__place_arm(w, slot), -(radius + part * gap), info->normal));
+}
+
+/* Finds normal and point of the contact in a slot, or of a link (slot -1): from the present positions, but for
+   polyhedra. */
 static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
     const dem_vec x = dem_position(w, info->i);
     const double radius = w->particle[info->i].radius;
+    if (slot >= 0 && (dem__shape_of(w, info->i) || (info->j >= 0 && dem__shape_of(w, info->j)))) {
+        dem__get_place(w, slot, info);
+        return;
+    }
     if (info->j < 0) {
         dem__touch touch;
         dem__touch_place(w, slot, &w->wall[-1 - info->j], x, radius, info->element, &touch);
@@ -12002,59 +11954,36 @@ static inline void dem__open_books_of_links(const dem_world *w, ptrdiff_t i, dem
     sums->link_work += dem__link_work(w, i);
 }
 
-static inline const dem__feature *dem__feature_links(void) {
-    static const dem__feature row = {
-        2,                             /* place */
-        1,                             /* adds_loads */
-        1,                             /* exclusive */
-        dem__list_arrays_of_links,     /* list_arrays */
-        NULL,                          /* list_contact_arrays */
-        dem__release_links,            /* release */
-        dem__add_unlinked,             /* add_particle */
-        dem__stop_link_work,           /* begin_change */
-        dem__resume_link_work,         /* end_change */
-        dem__set_link_steps,           /* set_time_step */
-        dem__cut_links_of,             /* remove_particle */
-        dem__renumber_links,           /* renumber */
-        dem__check_links,              /* check_run */
-        NULL,                          /* prepare_run */
-        NULL,                          /* set_law */
-        NULL,                          /* find_forces */
-        NULL,                          /* forces_found */
-        NULL,                          /* begin_run */
-        dem__begin_books_of_links,     /* begin_ledger */
-        NULL,                          /* end_run */
-        NULL,                          /* keep_up */
-        dem__relist_links,             /* listed */
-        dem__drift_by_links,           /* drift */
-        dem__is_linked_with,           /* begins_early */
-        NULL,                          /* begin_step */
-        NULL,                          /* follow */
-        NULL,                          /* detect */
-        NULL,                          /* contacts_begun */
-        NULL,                          /* add_forces */
-        NULL,                          /* end_contact */
-        NULL,                          /* leave */
-        NULL,                          /* begin_flights */
-        dem__end_step_with_links,      /* end_step */
-        dem_link_count,                /* forces */
-        dem_get_link,                  /* force */
-        NULL,                          /* velocity_error */
-        NULL,                          /* correct_velocity */
-        dem__open_books_of_links,      /* open_books */
-        dem__world_fields_of_links,    /* world_fields */
-        dem__particle_fields_of_links, /* particle_fields */
-        NULL,                          /* contact_fields */
-        dem__save_links,               /* save */
-        dem__has_links,                /* is_used */
-        NULL,                          /* load_first */
-        dem__load_links,               /* load */
-        dem__derive_links,             /* loaded */
-        dem__hash_linked,              /* hash_particle */
-        dem__hash_links,               /* hash_before_contacts */
-        NULL,                          /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_links(void) {
+    dem__feature f = dem__new_feature(DEM__LINKS_FEATURE);
+    f.adds_loads = 1;
+    f.exclusive = 1;
+    f.list_arrays = dem__list_arrays_of_links;
+    f.release = dem__release_links;
+    f.add_particle = dem__add_unlinked;
+    f.begin_change = dem__stop_link_work;
+    f.end_change = dem__resume_link_work;
+    f.set_time_step = dem__set_link_steps;
+    f.remove_particle = dem__cut_links_of;
+    f.renumber = dem__renumber_links;
+    f.check_run = dem__check_links;
+    f.begin_ledger = dem__begin_books_of_links;
+    f.listed = dem__relist_links;
+    f.drift = dem__drift_by_links;
+    f.begins_early = dem__is_linked_with;
+    f.end_step = dem__end_step_with_links;
+    f.forces = dem_link_count;
+    f.force = dem_get_link;
+    f.open_books = dem__open_books_of_links;
+    f.world_fields = dem__world_fields_of_links;
+    f.particle_fields = dem__particle_fields_of_links;
+    f.save = dem__save_links;
+    f.is_used = dem__has_links;
+    f.load = dem__load_links;
+    f.loaded = dem__derive_links;
+    f.hash_particle = dem__hash_linked;
+    f.hash_before_contacts = dem__hash_links;
+    return f;
 }
 
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
@@ -12715,59 +12644,28 @@ static inline dem_status dem__load_flights(const dem__file *file, dem_world *w, 
     return DEM_OK;
 }
 
-static inline const dem__feature *dem__feature_field(void) {
-    static const dem__feature row = {
-        3,                              /* place */
-        0,                              /* adds_loads */
-        1,                              /* exclusive */
-        dem__list_arrays_of_field,      /* list_arrays */
-        NULL,                           /* list_contact_arrays */
-        dem__release_field,             /* release */
-        dem__add_unflown,               /* add_particle */
-        NULL,                           /* begin_change */
-        NULL,                           /* end_change */
-        NULL,                           /* set_time_step */
-        NULL,                           /* remove_particle */
-        NULL,                           /* renumber */
-        dem__check_field,               /* check_run */
-        dem__prepare_flights,           /* prepare_run */
-        NULL,                           /* set_law */
-        NULL,                           /* find_forces */
-        NULL,                           /* forces_found */
-        NULL,                           /* begin_run */
-        dem__begin_books,               /* begin_ledger */
-        dem__end_run_in_field,          /* end_run */
-        NULL,                           /* keep_up */
-        NULL,                           /* listed */
-        NULL,                           /* drift */
-        NULL,                           /* begins_early */
-        dem__continue_flights,          /* begin_step */
-        NULL,                           /* follow */
-        NULL,                           /* detect */
-        dem__end_flights,               /* contacts_begun */
-        dem__add_field_forces,          /* add_forces */
-        NULL,                           /* end_contact */
-        dem__leave_field,               /* leave */
-        dem__begin_flights,             /* begin_flights */
-        NULL,                           /* end_step */
-        NULL,                           /* forces */
-        NULL,                           /* force */
-        dem__velocity_error_in_field,   /* velocity_error */
-        dem__correct_velocity_in_field, /* correct_velocity */
-        NULL,                           /* open_books */
-        dem__world_fields_of_field,     /* world_fields */
-        dem__particle_fields_of_field,  /* particle_fields */
-        NULL,                           /* contact_fields */
-        NULL,                           /* save */
-        dem__has_field,                 /* is_used */
-        NULL,                           /* load_first */
-        dem__load_flights,              /* load */
-        NULL,                           /* loaded */
-        NULL,                           /* hash_particle */
-        NULL,                           /* hash_before_contacts */
-        NULL,                           /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_field(void) {
+    dem__feature f = dem__new_feature(DEM__FIELD_FEATURE);
+    f.exclusive = 1;
+    f.list_arrays = dem__list_arrays_of_field;
+    f.release = dem__release_field;
+    f.add_particle = dem__add_unflown;
+    f.check_run = dem__check_field;
+    f.prepare_run = dem__prepare_flights;
+    f.begin_ledger = dem__begin_books;
+    f.end_run = dem__end_run_in_field;
+    f.begin_step = dem__continue_flights;
+    f.contacts_begun = dem__end_flights;
+    f.add_forces = dem__add_field_forces;
+    f.leave = dem__leave_field;
+    f.begin_flights = dem__begin_flights;
+    f.velocity_error = dem__velocity_error_in_field;
+    f.correct_velocity = dem__correct_velocity_in_field;
+    f.world_fields = dem__world_fields_of_field;
+    f.particle_fields = dem__particle_fields_of_field;
+    f.is_used = dem__has_field;
+    f.load = dem__load_flights;
+    return f;
 }
 
 DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user) {
@@ -12789,7 +12687,7 @@ static inline void dem__drop_field(dem_world *w) {
     }
     dem__release(&w->def.allocator, field->timers.block, field->timers.bytes);
     memset(field, 0, sizeof *field);
-    dem__drop_feature(w, dem__feature_field());
+    dem__drop_feature(w, DEM__FIELD_FEATURE);
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
 }
 
@@ -13412,17 +13310,16 @@ static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
 /* Return how many forces act between particles, and one of them: contacts come first, then those of features. */
 static inline ptrdiff_t dem__forces(const dem_world *w) {
     ptrdiff_t n = w->engine->contacts.count;
-    for (int k = 0; k < w->engine->features; k++)
-        n += w->engine->feature[k]->forces ? w->engine->feature[k]->forces(w) : 0;
+    DEM__ADD_UP(w, n, forces, (w));
     return n;
 }
 static inline dem_contact_info dem__get_force(const dem_world *w, ptrdiff_t k) {
-    const dem__feature *const *f = w->engine->feature;
+    const dem__feature *f = w->engine->feature;
     if (k < w->engine->contacts.count) return dem_get_contact(w, k);
-    for (k -= w->engine->contacts.count; !(*f)->forces || k >= (*f)->forces(w); f++) {
-        if ((*f)->forces) k -= (*f)->forces(w);
+    for (k -= w->engine->contacts.count; !f->forces || k >= f->forces(w); f++) {
+        if (f->forces) k -= f->forces(w);
     }
-    return (*f)->force(w, k);
+    return f->force(w, k);
 }
 
 /* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's
@@ -13576,59 +13473,19 @@ static inline void dem__renumber_bodies(dem_world *w, const int32_t *number) {
     if (bodies->rigid) bodies->rigid_count = n;
 }
 
-static inline const dem__feature *dem__feature_bodies(void) {
-    static const dem__feature row = {
-        5,                              /* place */
-        0,                              /* adds_loads */
-        0,                              /* exclusive */
-        dem__list_arrays_of_bodies,     /* list_arrays */
-        NULL,                           /* list_contact_arrays */
-        dem__release_bodies,            /* release */
-        dem__add_unattached,            /* add_particle */
-        NULL,                           /* begin_change */
-        NULL,                           /* end_change */
-        NULL,                           /* set_time_step */
-        NULL,                           /* remove_particle */
-        dem__renumber_bodies,           /* renumber */
-        NULL,                           /* check_run */
-        NULL,                           /* prepare_run */
-        NULL,                           /* set_law */
-        NULL,                           /* find_forces */
-        NULL,                           /* forces_found */
-        NULL,                           /* begin_run */
-        NULL,                           /* begin_ledger */
-        NULL,                           /* end_run */
-        dem__note_strides,              /* keep_up */
-        NULL,                           /* listed */
-        NULL,                           /* drift */
-        NULL,                           /* begins_early */
-        NULL,                           /* begin_step */
-        NULL,                           /* follow */
-        NULL,                           /* detect */
-        NULL,                           /* contacts_begun */
-        NULL,                           /* add_forces */
-        NULL,                           /* end_contact */
-        NULL,                           /* leave */
-        NULL,                           /* begin_flights */
-        NULL,                           /* end_step */
-        NULL,                           /* forces */
-        NULL,                           /* force */
-        NULL,                           /* velocity_error */
-        NULL,                           /* correct_velocity */
-        NULL,                           /* open_books */
-        NULL,                           /* world_fields */
-        dem__particle_fields_of_bodies, /* particle_fields */
-        NULL,                           /* contact_fields */
-        dem__save_bodies,               /* save */
-        dem__has_bodies,                /* is_used */
-        NULL,                           /* load_first */
-        dem__load_bodies,               /* load */
-        NULL,                           /* loaded */
-        NULL,                           /* hash_particle */
-        NULL,                           /* hash_before_contacts */
-        dem__hash_rigids,               /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_bodies(void) {
+    dem__feature f = dem__new_feature(DEM__BODIES_FEATURE);
+    f.list_arrays = dem__list_arrays_of_bodies;
+    f.release = dem__release_bodies;
+    f.add_particle = dem__add_unattached;
+    f.renumber = dem__renumber_bodies;
+    f.keep_up = dem__note_strides;
+    f.particle_fields = dem__particle_fields_of_bodies;
+    f.save = dem__save_bodies;
+    f.is_used = dem__has_bodies;
+    f.load = dem__load_bodies;
+    f.hash = dem__hash_rigids;
+    return f;
 }
 
 /* Definition of a rigid body: see bodies/rigid.h. */
@@ -15664,59 +15521,10 @@ static inline void dem__follow_meshes(dem_world *w, int64_t step) {
 /* -------------------------------------------------------------------------------------------------- >>meshes/add.h */
 /* Adding meshes and boxes. */
 
-static inline const dem__feature *dem__feature_meshes(void) {
-    static const dem__feature row = {
-        4,                  /* place */
-        0,                  /* adds_loads */
-        0,                  /* exclusive */
-        NULL,               /* list_arrays */
-        NULL,               /* list_contact_arrays */
-        NULL,               /* release */
-        NULL,               /* add_particle */
-        NULL,               /* begin_change */
-        NULL,               /* end_change */
-        NULL,               /* set_time_step */
-        NULL,               /* remove_particle */
-        NULL,               /* renumber */
-        NULL,               /* check_run */
-        NULL,               /* prepare_run */
-        NULL,               /* set_law */
-        NULL,               /* find_forces */
-        NULL,               /* forces_found */
-        NULL,               /* begin_run */
-        NULL,               /* begin_ledger */
-        NULL,               /* end_run */
-        NULL,               /* keep_up */
-        NULL,               /* listed */
-        NULL,               /* drift */
-        NULL,               /* begins_early */
-        NULL,               /* begin_step */
-        dem__follow_meshes, /* follow */
-        NULL,               /* detect */
-        NULL,               /* contacts_begun */
-        NULL,               /* add_forces */
-        NULL,               /* end_contact */
-        NULL,               /* leave */
-        NULL,               /* begin_flights */
-        NULL,               /* end_step */
-        NULL,               /* forces */
-        NULL,               /* force */
-        NULL,               /* velocity_error */
-        NULL,               /* correct_velocity */
-        NULL,               /* open_books */
-        NULL,               /* world_fields */
-        NULL,               /* particle_fields */
-        NULL,               /* contact_fields */
-        NULL,               /* save */
-        NULL,               /* is_used */
-        NULL,               /* load_first */
-        NULL,               /* load */
-        NULL,               /* loaded */
-        NULL,               /* hash_particle */
-        NULL,               /* hash_before_contacts */
-        NULL,               /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_meshes(void) {
+    dem__feature f = dem__new_feature(DEM__MESHES_FEATURE);
+    f.follow = dem__follow_meshes;
+    return f;
 }
 
 DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
@@ -18160,59 +17968,20 @@ static inline dem_status dem__load_polyhedra(const dem__file *file, dem_world *w
     return DEM_OK;
 }
 
-static inline const dem__feature *dem__feature_polyhedra(void) {
-    static const dem__feature row = {
-        6,                                 /* place */
-        0,                                 /* adds_loads */
-        0,                                 /* exclusive */
-        dem__list_arrays_of_polyhedra,     /* list_arrays */
-        NULL,                              /* list_contact_arrays */
-        dem__release_polyhedra,            /* release */
-        dem__add_shapeless,                /* add_particle */
-        NULL,                              /* begin_change */
-        NULL,                              /* end_change */
-        NULL,                              /* set_time_step */
-        NULL,                              /* remove_particle */
-        NULL,                              /* renumber */
-        dem__check_polyhedra,              /* check_run */
-        NULL,                              /* prepare_run */
-        NULL,                              /* set_law */
-        NULL,                              /* find_forces */
-        NULL,                              /* forces_found */
-        NULL,                              /* begin_run */
-        NULL,                              /* begin_ledger */
-        NULL,                              /* end_run */
-        NULL,                              /* keep_up */
-        dem__relist_polyhedra,             /* listed */
-        NULL,                              /* drift */
-        NULL,                              /* begins_early */
-        NULL,                              /* begin_step */
-        NULL,                              /* follow */
-        dem__follow_polyhedra,             /* detect */
-        NULL,                              /* contacts_begun */
-        NULL,                              /* add_forces */
-        NULL,                              /* end_contact */
-        NULL,                              /* leave */
-        NULL,                              /* begin_flights */
-        NULL,                              /* end_step */
-        NULL,                              /* forces */
-        NULL,                              /* force */
-        NULL,                              /* velocity_error */
-        NULL,                              /* correct_velocity */
-        NULL,                              /* open_books */
-        NULL,                              /* world_fields */
-        dem__particle_fields_of_polyhedra, /* particle_fields */
-        NULL,                              /* contact_fields */
-        dem__save_shapes,                  /* save */
-        dem__has_shapes,                   /* is_used */
-        dem__load_shapes,                  /* load_first */
-        dem__load_polyhedra,               /* load */
-        NULL,                              /* loaded */
-        NULL,                              /* hash_particle */
-        NULL,                              /* hash_before_contacts */
-        NULL,                              /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_polyhedra(void) {
+    dem__feature f = dem__new_feature(DEM__POLYHEDRA_FEATURE);
+    f.list_arrays = dem__list_arrays_of_polyhedra;
+    f.release = dem__release_polyhedra;
+    f.add_particle = dem__add_shapeless;
+    f.check_run = dem__check_polyhedra;
+    f.listed = dem__relist_polyhedra;
+    f.detect = dem__follow_polyhedra;
+    f.particle_fields = dem__particle_fields_of_polyhedra;
+    f.save = dem__save_shapes;
+    f.is_used = dem__has_shapes;
+    f.load_first = dem__load_shapes;
+    f.load = dem__load_polyhedra;
+    return f;
 }
 
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
@@ -18356,10 +18125,10 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     if (!dem__is_flag(e->contacts.has_history) || !(fabs(w->owed) <= DEM__OWED_STEPS * w->def.dt)) return 0;
     if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX) return 0;
     for (int k = e->features - 1; k >= 0; k--) {
-        const dem__feature *f = e->feature[k];
+        const dem__feature *f = &e->feature[k];
         const int used = f->is_used(file, w);
         if (used < 0) return 0;
-        if (!used) dem__drop_feature(w, f);
+        if (!used) dem__drop_feature(w, f->place);
     }
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
@@ -18486,11 +18255,9 @@ static inline dem_status dem__read_state(const dem__file *file, dem_world *w, de
         DEM__TELL(w, add_particle, (w, i));
     }
     if (!dem__read_group(file, g, present) || !dem__read_contacts(file, w, g)) return DEM_BAD_DATA;
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        const dem_status status = f->load ? f->load(file, w, g) : DEM_OK;
-        if (status != DEM_OK) return status;
-    }
+    dem_status status = DEM_OK;
+    DEM__CHECK(w, status, load, (file, w, g));
+    if (status != DEM_OK) return status;
     if (w->passed_count > 0) dem__passed_fields(w->passed, g);
     return w->passed_count == 0 || dem__read_group(file, g, w->passed_count) ? DEM_OK : DEM_BAD_DATA;
 }
@@ -18562,10 +18329,7 @@ static inline dem_status dem__read_file(const dem__file *file, dem_world *w) {
     dem__group g;
     if (!dem__read_world(file, w, &g)) return DEM_BAD_DATA;
     dem_status status = dem__read_walls(file, w, &g);
-    for (int k = 0; k < w->engine->features && status == DEM_OK; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        if (f->load_first) status = f->load_first(file, w, &g);
-    }
+    DEM__CHECK(w, status, load_first, (file, w, &g));
     if (status == DEM_OK) status = dem__read_state(file, w, &g);
     if (status != DEM_OK) return status;
     if (!dem__are_sound_particles(w) || !dem__are_sound_contacts(w)) return DEM_BAD_DATA;
