@@ -509,6 +509,9 @@ typedef struct dem_wall {
         rate_change;       /* controlled: distance [m] or angle [rad] since control began, and its derivatives */
     dem_vec force, torque; /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
     dem_vec impulse;       /* time integral of the force [N s] */
+    dem_vec angular_impulse; /* time integral of the torque about the world's origin [N m s]; see
+                                dem_wall_angular_impulse */
+    double work;             /* done on the particles by its motion and its belt [J] */
 
     const struct dem__wall_kind *kind__; /* private: the functions of its kind */
     int slides;                          /* private: 1 if its surface moves otherwise than its origin */
@@ -1021,6 +1024,11 @@ DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre
    where it is. */
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity);
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 0: as if it were not there */
+/* Returns the time integral of the torque of particles on a wall about a point at rest [N m s], since the wall was
+   added: its difference over the time between is the mean torque. Forces of links are not in it. NaN for a wall that
+   does not exist. world->wall[].work is the work that its motion has done on the particles [J]: its difference over the
+   time between is the mean power of its drive, without that of a piston's or rotor's inertia. */
+DEM_API dem_vec dem_wall_angular_impulse(const dem_world *world, int wall, dem_vec point);
 
 /* ---- meshes from files ---- */
 
@@ -2184,9 +2192,10 @@ typedef struct dem__correction {
     double impulse[9];  /* time integrals of the force on i and the torques on i and j [N s], [N m s] */
 } dem__correction;
 
-/* Force [N] and torque [N m] of a chunk's contacts on a wall. */
+/* Force [N] and torque [N m] of a chunk's contacts on a wall, and the power of its belt [W]. */
 typedef struct dem__wall_force {
     dem_vec force, torque;
+    double belt_power;
 } dem__wall_force;
 
 /* The numbers kept of the place where a contact touches: the arrays of contacts.touch. A sphere at a mesh, a sphere at
@@ -3796,6 +3805,14 @@ DEM_INLINE dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double ra
 DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
     const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
     return dem__add(dem__add(w->velocity, turning), dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n)));
+}
+/* Adds what a push lasting h gives a wall: the integrals of its force and of its torque about its origin, and the work
+   that the wall does meanwhile; belt_power: what its belt does. */
+DEM_INLINE void dem__book_push(dem_wall *w, double h, dem_vec force, dem_vec torque, double belt_power) {
+    const dem_vec spin = dem__scale(w->spin, w->spin_axis);
+    w->impulse = dem__plus(w->impulse, h, force);
+    w->angular_impulse = dem__plus(w->angular_impulse, h, dem__add(torque, dem__cross(w->position, force)));
+    w->work += h * (belt_power - dem__dot(force, w->velocity) - dem__dot(torque, spin));
 }
 /* Returns the acceleration of a wall's surface at a point. */
 DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
@@ -6271,13 +6288,22 @@ static inline void dem__kick_walls(dem_world *w, double h) {
     }
 }
 
-/* Applies an impulse at a sphere's place and an angular impulse to a wall, in addition to the forces of the step. */
-static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse, dem_vec angular) {
-    a->impulse = dem__add(a->impulse, impulse);
+/* Applies an impulse at a sphere's place, where the wall's normal is n, and an angular impulse to a wall, in addition
+   to the forces of the step. */
+static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec n, dem_vec impulse, dem_vec angular) {
+    const dem_vec about_origin = dem__add(angular, dem__cross(dem__sub(place, a->position), impulse)),
+                  belt = dem__sub(a->asked.belt, dem__scale(dem__dot(a->asked.belt, n), n));
+    dem__book_push(a, 1.0, impulse, about_origin, -dem__dot(impulse, belt));
     if (a->asked.drive < DEM_FORCE_CONTROLLED) return;
     const dem_vec turning = dem__add(angular, dem__cross(dem__sub(place, a->asked.spin_centre), impulse));
     a->rate += dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? impulse : turning, a->spin_axis) / a->asked.inertia;
     dem__rated_wall(a, a->rate);
+}
+
+DEM_API dem_vec dem_wall_angular_impulse(const dem_world *world, int wall, dem_vec point) {
+    if (!world || wall < 0 || wall >= world->walls) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    const dem_wall *a = &world->wall[wall];
+    return dem__sub(a->angular_impulse, dem__cross(point, a->impulse));
 }
 
 DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i) {
@@ -7984,6 +8010,19 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
     }
 }
 
+/* Adds up the power of belts: that of the rest of a wall's motion follows from the sums of its forces. */
+static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdiff_t chunk, double *const *out) {
+    for (int q = 0; q < x->walls; q++) {
+        const dem_wall *wall = x->wall[q].wall;
+        const int k = x->wall[q].row;
+        const dem_vec belt = wall->asked.belt, n = dem_vec3(x->rows.nx[k], x->rows.ny[k], x->rows.nz[k]);
+        if (belt.x == 0.0 && belt.y == 0.0 && belt.z == 0.0) continue;
+        const dem_vec along = dem__sub(belt, dem__scale(dem__dot(belt, n), n));
+        w->engine->contacts.wall_force[chunk * w->engine->walls.capacity + (wall - w->wall)].belt_power +=
+            out[0][k] * along.x + out[1][k] * along.y + out[2][k] * along.z;
+    }
+}
+
 /* Evaluates the contacts of a chunk. A contact reads its own slot, particles and walls, which do not change meanwhile,
    and writes its own slot; therefore any division among threads gives the same bits. Each block is summed while it is
    in the cache. */
@@ -8016,6 +8055,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, chunk, base, n, at.out, has_friction);
+        if (x->walls > 0) dem__add_belts(w, x, chunk, at.out);
     }
 }
 
@@ -8030,7 +8070,7 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
         contacts->chunk[q].low = INT32_MAX, contacts->chunk[q].high = 0;
         for (ptrdiff_t k = 0; k < w->walls; k++) {
             dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
-            push->force = push->torque = dem_vec3(0.0, 0.0, 0.0);
+            push->force = push->torque = dem_vec3(0.0, 0.0, 0.0), push->belt_power = 0.0;
         }
         dem__evaluate_chunk(w, work, q, law, correct, features);
     }
@@ -9410,13 +9450,15 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
     if (e.parts > 1) dem__add_postponed(w, has_friction);
     for (int k = 0; k < w->walls; k++) {
         dem_wall *wall = &w->wall[k];
+        double belt_power = 0.0;
         wall->force = wall->torque = dem_vec3(0.0, 0.0, 0.0);
         for (int q = 0; q < contacts->chunk_count; q++) {
             const dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
             wall->force = dem__add(wall->force, push->force);
             wall->torque = dem__add(wall->torque, push->torque);
+            belt_power += push->belt_power;
         }
-        wall->impulse = dem__plus(wall->impulse, h, wall->force);
+        dem__book_push(wall, h, wall->force, wall->torque, belt_power);
     }
 }
 
@@ -10216,7 +10258,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     if (j < 0) {
         const dem_vec place = w->particle[i].x, t = has_friction ? dem__second(h->impulse) : dem_vec3(0.0, 0.0, 0.0);
         const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], place, n));
-        dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(-1.0, t));
+        dem__strike_wall(&w->wall[-1 - j], place, n, dem__scale(-1.0, impulse), dem__scale(-1.0, t));
         dem__expect_impact(w, i, j, n, -dem__dot(v, n));
         return;
     }
@@ -11110,7 +11152,7 @@ static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_fric
                   on_j = has_friction ? dem__first(h->impulse + 6) : none;
     dem__push_any(w, i, impulse, on_i, 0.0, n);
     if (j >= 0) dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
-    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
+    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, n, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
 }
 
 /* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the
@@ -15112,6 +15154,8 @@ static inline void dem__wall_fields(dem_wall *a, dem__group *g) {
         DEM__DOUBLES("wall.force", a->force, s),
         DEM__DOUBLES("wall.torque", a->torque, s),
         DEM__DOUBLES("wall.impulse", a->impulse, s),
+        DEM__DOUBLES("wall.angular_impulse", a->angular_impulse, s),
+        DEM__DOUBLES("wall.work", a->work, s),
         DEM__INTEGER("wall.solid", a->solid, s),
         DEM__INTEGER("wall.groups", a->groups, s),
         DEM__INTEGER("wall.slides", a->slides, s),
