@@ -16576,7 +16576,7 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
         if (dem__dot(*normal, q->outward) < 0.0) *normal = dem__scale(-1.0, *normal), *distance = -*distance;
         return dem__dot(*normal, p->outward) < 0.0;
     }
-    return apart || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
+    return apart || *distance > 0.0 || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
 }
 
 /* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the
@@ -17448,6 +17448,71 @@ static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const
     return dem__core_passes_mesh(w->tree, s, corner, dem__to_frame(w, dem__sub(place->x, w->position)));
 }
 
+/* ------------------------------------------------------------------------------------------- >>polyhedra/entered.h */
+/* Two cores that are in each other: they are pushed apart along the direction of least overlap. Reads shapes, places
+   and the points of a pair; adds one point and lowers the weights of the others. Promises: forces stay the gradient of a
+   potential (of a linear law); nothing changes where cores begin to overlap; deep cores have one way only, apart. */
+
+#define DEM__DEEP_SPRINGS 4.0 /* springs of a pair whose cores are deep in each other: as many as a face has corners */
+#define DEM__DEEP 1.0         /* overlap of cores over the radii of the roundings from which on nothing else acts */
+
+/* The corners of a core that are farthest along a direction: how many, their mean, and two of them. */
+typedef struct dem__farthest_part {
+    int n;
+    dem_vec mean, end[2];
+} dem__farthest_part;
+static inline dem__farthest_part dem__find_part(const dem_convex *s, const dem__placed *p, dem_vec along) {
+    const dem_vec u = dem__into_core(p, along);
+    const double limit = dem__dot(u, dem__point(s->corner[dem__farthest(s, u)])) - 1e-6 * s->reach;
+    dem__farthest_part part;
+    part.n = 0, part.mean = part.end[0] = part.end[1] = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 0; k < s->corners; k++) {
+        if (!(dem__dot(u, dem__point(s->corner[k])) >= limit)) continue;
+        const dem_vec x = dem__corner_at(s, p, k);
+        part.end[part.n > 0] = x, part.mean = dem__add(part.mean, x), part.n++;
+    }
+    part.mean = dem__scale(1.0 / (double)part.n, part.mean);
+    return part;
+}
+
+/* Returns the point at which two cores touch that have moved apart along n: of a's part. */
+static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem__farthest_part *b) {
+    if (a->n == 2 && b->n == 2) {
+        const dem_vec u = dem__sub(a->end[1], a->end[0]), v = dem__sub(b->end[1], b->end[0]),
+                      d = dem__sub(b->end[0], a->end[0]);
+        const double uu = dem__dot(u, u), vv = dem__dot(v, v), uv = dem__dot(u, v), square = uu * vv - uv * uv;
+        if (square > 1e-6 * uu * vv)
+            return dem__plus(a->end[0], dem__clamp((dem__dot(d, u) * vv - dem__dot(d, v) * uv) / square, 0.0, 1.0), u);
+    }
+    return a->n <= b->n ? a->mean : b->mean;
+}
+
+/* Adds the point at which two overlapping cores are pushed apart to the n points of a pair. With U, the energy of these
+   over the stiffness, and that of the point, V = c (radii + depth)^2/2, the energy of the pair is (1 - s) U + s V, where
+   s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. */
+static inline int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                  const dem__placed *pb, const dem__gap_of_cores *gap, dem__convex_point *out, int n) {
+    const double radii = a->radius + b->radius, depth = -gap->separation, overlap = radii + depth,
+                 over = depth / (DEM__DEEP * radii);
+    const double x = dem__clamp(over, 0.0, 1.0), s = x * x * (3.0 - 2.0 * x),
+                 slope = 6.0 * x * (1.0 - x) / (DEM__DEEP * radii);
+    double energy = 0.0;
+    if (!(depth > 0.0)) return n;
+    if (n == DEM__POINTS_MAX) n--;
+    for (int k = 0; k < n; k++) {
+        energy += 0.5 * out[k].weight * out[k].gap * out[k].gap;
+        out[k].weight *= 1.0 - s;
+    }
+    const dem__farthest_part of_a = dem__find_part(a, pa, dem__scale(-1.0, gap->normal)),
+                             of_b = dem__find_part(b, pb, gap->normal);
+    dem__convex_point *point = &out[n];
+    point->key = 2 * DEM_CORNERS_MAX + 5 * DEM_EDGES_MAX * DEM_EDGES_MAX, point->taken = 0;
+    point->normal = gap->normal, point->gap = -overlap;
+    point->at = dem__meeting_point(&of_a, &of_b);
+    point->weight = s * DEM__DEEP_SPRINGS + slope * (0.5 * DEM__DEEP_SPRINGS * overlap - energy / overlap);
+    return n + 1;
+}
+
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/idle.h */
 /* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that cannot touch for some steps. Reads bodies and
    walls; writes pairs. Promises: a pair is left alone only while both of its bodies fly on, and cannot touch in that
@@ -17729,13 +17794,15 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
        nearly as far apart along it. */
     double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
     if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
+    dem__gap_of_cores gap;
+    gap.overlap = 0;
     if (!(apart > good)) {
-        dem__gap_of_cores gap;
         dem__find_gap(a, &pa, b, &pb, DEM__WINDOW * radii, &p->cache, &gap);
         *overlaps += gap.overlap;
         apart = gap.separation, p->axis = gap.normal;
     }
-    const int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
+    int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
+    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, out, n);
     if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
     return n;
 }

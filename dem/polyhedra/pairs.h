@@ -5,6 +5,7 @@
 #pragma once
 #include "../search/bounds.h"
 #include "walls.h"
+#include "entered.h"
 #include "idle.h"
 
 /* Places a polyhedron at a step. */
@@ -111,13 +112,15 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
        nearly as far apart along it. */
     double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
     if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
+    dem__gap_of_cores gap;
+    gap.overlap = 0;
     if (!(apart > good)) {
-        dem__gap_of_cores gap;
         dem__find_gap(a, &pa, b, &pb, DEM__WINDOW * radii, &p->cache, &gap);
         *overlaps += gap.overlap;
         apart = gap.separation, p->axis = gap.normal;
     }
-    const int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
+    int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
+    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, out, n);
     if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
     return n;
 }
