@@ -1335,6 +1335,9 @@ DEM_API const dem_convex *dem_get_shape(const dem_world *world,
 /* Counts the overlaps that are too deep, in the last step: pairs of polyhedra whose cores overlapped, spheres whose
    centre was in a core, and walls that cut a core. 0 is right. */
 DEM_API int64_t dem_core_overlaps(const dem_world *world);
+/* Counts them in all steps since the world was made: two pairs for three steps are 6. A run says with it whether its
+   contacts were too soft at any time; a save keeps it. */
+DEM_API int64_t dem_core_overlap_steps(const dem_world *world);
 
 /* ---------------------------------------------------------------------------------------------- >>base/triangles.h */
 /* The triangles of a mesh, in a tree of boxes. walls/mesh_tree.h makes it, walls/mesh_touch.h searches it. */
@@ -2137,7 +2140,8 @@ typedef struct dem__convex_state {
     ptrdiff_t pairs, of_particles, pair_capacity;
     dem__convex_point *point;
     ptrdiff_t point_capacity;
-    int64_t overlaps; /* of cores, in the last step */
+    int64_t overlaps;      /* of cores, in the last step */
+    int64_t overlap_steps; /* of cores, and cores that walls cut, sum over all steps */
 } dem__convex_state;
 
 /* ------------------------------------------------------------------------------------------------- >>base/engine.h */
@@ -17327,12 +17331,14 @@ DEM_INLINE int dem__corners_at(const dem_wall *wall) {
     return wall->kind__->corners ? wall->kind__->corners(wall) : DEM__CORNERS_SOME;
 }
 
-/* Finds the points of a polyhedron at a wall, both at the end of the step. Returns their number. */
+/* Finds the points of a polyhedron at a wall, both at the end of the step. Returns their number; may_cut: whether a
+   sheet may cut its core. */
 static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
-                                             dem__convex_point *out) {
+                                             dem__convex_point *out, int *may_cut) {
     dem__touch touch[DEM__TOUCHES];
     dem__at_wall q;
     double least;
+    *may_cut = 0;
     dem__touch_wall(wall, place->x, s->reach, 0.0, touch, &least);
     if (!(least < 0.0)) return 0;
     q.visitor.corner = dem__touch_wall_corner, q.visitor.edge = dem__cross_wall_edge;
@@ -17344,6 +17350,7 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     if (dem__corners_at(wall) != DEM__CORNERS_NONE) dem__touch_with_corners(&q);
     if (dem__has(wall, DEM__CURVED_SHEET)) dem__touch_sheet_with_edges(&q);
     if (wall->kind__->edges) wall->kind__->edges(wall, place->x, s->reach, &q.visitor);
+    *may_cut = q.is_cut;
     return q.n;
 }
 
@@ -17807,12 +17814,17 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     return n;
 }
 
-/* Finds the points of a particle at a wall, both at the end of the step. Returns their number. */
-static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out) {
+/* Finds the points of a particle at a wall, both at the end of the step. Returns their number. cuts: one more if the
+   wall cuts the core. */
+static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
+                                      int64_t *cuts) {
     const dem_wall *wall = &w->wall[-1 - p->j];
     const dem_convex *s = dem__shape_of(w, p->i);
     const dem__placed *place = &w->engine->convex.place[p->i];
-    const int n = dem__touch_with_polyhedron(wall, s, place, out);
+    int may_cut, is_cut = 0;
+    const int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
+    for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
+    *cuts += is_cut || (may_cut && dem__core_passes(wall, s, place));
     if (n == 0 && dem__may_rest_at_wall(w, p->i))
         dem__rest_from_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
     return n;
@@ -17820,7 +17832,7 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
 
 /* A test of all pairs by several threads, each of which has a share of the points. */
 typedef struct dem__convex_look {
-    int64_t step, overlaps[DEM__PARTS_MAX];
+    int64_t step, overlaps[DEM__PARTS_MAX], cuts[DEM__PARTS_MAX];
     ptrdiff_t share;
     int full[DEM__PARTS_MAX];
 } dem__convex_look;
@@ -17830,7 +17842,7 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
     dem__convex_state *convex = &w->engine->convex;
     ptrdiff_t at = look->share * part;
     const ptrdiff_t limit = at + look->share;
-    look->overlaps[part] = look->full[part] = 0;
+    look->overlaps[part] = look->cuts[part] = look->full[part] = 0;
     for (ptrdiff_t q = first; q < end; q++) {
         dem__convex_pair *p = &convex->pair[q];
         if (!p->is_close) continue;
@@ -17839,7 +17851,7 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
             look->full[part] = 1;
             return;
         }
-        if (p->j < 0) p->count = dem__points_at_wall(w, p, look->step, convex->point + at);
+        if (p->j < 0) p->count = dem__points_at_wall(w, p, look->step, convex->point + at, &look->cuts[part]);
         else p->count = dem__points_of_pair(w, p, look->step, convex->point + at, &look->overlaps[part]);
         at += p->count;
     }
@@ -17875,7 +17887,10 @@ static inline int dem__find_convex_points(dem_world *w, int64_t step) {
         if (full && !dem__grow_points(w, 2 * convex->point_capacity)) return 0;
     }
     convex->overlaps = 0;
-    for (int q = 0; q < parts; q++) convex->overlaps += look.overlaps[q];
+    for (int q = 0; q < parts; q++) {
+        convex->overlaps += look.overlaps[q];
+        convex->overlap_steps += look.overlaps[q] + look.cuts[q];
+    }
     return 1;
 }
 
@@ -18185,6 +18200,10 @@ static inline dem_status dem__relist_polyhedra(dem_world *w) {
     return dem__list_convex_pairs(w) ? DEM_OK : DEM_OUT_OF_MEMORY;
 }
 
+static inline void dem__world_fields_of_polyhedra(dem_world *w, dem__group *g) {
+    const dem__saved_field fields[] = {DEM__INTEGER("convex.overlap_steps", w->engine->convex.overlap_steps, 0)};
+    dem__add_optional(g, fields, sizeof fields);
+}
 static inline void dem__particle_fields_of_polyhedra(dem_world *w, dem__group *g) {
     const dem__saved_field shape[] = {DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
     dem__add_optional(g, shape, sizeof shape);
@@ -18239,6 +18258,7 @@ static inline dem__feature dem__feature_polyhedra(void) {
     f.check_run = dem__check_polyhedra;
     f.listed = dem__relist_polyhedra;
     f.detect = dem__follow_polyhedra;
+    f.world_fields = dem__world_fields_of_polyhedra;
     f.particle_fields = dem__particle_fields_of_polyhedra;
     f.save = dem__save_shapes;
     f.is_used = dem__has_shapes;
@@ -18337,6 +18357,9 @@ DEM_API int64_t dem_core_overlaps(const dem_world *world) {
     for (ptrdiff_t q = convex ? convex->of_particles : 0; convex && q < convex->pairs; q++)
         n += dem__is_cut(world, &convex->pair[q]);
     return n;
+}
+DEM_API int64_t dem_core_overlap_steps(const dem_world *world) {
+    return world && world->engine ? world->engine->convex.overlap_steps : 0;
 }
 
 /* --------------------------------------------------------------------------------------------------- >>save/load.h */
