@@ -831,8 +831,7 @@ static int study_midbatch(const program *self, json *report, granulation_def def
     static const result_column columns[] = {{NULL, "mid-batch", "%s"},      {NULL, "Type I [%]", "%.1f"},
                                             {NULL, "Type II [%]", "%.1f"},  {NULL, "d43 [um]", "%.1f", 1e6},
                                             {NULL, "+- 95 %", "%.1f", 1e6}, {NULL, "granules", "%.1f"}};
-    result_table *t = RESULTS(columns),
-                 *courses = results_of("step,d43_unchanged_um,d43_spray_um,d43_slow_um,d43_all_um");
+    result_table *t = RESULTS(columns);
     progress bar;
     progress_begin(&bar, "changes in mid-batch", 4.0 * replicates);
     int bad = 0;
@@ -878,6 +877,7 @@ static int study_midbatch(const program *self, json *report, granulation_def def
         }
         if (p == 1) riddle_plot_legend_outside(figure);
     }
+    result_table *courses = results_of("step,d43_unchanged_um,d43_spray_um,d43_slow_um,d43_all_um");
     for (int step = 0; step <= steps; step++)
         results_row(courses, NULL, step, y[0][0][step], y[0][1][step], y[0][2][step], y[0][3][step]);
     results_csv(courses, self->out, "midbatch.csv");
