@@ -183,17 +183,17 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
 
 /* Adds a feature to a world and makes room for its numbers of particles. DEM_BAD_ARGUMENT: another feature excludes it.
    After a failure nothing has changed. */
-static inline dem_status dem__take_feature(dem_world *w, const dem__feature *feature) {
+static inline dem_status dem__take_feature(dem_world *w, dem__feature feature) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__array list[DEM__ARRAYS_MAX];
     for (int k = 0; k < w->engine->features; k++) {
-        if (w->engine->feature[k]->place == feature->place) return DEM_OK;
-        if (w->engine->feature[k]->exclusive && feature->exclusive) return DEM_BAD_ARGUMENT;
+        if (w->engine->feature[k].place == feature.place) return DEM_OK;
+        if (w->engine->feature[k].exclusive && feature.exclusive) return DEM_BAD_ARGUMENT;
     }
     dem__add_feature(w, feature);
     if (bodies->capacity == 0 || dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes,
                                                  &bodies->capacity, bodies->capacity))
         return DEM_OK;
-    dem__drop_feature(w, feature);
+    dem__drop_feature(w, feature.place);
     return DEM_OUT_OF_MEMORY;
 }

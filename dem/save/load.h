@@ -54,10 +54,10 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     if (!dem__is_flag(e->contacts.has_history) || !(fabs(w->owed) <= DEM__OWED_STEPS * w->def.dt)) return 0;
     if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX) return 0;
     for (int k = e->features - 1; k >= 0; k--) {
-        const dem__feature *f = e->feature[k];
+        const dem__feature *f = &e->feature[k];
         const int used = f->is_used(file, w);
         if (used < 0) return 0;
-        if (!used) dem__drop_feature(w, f);
+        if (!used) dem__drop_feature(w, f->place);
     }
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
