@@ -1002,6 +1002,21 @@ class Shown(unittest.TestCase):
         with self.assertRaises(AttributeError):
             wall.fource
 
+    def test_a_wall_tells_its_work(self):
+        """A belt gives what lies on it the momentum force x time at its own speed; torque about any point from two integrals."""
+        world = bed(40)
+        world.run(0.5, LAW)
+        world.set_belt(0, (0.2, 0.0, 0.0))
+        wall = world.wall(0)
+        before, done = wall.impulse, wall.work
+        world.run(0.2, LAW)
+        self.assertAlmostEqual((wall.work - done) / (-0.2 * (wall.impulse - before)[0]), 1.0, 6)
+        point = (0.3, -0.2, 0.1)
+        np.testing.assert_allclose(wall.angular_impulse_about(point), wall.angular_impulse - np.cross(point, wall.impulse))
+        np.testing.assert_array_equal(wall.angular_impulse_about((0, 0, 0)), wall.angular_impulse)
+        with self.assertRaises((TypeError, ValueError)):
+            wall.angular_impulse_about((0, 0))
+
     def test_a_driven_wall_tells_torque_and_coordinate(self):
         definition = dem.def_(dt=1e-5)
         glass = dem.add_material(definition, 2500.0, 5e10, 0.2)

@@ -249,6 +249,11 @@ DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre
    where it is. */
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity);
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 0: as if it were not there */
+/* Returns the time integral of the torque of particles on a wall about a point at rest [N m s], since the wall was
+   added: its difference over the time between is the mean torque. Forces of links are not in it. NaN for a wall that
+   does not exist. world->wall[].work is the work that its motion has done on the particles [J]: its difference over the
+   time between is the mean power of its drive, without that of a piston's or rotor's inertia. */
+DEM_API dem_vec dem_wall_angular_impulse(const dem_world *world, int wall, dem_vec point);
 
 /* ---- meshes from files ---- */
 
