@@ -301,7 +301,7 @@ static void test_histogram_of_tangential_forces(void **state) {
     add(&w, v3(0, 0, 0), 5e-3, 0);
     assert_int_equal(dem_set_motion(&w, 0, v3(0.6, 0.8, 0.0), v3(0, 0, 0)), DEM_OK);
     dem_run(&w, 0.0, DEM_LINEAR | DEM_FRICTION);
-    dem_run(&w, 8.0 * def.dt, DEM_LINEAR | DEM_FRICTION);
+    dem_run(&w, 5.0 * def.dt, DEM_LINEAR | DEM_FRICTION);
     const dem_contact_info c = dem_get_contact(&w, 0);
     const double limit = 0.5 * c.force.z;
     assert_true(limit > 0.0);
