@@ -1070,8 +1070,14 @@ typedef struct dem_advice {
     double rayleigh; /* pi R sqrt(rho/G)/(0.1631 nu + 0.8766) of the smallest sphere (materials with moduli) */
     double dashpot;  /* m_eff/gamma of the strongest dashpot */
     double advised;  /* min(t_c/20, 0.2 rayleigh for DEM_HERTZ, dashpot/2) */
+    /* For hits at the given speed v, of each body with all of its mass m on what does not give way: */
+    double stiffness; /* linear laws: m v^2/d^2 of the body that needs most [N/m]: with it in all pairs no overlap is
+                         deeper than d, the rounding of a polyhedron or a tenth of a sphere's radius */
+    double depth;     /* overlap over d with the pairs as they are, of the body that gets deepest; above 1 they are too
+                         soft */
 } dem_advice;
-/* Advises on the time step. speed: expected impact speed [m/s] > 0; used by DEM_HERTZ only. */
+/* Advises on the time step and the stiffness. speed: expected impact speed [m/s] > 0; the time step needs it with
+   DEM_HERTZ only. 0: stiffness and depth are 0. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed);
 
 /* ---- links: forces between bodies that need not touch, smooth enough for a larger step; a liquid bridge ---- */
@@ -1211,9 +1217,9 @@ typedef struct dem_field {
    rule with 8 points. */
 DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field);
 
-/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N] or overlap [m]; contacts without
-   overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
-typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP } dem_quantity;
+/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N], overlap [m] or tangential force
+   [N]; contacts without overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
+typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP, DEM_CONTACT_TANGENTIAL_FORCE } dem_quantity;
 DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
                                 double *count);
 
@@ -14945,19 +14951,25 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
     return DEM_OK;
 }
 
+static inline double dem__quantity_of(const dem_contact_info *c, dem_quantity quantity) {
+    if (quantity == DEM_CONTACT_FORCE) return dem__length(c->force);
+    if (quantity == DEM_CONTACT_OVERLAP) return -c->gap;
+    return dem__length(dem__plus(c->force, -dem__dot(c->force, c->normal), c->normal));
+}
+
 DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
                                 double *count) {
     const dem_world *w = world;
     ptrdiff_t outside = 0;
     if (!w || !w->def.allocator.fn || !count || bins < 1 || !(low < high) || !dem__finite(high - low))
         return -(ptrdiff_t)DEM_BAD_ARGUMENT;
-    if (quantity != DEM_CONTACT_FORCE && quantity != DEM_CONTACT_OVERLAP) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    if (quantity != DEM_CONTACT_FORCE && quantity != DEM_CONTACT_OVERLAP && quantity != DEM_CONTACT_TANGENTIAL_FORCE)
+        return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     for (int k = 0; k < bins; k++) count[k] = 0.0;
     for (ptrdiff_t k = 0; k < w->engine->contacts.count; k++) {
         const dem_contact_info c = dem_get_contact(w, k);
         if (!(c.gap < 0.0)) continue;
-        const double value = quantity == DEM_CONTACT_FORCE ? dem__length(c.force) : -c.gap,
-                     bin = floor((value - low) / (high - low) * bins);
+        const double value = dem__quantity_of(&c, quantity), bin = floor((value - low) / (high - low) * bins);
         if (value >= low && value <= high) count[bin < (double)bins ? (int)bin : bins - 1] += 1.0;
         else outside++;
     }
@@ -18640,6 +18652,53 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     return status;
 }
 
+/* ------------------------------------------------------------------------------------------ >>contacts/stiffness.h */
+/* Advice on the stiffness: how deep bodies get into each other at a speed, and how stiff contacts must be for it. A
+   reader. */
+
+#define DEM__DEEP_SPHERE 0.1 /* overlap of a sphere over its radius that is deep */
+
+/* Returns the overlap from which on a contact of particle i is deep [m]. */
+DEM_INLINE double dem__deep_overlap(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    return s ? s->radius : DEM__DEEP_SPHERE * w->particle[i].radius;
+}
+
+/* Returns the overlap at which particle i comes to rest that hits, with all of its mass, what has a material [m]. */
+static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int material, int features, double speed) {
+    const int m = w->material[i];
+    const dem_convex *s = dem__shape_of(w, i);
+    double constants[DEM_CONSTANTS_MAX];
+    dem_birth b;
+    memset(&b, 0, sizeof b);
+    b.def = &w->def, b.features = features, b.material_i = m, b.material_j = material;
+    b.pair = m < material ? &w->def.pair[m][material] : &w->def.pair[material][m];
+    b.radius_i = s ? s->radius : w->particle[i].radius, b.mass = w->particle[i].mass;
+    if (!(features & DEM_HERTZ)) return speed * sqrt(b.mass / b.pair->stiffness);
+    dem_prepare_hertz(&b, constants);
+    return speed / 2.943275175395 *
+           dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K], constants[DEM__HERTZ_RADIUS], b.mass, speed);
+}
+
+/* Sets the advised stiffness, and how deep bodies get with the present one. A pair of bodies, whose mass is less and
+   whose roundings are more, needs no more than the one of them that needs more. */
+static inline void dem__advise_stiffness(const dem_world *w, int features, double speed, dem_advice *a) {
+    int present[DEM_MATERIALS_MAX] = {0};
+    a->stiffness = a->depth = 0.0;
+    if (!(speed > 0.0)) return;
+    for (ptrdiff_t i = 0; i < w->count; i++) present[w->material[i]] |= w->alive[i] != 0;
+    for (int k = 0; k < w->walls; k++) present[w->wall[k].material] |= dem__has_surface(&w->wall[k]);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const double deep = dem__deep_overlap(w, i), needed = w->particle[i].mass * (speed / deep) * (speed / deep);
+        if (!w->alive[i] || dem__is_fixed(w, i)) continue;
+        a->stiffness = needed > a->stiffness ? needed : a->stiffness;
+        for (int m = 0; m < w->def.materials; m++) {
+            const double depth = present[m] ? dem__overlap_at(w, i, m, features, speed) / deep : 0.0;
+            a->depth = depth > a->depth ? depth : a->depth;
+        }
+    }
+}
+
 /* ------------------------------------------------------------------------------------------ >>contacts/time_step.h */
 /* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. */
 
@@ -18751,7 +18810,7 @@ static inline void dem__advise_pair(const dem_birth *b, double speed, dem_advice
 
 /* Takes the smallest step over all pairs of materials that are present, each with its smallest sphere. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed) {
-    dem_advice a = {HUGE_VAL, HUGE_VAL, HUGE_VAL, (double)NAN};
+    dem_advice a = {HUGE_VAL, HUGE_VAL, HUGE_VAL, (double)NAN, 0.0, 0.0};
     dem__present of[DEM_MATERIALS_MAX];
     const dem_world *w = world;
     if (!w || !w->def.allocator.fn || ((features & DEM_HERTZ) && !(speed > 0.0))) return a;
@@ -18780,6 +18839,7 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
             }
         }
     }
+    dem__advise_stiffness(w, features, speed, &a);
     a.advised = a.contact / 20.0;
     if (0.5 * a.dashpot < a.advised) a.advised = 0.5 * a.dashpot;
     if ((features & DEM_HERTZ) && 0.2 * a.rayleigh < a.advised) a.advised = 0.2 * a.rayleigh;
