@@ -427,6 +427,10 @@ static void test_own_breakage(void **state) {
         near_to("M1", granulation_balance_moment(&p.balance, 1.0, 0.0), 1.0, 1e-9);
         errors[k] = fabs(granulation_balance_moment(&p.balance, 2.0, 0.0) - 1.0);
         near_to("n(1)", density(&p.balance, 1.0), 4.0 * exp(-2.0), 2e-2);
+        double all = 0.0;
+        for (int cell = 0; cell < p.balance.n; cell++) all += granulation_balance_number(&p.balance, cell);
+        near_to("number", all, granulation_balance_moment(&p.balance, 0.0, 0.0), 1e-12);
+        assert_true(isnan(granulation_balance_number(&p.balance, -1)) && isnan(granulation_balance_number(&p.balance, p.balance.n)));
         granulation_balance_free(&p.balance);
     }
     assert_true(errors[1] < 2e-3 && errors[0] / errors[1] > 3.5);
