@@ -509,6 +509,9 @@ typedef struct dem_wall {
         rate_change;       /* controlled: distance [m] or angle [rad] since control began, and its derivatives */
     dem_vec force, torque; /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
     dem_vec impulse;       /* time integral of the force [N s] */
+    dem_vec angular_impulse; /* time integral of the torque about the world's origin [N m s]; see
+                                dem_wall_angular_impulse */
+    double work;             /* done on the particles by its motion and its belt [J] */
 
     const struct dem__wall_kind *kind__; /* private: the functions of its kind */
     int slides;                          /* private: 1 if its surface moves otherwise than its origin */
@@ -1021,6 +1024,11 @@ DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre
    where it is. */
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity);
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 0: as if it were not there */
+/* Returns the time integral of the torque of particles on a wall about a point at rest [N m s], since the wall was
+   added: its difference over the time between is the mean torque. Forces of links are not in it. NaN for a wall that
+   does not exist. world->wall[].work is the work that its motion has done on the particles [J]: its difference over the
+   time between is the mean power of its drive, without that of a piston's or rotor's inertia. */
+DEM_API dem_vec dem_wall_angular_impulse(const dem_world *world, int wall, dem_vec point);
 
 /* ---- meshes from files ---- */
 
@@ -1138,7 +1146,8 @@ typedef struct dem_contact_info {
     double gap;     /* [m] */
     dem_vec force;  /* on i [N] */
     dem_vec normal,
-        point;   /* from j to i; place of the contact, which divides the distance of the centres as the radii do [m] */
+        point;   /* from j to i; place of the contact, which divides the distance of the centres as the radii do; of
+                    polyhedra: of the corner, edge or face that touches, so that force acts on i at `point` [m] */
     int element; /* screen: the bar; mesh: 0, 1 ... tell a particle's contacts with it apart */
     double state[DEM_STATE_MAX]; /* of the law */
 } dem_contact_info;
@@ -1202,9 +1211,9 @@ typedef struct dem_field {
    rule with 8 points. */
 DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field);
 
-/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N] or overlap [m]; contacts without
-   overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
-typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP } dem_quantity;
+/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N], overlap [m] or tangential force
+   [N]; contacts without overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
+typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP, DEM_CONTACT_TANGENTIAL_FORCE } dem_quantity;
 DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
                                 double *count);
 
@@ -1967,8 +1976,20 @@ struct dem__group;
 struct dem__stream;
 struct dem__file;
 
+/* Features are called in this order. */
+enum {
+    DEM__LEDGER_FEATURE,
+    DEM__FIXED_FEATURE,
+    DEM__LINKS_FEATURE,
+    DEM__FIELD_FEATURE,
+    DEM__MESHES_FEATURE,
+    DEM__BODIES_FEATURE,
+    DEM__POLYHEDRA_FEATURE,
+    DEM__FEATURES_MAX
+};
+
 typedef struct dem__feature {
-    int place;      /* features are called in the order of this number */
+    int place;      /* DEM__LEDGER_FEATURE and so on */
     int adds_loads; /* it adds to the loads of particles */
     int exclusive;  /* it moves particles between steps: a world has at most one such feature */
 
@@ -2038,7 +2059,13 @@ typedef struct dem__feature {
     void (*hash)(uint64_t *hash, const dem_world *w);
 } dem__feature;
 
-enum { DEM__FEATURES_MAX = 8 };
+/* Returns a table without members. */
+static inline dem__feature dem__new_feature(int place) {
+    dem__feature feature;
+    memset(&feature, 0, sizeof feature);
+    feature.place = place;
+    return feature;
+}
 
 /* ---------------------------------------------------------------------------------------- >>base/polyhedra_state.h */
 /* The engine's state of polyhedra. */
@@ -2165,9 +2192,10 @@ typedef struct dem__correction {
     double impulse[9];  /* time integrals of the force on i and the torques on i and j [N s], [N m s] */
 } dem__correction;
 
-/* Force [N] and torque [N m] of a chunk's contacts on a wall. */
+/* Force [N] and torque [N m] of a chunk's contacts on a wall, and the power of its belt [W]. */
 typedef struct dem__wall_force {
     dem_vec force, torque;
+    double belt_power;
 } dem__wall_force;
 
 /* The numbers kept of the place where a contact touches: the arrays of contacts.touch. A sphere at a mesh, a sphere at
@@ -2447,7 +2475,7 @@ typedef struct dem__pace {
 } dem__pace;
 
 typedef struct dem__engine {
-    const dem__feature *feature[DEM__FEATURES_MAX]; /* those that the world has, in the order of `place` */
+    dem__feature feature[DEM__FEATURES_MAX]; /* those that the world has, in the order of `place` */
     int features;
     dem__run run;
     dem__bodies bodies;
@@ -2472,32 +2500,46 @@ typedef struct dem__engine {
 #define DEM__TELL(w, member, arguments)                                                                                \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
-            if ((w)->engine->feature[f_]->member) (w)->engine->feature[f_]->member arguments;                          \
+            if ((w)->engine->feature[f_].member) (w)->engine->feature[f_].member arguments;                          \
         }                                                                                                              \
     } while (0)
 /* The same for a member that returns 0 after a failure: does nothing from then on. ok: an int, 1 at first. */
 #define DEM__ASK(w, ok, member, arguments)                                                                             \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features && (ok); f_++) {                                                   \
-            if ((w)->engine->feature[f_]->member) (ok) = (w)->engine->feature[f_]->member arguments;                   \
+            if ((w)->engine->feature[f_].member) (ok) = (w)->engine->feature[f_].member arguments;                   \
+        }                                                                                                              \
+    } while (0)
+/* The same for a member that returns a number to be added to a sum. */
+#define DEM__ADD_UP(w, sum, member, arguments)                                                                         \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
+            if ((w)->engine->feature[f_].member) (sum) += (w)->engine->feature[f_].member arguments;                 \
+        }                                                                                                              \
+    } while (0)
+/* The same for a member that returns a status: nothing after the first that is not DEM_OK. */
+#define DEM__CHECK(w, status, member, arguments)                                                                       \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features && (status) == DEM_OK; f_++) {                                     \
+            if ((w)->engine->feature[f_].member) (status) = (w)->engine->feature[f_].member arguments;               \
         }                                                                                                              \
     } while (0)
 
 /* Adds a feature to a world that may have it already. */
-static inline void dem__add_feature(dem_world *w, const dem__feature *feature) {
+static inline void dem__add_feature(dem_world *w, dem__feature feature) {
     dem__engine *e = w->engine;
     int k = e->features;
     for (int q = 0; q < e->features; q++) {
-        if (e->feature[q]->place == feature->place) return; /* another file has a table of its own */
+        if (e->feature[q].place == feature.place) return;
     }
-    for (e->features++; k > 0 && e->feature[k - 1]->place > feature->place; k--) e->feature[k] = e->feature[k - 1];
+    for (e->features++; k > 0 && e->feature[k - 1].place > feature.place; k--) e->feature[k] = e->feature[k - 1];
     e->feature[k] = feature;
 }
-static inline void dem__drop_feature(dem_world *w, const dem__feature *feature) {
+static inline void dem__drop_feature(dem_world *w, int place) {
     dem__engine *e = w->engine;
     int left = 0;
     for (int q = 0; q < e->features; q++) {
-        if (e->feature[q]->place != feature->place) e->feature[left++] = e->feature[q];
+        if (e->feature[q].place != place) e->feature[left++] = e->feature[q];
     }
     e->features = left;
 }
@@ -2559,10 +2601,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
     list[n].address = &bodies->bound, list[n++].size = sizeof(dem__bound);
     list[n].address = &bodies->sum, list[n++].size = sizeof(dem__sum);
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        if (f->list_arrays) n += f->list_arrays(w, list + n);
-    }
+    DEM__ADD_UP(w, n, list_arrays, (w, list + n));
     return n;
 }
 
@@ -2584,10 +2623,7 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) {
         list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
     }
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        if (f->list_contact_arrays) n += f->list_contact_arrays(w, list + n);
-    }
+    DEM__ADD_UP(w, n, list_contact_arrays, (w, list + n));
     list[n].address = &contacts->ended, list[n++].size = 1;
     /* ... with constants of their own, ... */
     for (int k = 0; k < DEM__OWN_ARRAYS; k++, n++) list[n].address = own[k], list[n].size = sizeof(double);
@@ -2692,18 +2728,18 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
 
 /* Adds a feature to a world and makes room for its numbers of particles. DEM_BAD_ARGUMENT: another feature excludes it.
    After a failure nothing has changed. */
-static inline dem_status dem__take_feature(dem_world *w, const dem__feature *feature) {
+static inline dem_status dem__take_feature(dem_world *w, dem__feature feature) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__array list[DEM__ARRAYS_MAX];
     for (int k = 0; k < w->engine->features; k++) {
-        if (w->engine->feature[k]->place == feature->place) return DEM_OK;
-        if (w->engine->feature[k]->exclusive && feature->exclusive) return DEM_BAD_ARGUMENT;
+        if (w->engine->feature[k].place == feature.place) return DEM_OK;
+        if (w->engine->feature[k].exclusive && feature.exclusive) return DEM_BAD_ARGUMENT;
     }
     dem__add_feature(w, feature);
     if (bodies->capacity == 0 || dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes,
                                                  &bodies->capacity, bodies->capacity))
         return DEM_OK;
-    dem__drop_feature(w, feature);
+    dem__drop_feature(w, feature.place);
     return DEM_OUT_OF_MEMORY;
 }
 
@@ -3293,7 +3329,7 @@ DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
 static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
     dem_vec error = dem_vec3(0.0, 0.0, 0.0);
     for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
+        const dem__feature *f = &w->engine->feature[k];
         if (f->velocity_error) error = f->velocity_error(w, i, tau);
     }
     return error;
@@ -3769,6 +3805,14 @@ DEM_INLINE dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double ra
 DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
     const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
     return dem__add(dem__add(w->velocity, turning), dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n)));
+}
+/* Adds what a push lasting h gives a wall: the integrals of its force and of its torque about its origin, and the work
+   that the wall does meanwhile; belt_power: what its belt does. */
+DEM_INLINE void dem__book_push(dem_wall *w, double h, dem_vec force, dem_vec torque, double belt_power) {
+    const dem_vec spin = dem__scale(w->spin, w->spin_axis);
+    w->impulse = dem__plus(w->impulse, h, force);
+    w->angular_impulse = dem__plus(w->angular_impulse, h, dem__add(torque, dem__cross(w->position, force)));
+    w->work += h * (belt_power - dem__dot(force, w->velocity) - dem__dot(torque, spin));
 }
 /* Returns the acceleration of a wall's surface at a point. */
 DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
@@ -5815,7 +5859,7 @@ static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t
 static inline int dem__begins_early(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
     int early = 0;
     for (int k = 0; k < w->engine->features && !early; k++) {
-        const dem__feature *f = w->engine->feature[k];
+        const dem__feature *f = &w->engine->feature[k];
         if (f->begins_early) early = f->begins_early(w, i, -1 - wall, element);
     }
     return early;
@@ -6244,13 +6288,22 @@ static inline void dem__kick_walls(dem_world *w, double h) {
     }
 }
 
-/* Applies an impulse at a sphere's place and an angular impulse to a wall, in addition to the forces of the step. */
-static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse, dem_vec angular) {
-    a->impulse = dem__add(a->impulse, impulse);
+/* Applies an impulse at a sphere's place, where the wall's normal is n, and an angular impulse to a wall, in addition
+   to the forces of the step. */
+static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec n, dem_vec impulse, dem_vec angular) {
+    const dem_vec about_origin = dem__add(angular, dem__cross(dem__sub(place, a->position), impulse)),
+                  belt = dem__sub(a->asked.belt, dem__scale(dem__dot(a->asked.belt, n), n));
+    dem__book_push(a, 1.0, impulse, about_origin, -dem__dot(impulse, belt));
     if (a->asked.drive < DEM_FORCE_CONTROLLED) return;
     const dem_vec turning = dem__add(angular, dem__cross(dem__sub(place, a->asked.spin_centre), impulse));
     a->rate += dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? impulse : turning, a->spin_axis) / a->asked.inertia;
     dem__rated_wall(a, a->rate);
+}
+
+DEM_API dem_vec dem_wall_angular_impulse(const dem_world *world, int wall, dem_vec point) {
+    if (!world || wall < 0 || wall >= world->walls) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    const dem_wall *a = &world->wall[wall];
+    return dem__sub(a->angular_impulse, dem__cross(point, a->impulse));
 }
 
 DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i) {
@@ -6330,9 +6383,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
         c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
     c->tolerance += swing;
-    for (int k = 0; k < w->engine->features; k++) {
-        if (w->engine->feature[k]->drift) c->tolerance += w->engine->feature[k]->drift(w, i);
-    }
+    DEM__ADD_UP(w, c->tolerance, drift, (w, i));
     c->reach = w->particle[i].radius + 0.5 * pairs->touch_gap + pairs->position_tolerance - t * c->tolerance;
     dem__set_tolerance_left(w, i, turn);
 }
@@ -7042,6 +7093,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     if (!keeps) dem__release_unloaded(w);
     dem__list_active(w);
+    dem_status status = DEM_OK;
     double smallest, largest;
     if (!dem__list_positions(w, &smallest, &largest)) return 0;
     dem__choose_frame(w);
@@ -7052,11 +7104,8 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        const dem_status status = f->listed ? f->listed(w) : DEM_OK;
-        if (status != DEM_OK) return dem__fail_to_list(w, status);
-    }
+    DEM__CHECK(w, status, listed, (w));
+    if (status != DEM_OK) return dem__fail_to_list(w, status);
     pairs->next_check = w->step + DEM__STEPS_MAX;
     pairs->listed_step = w->step;
     w->rebuilds++;
@@ -7961,6 +8010,19 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
     }
 }
 
+/* Adds up the power of belts: that of the rest of a wall's motion follows from the sums of its forces. */
+static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdiff_t chunk, double *const *out) {
+    for (int q = 0; q < x->walls; q++) {
+        const dem_wall *wall = x->wall[q].wall;
+        const int k = x->wall[q].row;
+        const dem_vec belt = wall->asked.belt, n = dem_vec3(x->rows.nx[k], x->rows.ny[k], x->rows.nz[k]);
+        if (belt.x == 0.0 && belt.y == 0.0 && belt.z == 0.0) continue;
+        const dem_vec along = dem__sub(belt, dem__scale(dem__dot(belt, n), n));
+        w->engine->contacts.wall_force[chunk * w->engine->walls.capacity + (wall - w->wall)].belt_power +=
+            out[0][k] * along.x + out[1][k] * along.y + out[2][k] * along.z;
+    }
+}
+
 /* Evaluates the contacts of a chunk. A contact reads its own slot, particles and walls, which do not change meanwhile,
    and writes its own slot; therefore any division among threads gives the same bits. Each block is summed while it is
    in the cache. */
@@ -7993,6 +8055,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, chunk, base, n, at.out, has_friction);
+        if (x->walls > 0) dem__add_belts(w, x, chunk, at.out);
     }
 }
 
@@ -8007,7 +8070,7 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
         contacts->chunk[q].low = INT32_MAX, contacts->chunk[q].high = 0;
         for (ptrdiff_t k = 0; k < w->walls; k++) {
             dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
-            push->force = push->torque = dem_vec3(0.0, 0.0, 0.0);
+            push->force = push->torque = dem_vec3(0.0, 0.0, 0.0), push->belt_power = 0.0;
         }
         dem__evaluate_chunk(w, work, q, law, correct, features);
     }
@@ -9387,13 +9450,15 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
     if (e.parts > 1) dem__add_postponed(w, has_friction);
     for (int k = 0; k < w->walls; k++) {
         dem_wall *wall = &w->wall[k];
+        double belt_power = 0.0;
         wall->force = wall->torque = dem_vec3(0.0, 0.0, 0.0);
         for (int q = 0; q < contacts->chunk_count; q++) {
             const dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
             wall->force = dem__add(wall->force, push->force);
             wall->torque = dem__add(wall->torque, push->torque);
+            belt_power += push->belt_power;
         }
-        wall->impulse = dem__plus(wall->impulse, h, wall->force);
+        dem__book_push(wall, h, wall->force, wall->torque, belt_power);
     }
 }
 
@@ -9829,59 +9894,20 @@ static inline int dem__has_ledger(const dem__file *file, const dem_world *w) {
     return ledger->on;
 }
 
-static inline const dem__feature *dem__feature_ledger(void) {
-    static const dem__feature row = {
-        0,                                  /* place */
-        0,                                  /* adds_loads */
-        0,                                  /* exclusive */
-        NULL,                               /* list_arrays */
-        dem__list_contact_arrays_of_ledger, /* list_contact_arrays */
-        NULL,                               /* release */
-        NULL,                               /* add_particle */
-        NULL,                               /* begin_change */
-        NULL,                               /* end_change */
-        NULL,                               /* set_time_step */
-        NULL,                               /* remove_particle */
-        NULL,                               /* renumber */
-        NULL,                               /* check_run */
-        NULL,                               /* prepare_run */
-        dem__switch_ledger,                 /* set_law */
-        dem__note_stored,                   /* find_forces */
-        dem__book_stored,                   /* forces_found */
-        dem__open_ledger,                   /* begin_run */
-        NULL,                               /* begin_ledger */
-        NULL,                               /* end_run */
-        NULL,                               /* keep_up */
-        NULL,                               /* listed */
-        NULL,                               /* drift */
-        NULL,                               /* begins_early */
-        NULL,                               /* begin_step */
-        NULL,                               /* follow */
-        NULL,                               /* detect */
-        dem__begin_books_of_contacts,       /* contacts_begun */
-        dem__book_step,                     /* add_forces */
-        dem__book_contact_end,              /* end_contact */
-        NULL,                               /* leave */
-        NULL,                               /* begin_flights */
-        NULL,                               /* end_step */
-        NULL,                               /* forces */
-        NULL,                               /* force */
-        NULL,                               /* velocity_error */
-        NULL,                               /* correct_velocity */
-        NULL,                               /* open_books */
-        dem__world_fields_of_ledger,        /* world_fields */
-        NULL,                               /* particle_fields */
-        dem__contact_fields_of_ledger,      /* contact_fields */
-        NULL,                               /* save */
-        dem__has_ledger,                    /* is_used */
-        NULL,                               /* load_first */
-        NULL,                               /* load */
-        NULL,                               /* loaded */
-        NULL,                               /* hash_particle */
-        NULL,                               /* hash_before_contacts */
-        NULL,                               /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_ledger(void) {
+    dem__feature f = dem__new_feature(DEM__LEDGER_FEATURE);
+    f.list_contact_arrays = dem__list_contact_arrays_of_ledger;
+    f.set_law = dem__switch_ledger;
+    f.find_forces = dem__note_stored;
+    f.forces_found = dem__book_stored;
+    f.begin_run = dem__open_ledger;
+    f.contacts_begun = dem__begin_books_of_contacts;
+    f.add_forces = dem__book_step;
+    f.end_contact = dem__book_contact_end;
+    f.world_fields = dem__world_fields_of_ledger;
+    f.contact_fields = dem__contact_fields_of_ledger;
+    f.is_used = dem__has_ledger;
+    return f;
 }
 
 /* ------------------------------------------------------------------------------------------------ >>motion/fixed.h */
@@ -9922,59 +9948,16 @@ static inline void dem__hash_fixed(uint64_t *hash, const dem_world *w, ptrdiff_t
     if (f->on) dem__hash_f64(hash, f->load, 6), dem__hash_vec(hash, f->impulse);
 }
 
-static inline const dem__feature *dem__feature_fixed(void) {
-    static const dem__feature row = {
-        1,                             /* place */
-        0,                             /* adds_loads */
-        0,                             /* exclusive */
-        dem__list_arrays_of_fixed,     /* list_arrays */
-        NULL,                          /* list_contact_arrays */
-        NULL,                          /* release */
-        dem__add_unfixed,              /* add_particle */
-        NULL,                          /* begin_change */
-        NULL,                          /* end_change */
-        NULL,                          /* set_time_step */
-        NULL,                          /* remove_particle */
-        NULL,                          /* renumber */
-        NULL,                          /* check_run */
-        NULL,                          /* prepare_run */
-        NULL,                          /* set_law */
-        NULL,                          /* find_forces */
-        NULL,                          /* forces_found */
-        NULL,                          /* begin_run */
-        NULL,                          /* begin_ledger */
-        NULL,                          /* end_run */
-        NULL,                          /* keep_up */
-        NULL,                          /* listed */
-        NULL,                          /* drift */
-        NULL,                          /* begins_early */
-        NULL,                          /* begin_step */
-        NULL,                          /* follow */
-        NULL,                          /* detect */
-        NULL,                          /* contacts_begun */
-        NULL,                          /* add_forces */
-        NULL,                          /* end_contact */
-        NULL,                          /* leave */
-        NULL,                          /* begin_flights */
-        NULL,                          /* end_step */
-        NULL,                          /* forces */
-        NULL,                          /* force */
-        NULL,                          /* velocity_error */
-        NULL,                          /* correct_velocity */
-        NULL,                          /* open_books */
-        dem__world_fields_of_fixed,    /* world_fields */
-        dem__particle_fields_of_fixed, /* particle_fields */
-        NULL,                          /* contact_fields */
-        NULL,                          /* save */
-        dem__has_fixed,                /* is_used */
-        NULL,                          /* load_first */
-        NULL,                          /* load */
-        dem__derive_fixed,             /* loaded */
-        dem__hash_fixed,               /* hash_particle */
-        NULL,                          /* hash_before_contacts */
-        NULL,                          /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_fixed(void) {
+    dem__feature f = dem__new_feature(DEM__FIXED_FEATURE);
+    f.list_arrays = dem__list_arrays_of_fixed;
+    f.add_particle = dem__add_unfixed;
+    f.world_fields = dem__world_fields_of_fixed;
+    f.particle_fields = dem__particle_fields_of_fixed;
+    f.is_used = dem__has_fixed;
+    f.loaded = dem__derive_fixed;
+    f.hash_particle = dem__hash_fixed;
+    return f;
 }
 
 DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
@@ -10275,7 +10258,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     if (j < 0) {
         const dem_vec place = w->particle[i].x, t = has_friction ? dem__second(h->impulse) : dem_vec3(0.0, 0.0, 0.0);
         const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], place, n));
-        dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(-1.0, t));
+        dem__strike_wall(&w->wall[-1 - j], place, n, dem__scale(-1.0, impulse), dem__scale(-1.0, t));
         dem__expect_impact(w, i, j, n, -dem__dot(v, n));
         return;
     }
@@ -10623,7 +10606,7 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
     w->engine->bodies.adds_loads = w->engine->bodies.loads_on;
-    for (int k = 0; k < w->engine->features; k++) w->engine->bodies.adds_loads |= w->engine->feature[k]->adds_loads;
+    for (int k = 0; k < w->engine->features; k++) w->engine->bodies.adds_loads |= w->engine->feature[k].adds_loads;
     dem__prepare_pairs(w);
     const ptrdiff_t begun = run->needs_forces ? dem__begin_contacts_present(w) : 0;
     if (begun < 0) return 0;
@@ -10741,11 +10724,9 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
     }
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        const dem_status status = f->check_run ? f->check_run(w, kernel) : DEM_OK;
-        if (status != DEM_OK) return status;
-    }
+    dem_status status = DEM_OK;
+    DEM__CHECK(w, status, check_run, (w, kernel));
+    if (status != DEM_OK) return status;
     const double narrowest = dem__narrowest(w);
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
@@ -10768,7 +10749,7 @@ static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int 
     if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
                          dem__next_slot(w) + 1)) {
         contacts->states = states, contacts->constants = constants;
-        if (books) dem__drop_feature(w, dem__feature_ledger());
+        if (books) dem__drop_feature(w, DEM__LEDGER_FEATURE);
         return 0;
     }
     w->engine->ledger.on |= books;
@@ -10810,7 +10791,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     int going = dem__prepare_run(w, kernel, features);
     for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
     for (int k = 0; k < w->engine->features; k++) {
-        if (w->engine->feature[k]->end_run) going = w->engine->feature[k]->end_run(w, going);
+        if (w->engine->feature[k].end_run) going = w->engine->feature[k].end_run(w, going);
     }
     w->engine->run.running = 0;
     const double met = 0.5 * sqrt(w->engine->run.stiffest); /* of the contacts that have begun */
@@ -11171,7 +11152,7 @@ static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_fric
                   on_j = has_friction ? dem__first(h->impulse + 6) : none;
     dem__push_any(w, i, impulse, on_i, 0.0, n);
     if (j >= 0) dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
-    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
+    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, n, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
 }
 
 /* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the
@@ -11308,10 +11289,24 @@ DEM_API ptrdiff_t dem_contact_count(const dem_world *world) {
     return world && world->engine ? world->engine->contacts.count : 0;
 }
 
-/* Computes normal and point of the contact in a slot, or of a link (slot -1), from the present positions. */
+/* Sets normal and point of a polyhedron's contact to those that the kernel uses. */
+static inline void dem__get_place(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
+    const double gap = w->engine->contacts.touch[DEM__PLACE_GAP][slot], radius = dem__touching_radius(w, info->i);
+    const double part = info->j >= 0 ? radius / (radius + dem__touching_radius(w, info->j)) : 1.0;
+    info->normal = dem__place_normal(w, slot);
+    info->point =
+        dem__add(dem_position(w, info->i), dem__plus(dem__place_arm(w, slot), -(radius + part * gap), info->normal));
+}
+
+/* Finds normal and point of the contact in a slot, or of a link (slot -1): from the present positions, but for
+   polyhedra. */
 static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
     const dem_vec x = dem_position(w, info->i);
     const double radius = w->particle[info->i].radius;
+    if (slot >= 0 && (dem__shape_of(w, info->i) || (info->j >= 0 && dem__shape_of(w, info->j)))) {
+        dem__get_place(w, slot, info);
+        return;
+    }
     if (info->j < 0) {
         dem__touch touch;
         dem__touch_place(w, slot, &w->wall[-1 - info->j], x, radius, info->element, &touch);
@@ -11960,59 +11955,36 @@ static inline void dem__open_books_of_links(const dem_world *w, ptrdiff_t i, dem
     sums->link_work += dem__link_work(w, i);
 }
 
-static inline const dem__feature *dem__feature_links(void) {
-    static const dem__feature row = {
-        2,                             /* place */
-        1,                             /* adds_loads */
-        1,                             /* exclusive */
-        dem__list_arrays_of_links,     /* list_arrays */
-        NULL,                          /* list_contact_arrays */
-        dem__release_links,            /* release */
-        dem__add_unlinked,             /* add_particle */
-        dem__stop_link_work,           /* begin_change */
-        dem__resume_link_work,         /* end_change */
-        dem__set_link_steps,           /* set_time_step */
-        dem__cut_links_of,             /* remove_particle */
-        dem__renumber_links,           /* renumber */
-        dem__check_links,              /* check_run */
-        NULL,                          /* prepare_run */
-        NULL,                          /* set_law */
-        NULL,                          /* find_forces */
-        NULL,                          /* forces_found */
-        NULL,                          /* begin_run */
-        dem__begin_books_of_links,     /* begin_ledger */
-        NULL,                          /* end_run */
-        NULL,                          /* keep_up */
-        dem__relist_links,             /* listed */
-        dem__drift_by_links,           /* drift */
-        dem__is_linked_with,           /* begins_early */
-        NULL,                          /* begin_step */
-        NULL,                          /* follow */
-        NULL,                          /* detect */
-        NULL,                          /* contacts_begun */
-        NULL,                          /* add_forces */
-        NULL,                          /* end_contact */
-        NULL,                          /* leave */
-        NULL,                          /* begin_flights */
-        dem__end_step_with_links,      /* end_step */
-        dem_link_count,                /* forces */
-        dem_get_link,                  /* force */
-        NULL,                          /* velocity_error */
-        NULL,                          /* correct_velocity */
-        dem__open_books_of_links,      /* open_books */
-        dem__world_fields_of_links,    /* world_fields */
-        dem__particle_fields_of_links, /* particle_fields */
-        NULL,                          /* contact_fields */
-        dem__save_links,               /* save */
-        dem__has_links,                /* is_used */
-        NULL,                          /* load_first */
-        dem__load_links,               /* load */
-        dem__derive_links,             /* loaded */
-        dem__hash_linked,              /* hash_particle */
-        dem__hash_links,               /* hash_before_contacts */
-        NULL,                          /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_links(void) {
+    dem__feature f = dem__new_feature(DEM__LINKS_FEATURE);
+    f.adds_loads = 1;
+    f.exclusive = 1;
+    f.list_arrays = dem__list_arrays_of_links;
+    f.release = dem__release_links;
+    f.add_particle = dem__add_unlinked;
+    f.begin_change = dem__stop_link_work;
+    f.end_change = dem__resume_link_work;
+    f.set_time_step = dem__set_link_steps;
+    f.remove_particle = dem__cut_links_of;
+    f.renumber = dem__renumber_links;
+    f.check_run = dem__check_links;
+    f.begin_ledger = dem__begin_books_of_links;
+    f.listed = dem__relist_links;
+    f.drift = dem__drift_by_links;
+    f.begins_early = dem__is_linked_with;
+    f.end_step = dem__end_step_with_links;
+    f.forces = dem_link_count;
+    f.force = dem_get_link;
+    f.open_books = dem__open_books_of_links;
+    f.world_fields = dem__world_fields_of_links;
+    f.particle_fields = dem__particle_fields_of_links;
+    f.save = dem__save_links;
+    f.is_used = dem__has_links;
+    f.load = dem__load_links;
+    f.loaded = dem__derive_links;
+    f.hash_particle = dem__hash_linked;
+    f.hash_before_contacts = dem__hash_links;
+    return f;
 }
 
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
@@ -12673,59 +12645,28 @@ static inline dem_status dem__load_flights(const dem__file *file, dem_world *w, 
     return DEM_OK;
 }
 
-static inline const dem__feature *dem__feature_field(void) {
-    static const dem__feature row = {
-        3,                              /* place */
-        0,                              /* adds_loads */
-        1,                              /* exclusive */
-        dem__list_arrays_of_field,      /* list_arrays */
-        NULL,                           /* list_contact_arrays */
-        dem__release_field,             /* release */
-        dem__add_unflown,               /* add_particle */
-        NULL,                           /* begin_change */
-        NULL,                           /* end_change */
-        NULL,                           /* set_time_step */
-        NULL,                           /* remove_particle */
-        NULL,                           /* renumber */
-        dem__check_field,               /* check_run */
-        dem__prepare_flights,           /* prepare_run */
-        NULL,                           /* set_law */
-        NULL,                           /* find_forces */
-        NULL,                           /* forces_found */
-        NULL,                           /* begin_run */
-        dem__begin_books,               /* begin_ledger */
-        dem__end_run_in_field,          /* end_run */
-        NULL,                           /* keep_up */
-        NULL,                           /* listed */
-        NULL,                           /* drift */
-        NULL,                           /* begins_early */
-        dem__continue_flights,          /* begin_step */
-        NULL,                           /* follow */
-        NULL,                           /* detect */
-        dem__end_flights,               /* contacts_begun */
-        dem__add_field_forces,          /* add_forces */
-        NULL,                           /* end_contact */
-        dem__leave_field,               /* leave */
-        dem__begin_flights,             /* begin_flights */
-        NULL,                           /* end_step */
-        NULL,                           /* forces */
-        NULL,                           /* force */
-        dem__velocity_error_in_field,   /* velocity_error */
-        dem__correct_velocity_in_field, /* correct_velocity */
-        NULL,                           /* open_books */
-        dem__world_fields_of_field,     /* world_fields */
-        dem__particle_fields_of_field,  /* particle_fields */
-        NULL,                           /* contact_fields */
-        NULL,                           /* save */
-        dem__has_field,                 /* is_used */
-        NULL,                           /* load_first */
-        dem__load_flights,              /* load */
-        NULL,                           /* loaded */
-        NULL,                           /* hash_particle */
-        NULL,                           /* hash_before_contacts */
-        NULL,                           /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_field(void) {
+    dem__feature f = dem__new_feature(DEM__FIELD_FEATURE);
+    f.exclusive = 1;
+    f.list_arrays = dem__list_arrays_of_field;
+    f.release = dem__release_field;
+    f.add_particle = dem__add_unflown;
+    f.check_run = dem__check_field;
+    f.prepare_run = dem__prepare_flights;
+    f.begin_ledger = dem__begin_books;
+    f.end_run = dem__end_run_in_field;
+    f.begin_step = dem__continue_flights;
+    f.contacts_begun = dem__end_flights;
+    f.add_forces = dem__add_field_forces;
+    f.leave = dem__leave_field;
+    f.begin_flights = dem__begin_flights;
+    f.velocity_error = dem__velocity_error_in_field;
+    f.correct_velocity = dem__correct_velocity_in_field;
+    f.world_fields = dem__world_fields_of_field;
+    f.particle_fields = dem__particle_fields_of_field;
+    f.is_used = dem__has_field;
+    f.load = dem__load_flights;
+    return f;
 }
 
 DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user) {
@@ -12747,7 +12688,7 @@ static inline void dem__drop_field(dem_world *w) {
     }
     dem__release(&w->def.allocator, field->timers.block, field->timers.bytes);
     memset(field, 0, sizeof *field);
-    dem__drop_feature(w, dem__feature_field());
+    dem__drop_feature(w, DEM__FIELD_FEATURE);
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
 }
 
@@ -13370,17 +13311,16 @@ static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
 /* Return how many forces act between particles, and one of them: contacts come first, then those of features. */
 static inline ptrdiff_t dem__forces(const dem_world *w) {
     ptrdiff_t n = w->engine->contacts.count;
-    for (int k = 0; k < w->engine->features; k++)
-        n += w->engine->feature[k]->forces ? w->engine->feature[k]->forces(w) : 0;
+    DEM__ADD_UP(w, n, forces, (w));
     return n;
 }
 static inline dem_contact_info dem__get_force(const dem_world *w, ptrdiff_t k) {
-    const dem__feature *const *f = w->engine->feature;
+    const dem__feature *f = w->engine->feature;
     if (k < w->engine->contacts.count) return dem_get_contact(w, k);
-    for (k -= w->engine->contacts.count; !(*f)->forces || k >= (*f)->forces(w); f++) {
-        if ((*f)->forces) k -= (*f)->forces(w);
+    for (k -= w->engine->contacts.count; !f->forces || k >= f->forces(w); f++) {
+        if (f->forces) k -= f->forces(w);
     }
-    return (*f)->force(w, k);
+    return f->force(w, k);
 }
 
 /* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's
@@ -13534,59 +13474,19 @@ static inline void dem__renumber_bodies(dem_world *w, const int32_t *number) {
     if (bodies->rigid) bodies->rigid_count = n;
 }
 
-static inline const dem__feature *dem__feature_bodies(void) {
-    static const dem__feature row = {
-        5,                              /* place */
-        0,                              /* adds_loads */
-        0,                              /* exclusive */
-        dem__list_arrays_of_bodies,     /* list_arrays */
-        NULL,                           /* list_contact_arrays */
-        dem__release_bodies,            /* release */
-        dem__add_unattached,            /* add_particle */
-        NULL,                           /* begin_change */
-        NULL,                           /* end_change */
-        NULL,                           /* set_time_step */
-        NULL,                           /* remove_particle */
-        dem__renumber_bodies,           /* renumber */
-        NULL,                           /* check_run */
-        NULL,                           /* prepare_run */
-        NULL,                           /* set_law */
-        NULL,                           /* find_forces */
-        NULL,                           /* forces_found */
-        NULL,                           /* begin_run */
-        NULL,                           /* begin_ledger */
-        NULL,                           /* end_run */
-        dem__note_strides,              /* keep_up */
-        NULL,                           /* listed */
-        NULL,                           /* drift */
-        NULL,                           /* begins_early */
-        NULL,                           /* begin_step */
-        NULL,                           /* follow */
-        NULL,                           /* detect */
-        NULL,                           /* contacts_begun */
-        NULL,                           /* add_forces */
-        NULL,                           /* end_contact */
-        NULL,                           /* leave */
-        NULL,                           /* begin_flights */
-        NULL,                           /* end_step */
-        NULL,                           /* forces */
-        NULL,                           /* force */
-        NULL,                           /* velocity_error */
-        NULL,                           /* correct_velocity */
-        NULL,                           /* open_books */
-        NULL,                           /* world_fields */
-        dem__particle_fields_of_bodies, /* particle_fields */
-        NULL,                           /* contact_fields */
-        dem__save_bodies,               /* save */
-        dem__has_bodies,                /* is_used */
-        NULL,                           /* load_first */
-        dem__load_bodies,               /* load */
-        NULL,                           /* loaded */
-        NULL,                           /* hash_particle */
-        NULL,                           /* hash_before_contacts */
-        dem__hash_rigids,               /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_bodies(void) {
+    dem__feature f = dem__new_feature(DEM__BODIES_FEATURE);
+    f.list_arrays = dem__list_arrays_of_bodies;
+    f.release = dem__release_bodies;
+    f.add_particle = dem__add_unattached;
+    f.renumber = dem__renumber_bodies;
+    f.keep_up = dem__note_strides;
+    f.particle_fields = dem__particle_fields_of_bodies;
+    f.save = dem__save_bodies;
+    f.is_used = dem__has_bodies;
+    f.load = dem__load_bodies;
+    f.hash = dem__hash_rigids;
+    return f;
 }
 
 /* Definition of a rigid body: see bodies/rigid.h. */
@@ -15041,19 +14941,25 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
     return DEM_OK;
 }
 
+static inline double dem__quantity_of(const dem_contact_info *c, dem_quantity quantity) {
+    if (quantity == DEM_CONTACT_FORCE) return dem__length(c->force);
+    if (quantity == DEM_CONTACT_OVERLAP) return -c->gap;
+    return dem__length(dem__plus(c->force, -dem__dot(c->force, c->normal), c->normal));
+}
+
 DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
                                 double *count) {
     const dem_world *w = world;
     ptrdiff_t outside = 0;
     if (!w || !w->def.allocator.fn || !count || bins < 1 || !(low < high) || !dem__finite(high - low))
         return -(ptrdiff_t)DEM_BAD_ARGUMENT;
-    if (quantity != DEM_CONTACT_FORCE && quantity != DEM_CONTACT_OVERLAP) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    if (quantity != DEM_CONTACT_FORCE && quantity != DEM_CONTACT_OVERLAP && quantity != DEM_CONTACT_TANGENTIAL_FORCE)
+        return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     for (int k = 0; k < bins; k++) count[k] = 0.0;
     for (ptrdiff_t k = 0; k < w->engine->contacts.count; k++) {
         const dem_contact_info c = dem_get_contact(w, k);
         if (!(c.gap < 0.0)) continue;
-        const double value = quantity == DEM_CONTACT_FORCE ? dem__length(c.force) : -c.gap,
-                     bin = floor((value - low) / (high - low) * bins);
+        const double value = dem__quantity_of(&c, quantity), bin = floor((value - low) / (high - low) * bins);
         if (value >= low && value <= high) count[bin < (double)bins ? (int)bin : bins - 1] += 1.0;
         else outside++;
     }
@@ -15254,6 +15160,8 @@ static inline void dem__wall_fields(dem_wall *a, dem__group *g) {
         DEM__DOUBLES("wall.force", a->force, s),
         DEM__DOUBLES("wall.torque", a->torque, s),
         DEM__DOUBLES("wall.impulse", a->impulse, s),
+        DEM__DOUBLES("wall.angular_impulse", a->angular_impulse, s),
+        DEM__DOUBLES("wall.work", a->work, s),
         DEM__INTEGER("wall.solid", a->solid, s),
         DEM__INTEGER("wall.groups", a->groups, s),
         DEM__INTEGER("wall.slides", a->slides, s),
@@ -15620,59 +15528,10 @@ static inline void dem__follow_meshes(dem_world *w, int64_t step) {
 /* -------------------------------------------------------------------------------------------------- >>meshes/add.h */
 /* Adding meshes and boxes. */
 
-static inline const dem__feature *dem__feature_meshes(void) {
-    static const dem__feature row = {
-        4,                  /* place */
-        0,                  /* adds_loads */
-        0,                  /* exclusive */
-        NULL,               /* list_arrays */
-        NULL,               /* list_contact_arrays */
-        NULL,               /* release */
-        NULL,               /* add_particle */
-        NULL,               /* begin_change */
-        NULL,               /* end_change */
-        NULL,               /* set_time_step */
-        NULL,               /* remove_particle */
-        NULL,               /* renumber */
-        NULL,               /* check_run */
-        NULL,               /* prepare_run */
-        NULL,               /* set_law */
-        NULL,               /* find_forces */
-        NULL,               /* forces_found */
-        NULL,               /* begin_run */
-        NULL,               /* begin_ledger */
-        NULL,               /* end_run */
-        NULL,               /* keep_up */
-        NULL,               /* listed */
-        NULL,               /* drift */
-        NULL,               /* begins_early */
-        NULL,               /* begin_step */
-        dem__follow_meshes, /* follow */
-        NULL,               /* detect */
-        NULL,               /* contacts_begun */
-        NULL,               /* add_forces */
-        NULL,               /* end_contact */
-        NULL,               /* leave */
-        NULL,               /* begin_flights */
-        NULL,               /* end_step */
-        NULL,               /* forces */
-        NULL,               /* force */
-        NULL,               /* velocity_error */
-        NULL,               /* correct_velocity */
-        NULL,               /* open_books */
-        NULL,               /* world_fields */
-        NULL,               /* particle_fields */
-        NULL,               /* contact_fields */
-        NULL,               /* save */
-        NULL,               /* is_used */
-        NULL,               /* load_first */
-        NULL,               /* load */
-        NULL,               /* loaded */
-        NULL,               /* hash_particle */
-        NULL,               /* hash_before_contacts */
-        NULL,               /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_meshes(void) {
+    dem__feature f = dem__new_feature(DEM__MESHES_FEATURE);
+    f.follow = dem__follow_meshes;
+    return f;
 }
 
 DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
@@ -16598,6 +16457,7 @@ typedef struct dem__placed_edge {
         half; /* [m]; the middle of the part that is near the other core, along it, and half the length of that */
     int number, ends; /* ends: bits of the ends that are corners, which have points of their own */
     int sided;        /* of a wall's edge: whether it is touched only from the side of `outward` */
+    double deep;      /* of a wall's edge: how much deeper than the radii it may be in the core [m] */
 } dem__placed_edge;
 
 /* Heights of corners along a direction, and which corners are near the other core. */
@@ -16650,7 +16510,7 @@ static inline void dem__place_edge(const dem__side *side, int e, int apart, dem_
     const dem_convex *s = side->shape;
     const int from = s->edge[e][0], to = s->edge[e][1];
     const dem_vec u = dem__sub(dem__point(s->corner[to]), dem__point(s->corner[from]));
-    p->number = e, p->ends = 3, p->sided = 0;
+    p->number = e, p->ends = 3, p->sided = 0, p->deep = 0.0;
     p->from = dem__corner_at(s, side->place, from);
     if (s->is_box) { /* along an axis */
         const int k = !(fabs(u.x) > 0.0) * (1 + !(fabs(u.y) > 0.0));
@@ -16735,7 +16595,7 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
     double s, distance, rest[4], left = 1.0, share[4];
     if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
     const double overlap = radii - distance;
-    if (!(overlap > 0.0) || !(overlap < 2.0 * radii)) return 0; /* deeper: on far sides of the cores */
+    if (!(overlap > 0.0) || !(overlap < 2.0 * radii + q->deep)) return 0; /* deeper: on far sides of the cores */
     int n = 1;
     out->key = key, out->taken = 0;
     out->gap = -overlap;
@@ -16921,6 +16781,163 @@ static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, c
     return dem__find_edge_points(&sa, &sb, low_a > high_b, out, n);
 }
 
+/* -------------------------------------------------------------------------------------------- >>polyhedra/behind.h */
+/* Polyhedra that a thin sheet cuts: which of their points are behind it, and how deep. A sheet has no inside, a body
+   has: the side of its centre is in front. Reads a wall, a shape and its place. Promises: overlap and normal of a point
+   that passes the sheet are continuous; nothing is computed here unless a core is cut. */
+
+/* Returns the place at which the line from p to q passes through triangle k of a tree, 0 .. 1; above 1: none. */
+static inline double dem__passes_at(const dem__tree *t, int32_t k, dem_vec p, dem_vec q) {
+    const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]],
+                  c = t->vertex[t->corner[3 * k + 2]];
+    const dem_vec u = dem__sub(q, p), pa = dem__sub(a, p), pb = dem__sub(b, p), pc = dem__sub(c, p);
+    const double from = -dem__dot(t->normal[k], pa), to = -dem__dot(t->normal[k], dem__sub(a, q));
+    if (!(from * to < 0.0)) return HUGE_VAL;
+    const double ab = dem__dot(u, dem__cross(pa, pb)), bc = dem__dot(u, dem__cross(pb, pc)),
+                 ca = dem__dot(u, dem__cross(pc, pa));
+    const int passes = (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
+    return passes ? from / (from - to) : HUGE_VAL;
+}
+
+/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that
+   along the normal of the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart
+   in another direction. */
+static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t,
+                                              int32_t k, double enough) {
+    const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
+    const double height = dem__dot(d, up);
+    double most = fabs(height) - dem__reach_along(s, core, dem__scale(height > 0.0 ? -1.0 : 1.0, up));
+    dem_vec corner[3];
+    if (most >= enough) return most;
+    for (int c = 0; c < 3; c++) corner[c] = dem__into_core(core, dem__sub(t->vertex[t->corner[3 * k + c]], core->x));
+    for (int f = 0; f < s->faces; f++) {
+        const dem_vec n = dem__point(s->plane[f]);
+        const double a = dem__dot(n, corner[0]), b = dem__dot(n, corner[1]), c = dem__dot(n, corner[2]);
+        const double lowest = a < b ? (a < c ? a : c) : b < c ? b : c, apart = lowest - s->plane[f][3];
+        most = apart > most ? apart : most;
+    }
+    return most;
+}
+
+/* Returns a core's place in the frame of a wall. */
+static inline dem__placed dem__in_frame(const dem_wall *wall, const dem__placed *place) {
+    dem__placed core;
+    core.x = dem__to_frame(wall, dem__sub(place->x, wall->position));
+    for (int k = 0; k < 3; k++) core.axis[k] = dem__to_frame(wall, place->axis[k]);
+    return core;
+}
+
+/* Returns whether a triangle of a mesh may cut a core. */
+static inline int dem__may_cut(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
+    const dem__tree *t = wall->tree;
+    const dem__placed core = dem__in_frame(wall, place);
+    const double reach = s->reach - s->radius;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, core.x, reach)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            if (!(dem__apart_from_triangle(s, &core, t, k, 0.0) > 0.0)) return 1;
+        }
+    }
+    return 0;
+}
+
+/* Finds the first triangle through which the line from p to q passes. Returns its number, -1: none; at: where. */
+static inline int32_t dem__first_passed(const dem__tree *t, dem_vec p, dem_vec q, dem_vec *at) {
+    const dem_vec u = dem__sub(q, p), middle = dem__plus(p, 0.5, u);
+    const double half = 0.5 * dem__length(u);
+    double first = 1.0;
+    int32_t found = -1;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, middle, 1.000001 * half)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            const double here = dem__passes_at(t, k, p, q);
+            if (here < first) first = here, found = k;
+        }
+    }
+    *at = dem__plus(p, first, u);
+    return found;
+}
+
+/* A place behind a sheet, in the mesh's frame. */
+typedef struct dem__behind {
+    const dem__tree *tree;
+    dem_vec centre, x, at; /* of the body; the place; where the line between them passes the sheet first */
+    int32_t first, best;   /* triangle there; triangle that is nearest */
+    double distance;       /* to the nearest [m] */
+    dem_vec normal;        /* from the nearest triangle to the front */
+} dem__behind;
+
+/* Returns the normal of a triangle that points to the centre's side, or 0 if the place is on that side. */
+static inline dem_vec dem__front_of(const dem__behind *q, int32_t k) {
+    const dem_vec n = q->tree->normal[k], a = q->tree->vertex[q->tree->corner[3 * k]];
+    const double centre = dem__dot(n, dem__sub(q->centre, a)), x = dem__dot(n, dem__sub(q->x, a));
+    return dem__scale(centre > 0.0 && x < 0.0 ? 1.0 : centre < 0.0 && x > 0.0 ? -1.0 : 0.0, n);
+}
+
+/* Takes triangle k if it is the nearest one behind which the place is. One that is as good as parallel to the first one
+   and behind that is the far side of a plate, which does not count. */
+static inline void dem__try_behind(dem__behind *q, int32_t k) {
+    const dem_vec front = dem__front_of(q, k), a = q->tree->vertex[q->tree->corner[3 * k]];
+    double distance;
+    int inside;
+    if (dem__dot(front, front) == 0.0) return;
+    const dem_vec v = dem__from_triangle(q->tree, k, q->x, &distance, &inside);
+    if (!(distance < q->distance)) return;
+    const double above = dem__dot(front, dem__sub(q->at, a));
+    if (k != q->first && dem__dot(front, dem__front_of(q, q->first)) > DEM__SMOOTH && above > 1e-3 * distance) return;
+    const dem_vec up = inside || !(distance > 0.0) ? front : dem__scale(-1.0 / distance, v);
+    q->distance = distance, q->best = k, q->normal = up;
+    if (dem__dot(up, front) > DEM__SMOOTH) return;
+    q->normal = front; /* beyond a rim: behind its plane */
+}
+
+/* Finds how deep a place is behind a mesh, seen from a body's centre. Returns 0 if it is not. */
+static inline int dem__find_behind(const dem_wall *wall, dem_vec centre, dem_vec x, dem__touch *out) {
+    dem__behind q;
+    q.tree = wall->tree, q.distance = HUGE_VAL;
+    q.centre = dem__to_frame(wall, dem__sub(centre, wall->position)),
+    q.x = dem__to_frame(wall, dem__sub(x, wall->position));
+    q.first = dem__first_passed(q.tree, q.centre, q.x, &q.at);
+    if (q.first < 0) return 0;
+    dem__try_behind(&q, q.first);
+    for (int32_t b = 0; b < q.tree->nodes;) {
+        const dem__node *node = &q.tree->node[b];
+        if (dem__is_far(node, q.x, q.distance)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) dem__try_behind(&q, k);
+    }
+    if (!(q.distance < HUGE_VAL)) return 0;
+    const dem_vec a = q.tree->vertex[q.tree->corner[3 * q.best]];
+    if (dem__dot(q.normal, dem__front_of(&q, q.best)) >= 1.0 - 1e-12)
+        q.distance = fabs(dem__dot(q.normal, dem__sub(q.x, a)));
+    out->gap = -q.distance, out->normal = dem__from_frame(wall, q.normal);
+    out->curvature = 0.0, out->element = 0, out->face = -1;
+    return 1;
+}
+
+/* Returns whether a curved sheet may cut a core: an edge passes through it. */
+static inline int dem__sheet_cuts(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
+    dem_vec corner[DEM_CORNERS_MAX];
+    for (int k = 0; k < s->corners; k++) corner[k] = dem__sub(dem__corner_at(s, place, k), w->position);
+    for (int e = 0; e < s->edges; e++) {
+        if (w->kind__->crosses(w, corner[s->edge[e][0]], corner[s->edge[e][1]])) return 1;
+    }
+    return 0;
+}
+
 /* ---------------------------------------------------------------------------------------- >>polyhedra/mesh_edges.h */
 /* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. The
    table is made once for each mesh, in a world with polyhedra. */
@@ -17056,7 +17073,8 @@ typedef struct dem__at_wall {
     dem_vec centre;   /* of the polyhedron */
     dem__placed core; /* with x = 0 */
     dem__placed_edge edge[DEM_EDGES_MAX];
-    int edges; /* length of the list; 0 until edges are needed */
+    int edges;  /* length of the list; 0 until edges are needed */
+    int is_cut; /* whether a sheet may cut the core: only then corners can be behind it */
     int n;
     dem__convex_point *out;
 } dem__at_wall;
@@ -17117,18 +17135,56 @@ static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_e
     return 0;
 }
 
-/* Adds the points of all edges of the polyhedron at an edge of a wall. */
+/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
+static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
+    double low = 0.0, high = 1.0;
+    for (int f = 0; f < s->faces; f++) {
+        const dem_vec n = dem__point(s->plane[f]);
+        const double from = dem__dot(n, p) - s->plane[f][3], to = dem__dot(n, q) - s->plane[f][3];
+        if (from >= 0.0 && to >= 0.0) return 0;
+        if (from > 0.0 && from / (from - to) > low) low = from / (from - to);
+        if (to > 0.0 && from / (from - to) < high) high = from / (from - to);
+    }
+    return low < high;
+}
+
+/* Returns the least distance of a face of a core from its centre [m]. */
+static inline double dem__half_width(const dem_convex *s) {
+    double least = s->reach;
+    for (int f = 0; f < s->faces; f++) least = s->plane[f][3] < least ? s->plane[f][3] : least;
+    return least;
+}
+
+/* Finds the direction in which an edge of a wall, which is in the core, is nearest to its surface, among those at which
+   edges of the core cross it. Returns 0 if there is none. */
+static inline int dem__find_way_out(const dem__at_wall *q, const dem__placed_edge *e, dem_vec *way) {
+    double nearest = HUGE_VAL, s, distance;
+    dem_vec n;
+    for (int k = 0; k < q->edges; k++) {
+        if (!dem__find_crossing(&q->edge[k], e, 0, &s, &n, &distance) || !(fabs(distance) < nearest)) continue;
+        nearest = fabs(distance), *way = n;
+    }
+    return nearest < HUGE_VAL;
+}
+
+/* Adds the points of all edges of the polyhedron at an edge of a wall. Where this is in the core, edges of the core
+   tell the side, and only those count through which it came. */
 static inline void dem__cross_wall_edge(dem__edge_visitor *v, const dem__wall_edge *of) {
     dem__at_wall *q = (dem__at_wall *)(void *)v;
     dem__placed_edge e;
+    dem_vec way;
     if (q->n == DEM__POINTS_MAX || !dem__set_wall_edge(q, of, &e)) return;
     const double radii = q->shape->radius + of->radius;
     if (dem__is_beyond_face(q, &e, DEM__WINDOW * radii)) return;
     dem__list_edges(q);
+    const int is_deep =
+        dem__core_holds_line(q->shape, dem__into_core(&q->core, of->from), dem__into_core(&q->core, of->to)) &&
+        dem__find_way_out(q, &e, &way);
+    if (is_deep) e.deep = dem__half_width(q->shape);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
-        const int n =
-            dem__cross_edges(&q->edge[k], &e, radii, !e.sided, of->key + 5 * q->edge[k].number, q->out + q->n);
-        if (n == 0) continue;
+        const int n = dem__cross_edges(&q->edge[k], &e, radii, !e.sided && !is_deep, of->key + 5 * q->edge[k].number,
+                                       q->out + q->n);
+        if (n == 0 || (is_deep && !(dem__dot(q->out[q->n].normal, way) > 0.7))) continue;
         const double up = dem__dot(q->out[q->n].normal, of->side);
         if (of->sign == 0.0 || (of->sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
     }
@@ -17148,13 +17204,41 @@ static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, doubl
     q->n++;
 }
 
+/* Finds the touches of a sphere of the rounding at x with a sheet that may cut the core. Behind the sheet its overlap
+   counts on, along the normal to the front. Returns their number. */
+static inline int dem__touch_cutting(const dem__at_wall *q, dem_vec x, double limit, dem__touch *touch) {
+    const dem_wall *wall = q->wall;
+    dem__touch behind;
+    double least;
+    int kept = 0, is_behind = 0;
+    int found = dem__touch_wall(wall, x, q->shape->radius, limit, touch, &least);
+    if (dem__has(wall, DEM__TRIANGULATED)) is_behind = dem__find_behind(wall, q->centre, x, &behind);
+    else if (wall->kind__->crosses(wall, dem__sub(q->centre, wall->position), dem__sub(x, wall->position))) {
+        dem__touch_wall(wall, x, q->shape->radius, HUGE_VAL, &behind, &least);
+        behind.gap = -q->shape->radius - behind.gap, behind.normal = dem__scale(-1.0, behind.normal);
+        is_behind = 1;
+    }
+    if (!is_behind) return found;
+    behind.gap -= q->shape->radius;
+    for (int m = 0; m < found; m++) { /* other surfaces stay, this one's far side does not */
+        if (dem__dot(touch[m].normal, behind.normal) > -0.5 && dem__dot(touch[m].normal, behind.normal) < 0.5)
+            touch[kept++] = touch[m];
+    }
+    kept = kept < DEM__TOUCHES ? kept : DEM__TOUCHES - 1;
+    for (int m = kept; m > 0; m--) touch[m] = touch[m - 1];
+    touch[0] = behind;
+    return kept + 1;
+}
+
 /* Adds the points of the polyhedron's corners, which are spheres. */
 static inline void dem__touch_with_corners(dem__at_wall *q) {
     dem__touch touch[DEM__TOUCHES];
     double least;
     for (int k = 0; k < q->shape->corners; k++) {
-        const dem_vec arm = dem__from_core_frame(&q->core, dem__point(q->shape->corner[k]));
-        const int found = dem__touch_wall(q->wall, dem__add(q->centre, arm), q->shape->radius, 0.0, touch, &least);
+        const dem_vec arm = dem__from_core_frame(&q->core, dem__point(q->shape->corner[k])),
+                      x = dem__add(q->centre, arm);
+        const int found = q->is_cut ? dem__touch_cutting(q, x, 0.0, touch)
+                                    : dem__touch_wall(q->wall, x, q->shape->radius, 0.0, touch, &least);
         for (int m = 0; m < found && q->n < DEM__POINTS_MAX; m++) {
             dem__convex_point *point = &q->out[q->n];
             int is_new = touch[m].gap < 0.0;
@@ -17171,10 +17255,11 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
 /* Returns the touch of a sheet with the sphere about the point at t of an edge. */
 static inline dem__touch dem__touch_sheet_along(const dem__at_wall *q, const dem__placed_edge *e, double t) {
     dem__touch touch[DEM__TOUCHES];
+    const dem_vec x = dem__add(q->centre, dem__plus(e->from, t, e->along));
     double least;
     touch->normal = q->wall->axis[2];
-    dem__touch_wall(q->wall, dem__add(q->centre, dem__plus(e->from, t, e->along)), q->shape->radius, HUGE_VAL, touch,
-                    &least);
+    if (q->is_cut) dem__touch_cutting(q, x, HUGE_VAL, touch);
+    else dem__touch_wall(q->wall, x, q->shape->radius, HUGE_VAL, touch, &least);
     return touch[0];
 }
 
@@ -17259,39 +17344,20 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     q.visitor.corner = dem__touch_wall_corner, q.visitor.edge = dem__cross_wall_edge;
     q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
     q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);
+    q.is_cut = 0;
+    if (dem__has(wall, DEM__TRIANGULATED)) q.is_cut = dem__may_cut(wall, s, place);
+    else if (wall->kind__->crosses) q.is_cut = dem__sheet_cuts(wall, s, place);
     if (dem__corners_at(wall) != DEM__CORNERS_NONE) dem__touch_with_corners(&q);
     if (dem__has(wall, DEM__CURVED_SHEET)) dem__touch_sheet_with_edges(&q);
     if (wall->kind__->edges) wall->kind__->edges(wall, place->x, s->reach, &q.visitor);
     return q.n;
 }
 
-/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that
-   along the normal of the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart
-   in another direction. */
-static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t,
-                                              int32_t k, double enough) {
-    const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
-    const double height = dem__dot(d, up);
-    double most = fabs(height) - dem__reach_along(s, core, dem__scale(height > 0.0 ? -1.0 : 1.0, up));
-    dem_vec corner[3];
-    if (most >= enough) return most;
-    for (int c = 0; c < 3; c++) corner[c] = dem__into_core(core, dem__sub(t->vertex[t->corner[3 * k + c]], core->x));
-    for (int f = 0; f < s->faces; f++) {
-        const dem_vec n = dem__point(s->plane[f]);
-        const double a = dem__dot(n, corner[0]), b = dem__dot(n, corner[1]), c = dem__dot(n, corner[2]);
-        const double lowest = a < b ? (a < c ? a : c) : b < c ? b : c, apart = lowest - s->plane[f][3];
-        most = apart > most ? apart : most;
-    }
-    return most;
-}
-
 /* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: of the core. */
 static inline double dem__clear_of_mesh(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
     const dem__tree *t = wall->tree;
-    dem__placed core;
+    const dem__placed core = dem__in_frame(wall, place);
     double least = s->reach;
-    core.x = dem__to_frame(wall, dem__sub(place->x, wall->position));
-    for (int k = 0; k < 3; k++) core.axis[k] = dem__to_frame(wall, place->axis[k]);
     for (int32_t b = 0; b < t->nodes && least > 0.0;) {
         const dem__node *node = &t->node[b];
         if (dem__is_far(node, core.x, s->reach + least)) {
@@ -17351,18 +17417,6 @@ static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s,
         }
     }
     return 0;
-}
-/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
-static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
-    double low = 0.0, high = 1.0;
-    for (int f = 0; f < s->faces; f++) {
-        const dem_vec n = dem__point(s->plane[f]);
-        const double from = dem__dot(n, p) - s->plane[f][3], to = dem__dot(n, q) - s->plane[f][3];
-        if (from >= 0.0 && to >= 0.0) return 0;
-        if (from > 0.0 && from / (from - to) > low) low = from / (from - to);
-        if (to > 0.0 && from / (from - to) < high) high = from / (from - to);
-    }
-    return low < high;
 }
 /* Looks for the axis of a bar that passes through a core. */
 typedef struct dem__axis_visitor {
@@ -18116,59 +18170,20 @@ static inline dem_status dem__load_polyhedra(const dem__file *file, dem_world *w
     return DEM_OK;
 }
 
-static inline const dem__feature *dem__feature_polyhedra(void) {
-    static const dem__feature row = {
-        6,                                 /* place */
-        0,                                 /* adds_loads */
-        0,                                 /* exclusive */
-        dem__list_arrays_of_polyhedra,     /* list_arrays */
-        NULL,                              /* list_contact_arrays */
-        dem__release_polyhedra,            /* release */
-        dem__add_shapeless,                /* add_particle */
-        NULL,                              /* begin_change */
-        NULL,                              /* end_change */
-        NULL,                              /* set_time_step */
-        NULL,                              /* remove_particle */
-        NULL,                              /* renumber */
-        dem__check_polyhedra,              /* check_run */
-        NULL,                              /* prepare_run */
-        NULL,                              /* set_law */
-        NULL,                              /* find_forces */
-        NULL,                              /* forces_found */
-        NULL,                              /* begin_run */
-        NULL,                              /* begin_ledger */
-        NULL,                              /* end_run */
-        NULL,                              /* keep_up */
-        dem__relist_polyhedra,             /* listed */
-        NULL,                              /* drift */
-        NULL,                              /* begins_early */
-        NULL,                              /* begin_step */
-        NULL,                              /* follow */
-        dem__follow_polyhedra,             /* detect */
-        NULL,                              /* contacts_begun */
-        NULL,                              /* add_forces */
-        NULL,                              /* end_contact */
-        NULL,                              /* leave */
-        NULL,                              /* begin_flights */
-        NULL,                              /* end_step */
-        NULL,                              /* forces */
-        NULL,                              /* force */
-        NULL,                              /* velocity_error */
-        NULL,                              /* correct_velocity */
-        NULL,                              /* open_books */
-        NULL,                              /* world_fields */
-        dem__particle_fields_of_polyhedra, /* particle_fields */
-        NULL,                              /* contact_fields */
-        dem__save_shapes,                  /* save */
-        dem__has_shapes,                   /* is_used */
-        dem__load_shapes,                  /* load_first */
-        dem__load_polyhedra,               /* load */
-        NULL,                              /* loaded */
-        NULL,                              /* hash_particle */
-        NULL,                              /* hash_before_contacts */
-        NULL,                              /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_polyhedra(void) {
+    dem__feature f = dem__new_feature(DEM__POLYHEDRA_FEATURE);
+    f.list_arrays = dem__list_arrays_of_polyhedra;
+    f.release = dem__release_polyhedra;
+    f.add_particle = dem__add_shapeless;
+    f.check_run = dem__check_polyhedra;
+    f.listed = dem__relist_polyhedra;
+    f.detect = dem__follow_polyhedra;
+    f.particle_fields = dem__particle_fields_of_polyhedra;
+    f.save = dem__save_shapes;
+    f.is_used = dem__has_shapes;
+    f.load_first = dem__load_shapes;
+    f.load = dem__load_polyhedra;
+    return f;
 }
 
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
@@ -18312,10 +18327,10 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     if (!dem__is_flag(e->contacts.has_history) || !(fabs(w->owed) <= DEM__OWED_STEPS * w->def.dt)) return 0;
     if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX) return 0;
     for (int k = e->features - 1; k >= 0; k--) {
-        const dem__feature *f = e->feature[k];
+        const dem__feature *f = &e->feature[k];
         const int used = f->is_used(file, w);
         if (used < 0) return 0;
-        if (!used) dem__drop_feature(w, f);
+        if (!used) dem__drop_feature(w, f->place);
     }
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
@@ -18442,11 +18457,9 @@ static inline dem_status dem__read_state(const dem__file *file, dem_world *w, de
         DEM__TELL(w, add_particle, (w, i));
     }
     if (!dem__read_group(file, g, present) || !dem__read_contacts(file, w, g)) return DEM_BAD_DATA;
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        const dem_status status = f->load ? f->load(file, w, g) : DEM_OK;
-        if (status != DEM_OK) return status;
-    }
+    dem_status status = DEM_OK;
+    DEM__CHECK(w, status, load, (file, w, g));
+    if (status != DEM_OK) return status;
     if (w->passed_count > 0) dem__passed_fields(w->passed, g);
     return w->passed_count == 0 || dem__read_group(file, g, w->passed_count) ? DEM_OK : DEM_BAD_DATA;
 }
@@ -18518,10 +18531,7 @@ static inline dem_status dem__read_file(const dem__file *file, dem_world *w) {
     dem__group g;
     if (!dem__read_world(file, w, &g)) return DEM_BAD_DATA;
     dem_status status = dem__read_walls(file, w, &g);
-    for (int k = 0; k < w->engine->features && status == DEM_OK; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        if (f->load_first) status = f->load_first(file, w, &g);
-    }
+    DEM__CHECK(w, status, load_first, (file, w, &g));
     if (status == DEM_OK) status = dem__read_state(file, w, &g);
     if (status != DEM_OK) return status;
     if (!dem__are_sound_particles(w) || !dem__are_sound_contacts(w)) return DEM_BAD_DATA;

@@ -249,6 +249,11 @@ DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre
    where it is. */
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity);
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 0: as if it were not there */
+/* Returns the time integral of the torque of particles on a wall about a point at rest [N m s], since the wall was
+   added: its difference over the time between is the mean torque. Forces of links are not in it. NaN for a wall that
+   does not exist. world->wall[].work is the work that its motion has done on the particles [J]: its difference over the
+   time between is the mean power of its drive, without that of a piston's or rotor's inertia. */
+DEM_API dem_vec dem_wall_angular_impulse(const dem_world *world, int wall, dem_vec point);
 
 /* ---- meshes from files ---- */
 
@@ -366,7 +371,8 @@ typedef struct dem_contact_info {
     double gap;     /* [m] */
     dem_vec force;  /* on i [N] */
     dem_vec normal,
-        point;   /* from j to i; place of the contact, which divides the distance of the centres as the radii do [m] */
+        point;   /* from j to i; place of the contact, which divides the distance of the centres as the radii do; of
+                    polyhedra: of the corner, edge or face that touches, so that force acts on i at `point` [m] */
     int element; /* screen: the bar; mesh: 0, 1 ... tell a particle's contacts with it apart */
     double state[DEM_STATE_MAX]; /* of the law */
 } dem_contact_info;
@@ -430,9 +436,9 @@ typedef struct dem_field {
    rule with 8 points. */
 DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field);
 
-/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N] or overlap [m]; contacts without
-   overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
-typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP } dem_quantity;
+/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N], overlap [m] or tangential force
+   [N]; contacts without overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
+typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP, DEM_CONTACT_TANGENTIAL_FORCE } dem_quantity;
 DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
                                 double *count);
 

@@ -56,10 +56,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
     list[n].address = &bodies->bound, list[n++].size = sizeof(dem__bound);
     list[n].address = &bodies->sum, list[n++].size = sizeof(dem__sum);
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        if (f->list_arrays) n += f->list_arrays(w, list + n);
-    }
+    DEM__ADD_UP(w, n, list_arrays, (w, list + n));
     return n;
 }
 
@@ -81,10 +78,7 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) {
         list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
     }
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        if (f->list_contact_arrays) n += f->list_contact_arrays(w, list + n);
-    }
+    DEM__ADD_UP(w, n, list_contact_arrays, (w, list + n));
     list[n].address = &contacts->ended, list[n++].size = 1;
     /* ... with constants of their own, ... */
     for (int k = 0; k < DEM__OWN_ARRAYS; k++, n++) list[n].address = own[k], list[n].size = sizeof(double);
@@ -189,17 +183,17 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
 
 /* Adds a feature to a world and makes room for its numbers of particles. DEM_BAD_ARGUMENT: another feature excludes it.
    After a failure nothing has changed. */
-static inline dem_status dem__take_feature(dem_world *w, const dem__feature *feature) {
+static inline dem_status dem__take_feature(dem_world *w, dem__feature feature) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__array list[DEM__ARRAYS_MAX];
     for (int k = 0; k < w->engine->features; k++) {
-        if (w->engine->feature[k]->place == feature->place) return DEM_OK;
-        if (w->engine->feature[k]->exclusive && feature->exclusive) return DEM_BAD_ARGUMENT;
+        if (w->engine->feature[k].place == feature.place) return DEM_OK;
+        if (w->engine->feature[k].exclusive && feature.exclusive) return DEM_BAD_ARGUMENT;
     }
     dem__add_feature(w, feature);
     if (bodies->capacity == 0 || dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes,
                                                  &bodies->capacity, bodies->capacity))
         return DEM_OK;
-    dem__drop_feature(w, feature);
+    dem__drop_feature(w, feature.place);
     return DEM_OUT_OF_MEMORY;
 }

@@ -52,9 +52,10 @@ typedef struct dem__correction {
     double impulse[9];  /* time integrals of the force on i and the torques on i and j [N s], [N m s] */
 } dem__correction;
 
-/* Force [N] and torque [N m] of a chunk's contacts on a wall. */
+/* Force [N] and torque [N m] of a chunk's contacts on a wall, and the power of its belt [W]. */
 typedef struct dem__wall_force {
     dem_vec force, torque;
+    double belt_power;
 } dem__wall_force;
 
 /* The numbers kept of the place where a contact touches: the arrays of contacts.touch. A sphere at a mesh, a sphere at
@@ -334,7 +335,7 @@ typedef struct dem__pace {
 } dem__pace;
 
 typedef struct dem__engine {
-    const dem__feature *feature[DEM__FEATURES_MAX]; /* those that the world has, in the order of `place` */
+    dem__feature feature[DEM__FEATURES_MAX]; /* those that the world has, in the order of `place` */
     int features;
     dem__run run;
     dem__bodies bodies;
@@ -359,32 +360,46 @@ typedef struct dem__engine {
 #define DEM__TELL(w, member, arguments)                                                                                \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
-            if ((w)->engine->feature[f_]->member) (w)->engine->feature[f_]->member arguments;                          \
+            if ((w)->engine->feature[f_].member) (w)->engine->feature[f_].member arguments;                          \
         }                                                                                                              \
     } while (0)
 /* The same for a member that returns 0 after a failure: does nothing from then on. ok: an int, 1 at first. */
 #define DEM__ASK(w, ok, member, arguments)                                                                             \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features && (ok); f_++) {                                                   \
-            if ((w)->engine->feature[f_]->member) (ok) = (w)->engine->feature[f_]->member arguments;                   \
+            if ((w)->engine->feature[f_].member) (ok) = (w)->engine->feature[f_].member arguments;                   \
+        }                                                                                                              \
+    } while (0)
+/* The same for a member that returns a number to be added to a sum. */
+#define DEM__ADD_UP(w, sum, member, arguments)                                                                         \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
+            if ((w)->engine->feature[f_].member) (sum) += (w)->engine->feature[f_].member arguments;                 \
+        }                                                                                                              \
+    } while (0)
+/* The same for a member that returns a status: nothing after the first that is not DEM_OK. */
+#define DEM__CHECK(w, status, member, arguments)                                                                       \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features && (status) == DEM_OK; f_++) {                                     \
+            if ((w)->engine->feature[f_].member) (status) = (w)->engine->feature[f_].member arguments;               \
         }                                                                                                              \
     } while (0)
 
 /* Adds a feature to a world that may have it already. */
-static inline void dem__add_feature(dem_world *w, const dem__feature *feature) {
+static inline void dem__add_feature(dem_world *w, dem__feature feature) {
     dem__engine *e = w->engine;
     int k = e->features;
     for (int q = 0; q < e->features; q++) {
-        if (e->feature[q]->place == feature->place) return; /* another file has a table of its own */
+        if (e->feature[q].place == feature.place) return;
     }
-    for (e->features++; k > 0 && e->feature[k - 1]->place > feature->place; k--) e->feature[k] = e->feature[k - 1];
+    for (e->features++; k > 0 && e->feature[k - 1].place > feature.place; k--) e->feature[k] = e->feature[k - 1];
     e->feature[k] = feature;
 }
-static inline void dem__drop_feature(dem_world *w, const dem__feature *feature) {
+static inline void dem__drop_feature(dem_world *w, int place) {
     dem__engine *e = w->engine;
     int left = 0;
     for (int q = 0; q < e->features; q++) {
-        if (e->feature[q]->place != feature->place) e->feature[left++] = e->feature[q];
+        if (e->feature[q].place != place) e->feature[left++] = e->feature[q];
     }
     e->features = left;
 }

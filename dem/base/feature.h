@@ -27,8 +27,20 @@ struct dem__group;
 struct dem__stream;
 struct dem__file;
 
+/* Features are called in this order. */
+enum {
+    DEM__LEDGER_FEATURE,
+    DEM__FIXED_FEATURE,
+    DEM__LINKS_FEATURE,
+    DEM__FIELD_FEATURE,
+    DEM__MESHES_FEATURE,
+    DEM__BODIES_FEATURE,
+    DEM__POLYHEDRA_FEATURE,
+    DEM__FEATURES_MAX
+};
+
 typedef struct dem__feature {
-    int place;      /* features are called in the order of this number */
+    int place;      /* DEM__LEDGER_FEATURE and so on */
     int adds_loads; /* it adds to the loads of particles */
     int exclusive;  /* it moves particles between steps: a world has at most one such feature */
 
@@ -98,4 +110,10 @@ typedef struct dem__feature {
     void (*hash)(uint64_t *hash, const dem_world *w);
 } dem__feature;
 
-enum { DEM__FEATURES_MAX = 8 };
+/* Returns a table without members. */
+static inline dem__feature dem__new_feature(int place) {
+    dem__feature feature;
+    memset(&feature, 0, sizeof feature);
+    feature.place = place;
+    return feature;
+}

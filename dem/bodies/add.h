@@ -35,59 +35,19 @@ static inline void dem__renumber_bodies(dem_world *w, const int32_t *number) {
     if (bodies->rigid) bodies->rigid_count = n;
 }
 
-static inline const dem__feature *dem__feature_bodies(void) {
-    static const dem__feature row = {
-        5,                              /* place */
-        0,                              /* adds_loads */
-        0,                              /* exclusive */
-        dem__list_arrays_of_bodies,     /* list_arrays */
-        NULL,                           /* list_contact_arrays */
-        dem__release_bodies,            /* release */
-        dem__add_unattached,            /* add_particle */
-        NULL,                           /* begin_change */
-        NULL,                           /* end_change */
-        NULL,                           /* set_time_step */
-        NULL,                           /* remove_particle */
-        dem__renumber_bodies,           /* renumber */
-        NULL,                           /* check_run */
-        NULL,                           /* prepare_run */
-        NULL,                           /* set_law */
-        NULL,                           /* find_forces */
-        NULL,                           /* forces_found */
-        NULL,                           /* begin_run */
-        NULL,                           /* begin_ledger */
-        NULL,                           /* end_run */
-        dem__note_strides,              /* keep_up */
-        NULL,                           /* listed */
-        NULL,                           /* drift */
-        NULL,                           /* begins_early */
-        NULL,                           /* begin_step */
-        NULL,                           /* follow */
-        NULL,                           /* detect */
-        NULL,                           /* contacts_begun */
-        NULL,                           /* add_forces */
-        NULL,                           /* end_contact */
-        NULL,                           /* leave */
-        NULL,                           /* begin_flights */
-        NULL,                           /* end_step */
-        NULL,                           /* forces */
-        NULL,                           /* force */
-        NULL,                           /* velocity_error */
-        NULL,                           /* correct_velocity */
-        NULL,                           /* open_books */
-        NULL,                           /* world_fields */
-        dem__particle_fields_of_bodies, /* particle_fields */
-        NULL,                           /* contact_fields */
-        dem__save_bodies,               /* save */
-        dem__has_bodies,                /* is_used */
-        NULL,                           /* load_first */
-        dem__load_bodies,               /* load */
-        NULL,                           /* loaded */
-        NULL,                           /* hash_particle */
-        NULL,                           /* hash_before_contacts */
-        dem__hash_rigids,               /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_bodies(void) {
+    dem__feature f = dem__new_feature(DEM__BODIES_FEATURE);
+    f.list_arrays = dem__list_arrays_of_bodies;
+    f.release = dem__release_bodies;
+    f.add_particle = dem__add_unattached;
+    f.renumber = dem__renumber_bodies;
+    f.keep_up = dem__note_strides;
+    f.particle_fields = dem__particle_fields_of_bodies;
+    f.save = dem__save_bodies;
+    f.is_used = dem__has_bodies;
+    f.load = dem__load_bodies;
+    f.hash = dem__hash_rigids;
+    return f;
 }
 
 /* Definition of a rigid body: see bodies/rigid.h. */

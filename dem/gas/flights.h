@@ -342,59 +342,28 @@ static inline dem_status dem__load_flights(const dem__file *file, dem_world *w, 
     return DEM_OK;
 }
 
-static inline const dem__feature *dem__feature_field(void) {
-    static const dem__feature row = {
-        3,                              /* place */
-        0,                              /* adds_loads */
-        1,                              /* exclusive */
-        dem__list_arrays_of_field,      /* list_arrays */
-        NULL,                           /* list_contact_arrays */
-        dem__release_field,             /* release */
-        dem__add_unflown,               /* add_particle */
-        NULL,                           /* begin_change */
-        NULL,                           /* end_change */
-        NULL,                           /* set_time_step */
-        NULL,                           /* remove_particle */
-        NULL,                           /* renumber */
-        dem__check_field,               /* check_run */
-        dem__prepare_flights,           /* prepare_run */
-        NULL,                           /* set_law */
-        NULL,                           /* find_forces */
-        NULL,                           /* forces_found */
-        NULL,                           /* begin_run */
-        dem__begin_books,               /* begin_ledger */
-        dem__end_run_in_field,          /* end_run */
-        NULL,                           /* keep_up */
-        NULL,                           /* listed */
-        NULL,                           /* drift */
-        NULL,                           /* begins_early */
-        dem__continue_flights,          /* begin_step */
-        NULL,                           /* follow */
-        NULL,                           /* detect */
-        dem__end_flights,               /* contacts_begun */
-        dem__add_field_forces,          /* add_forces */
-        NULL,                           /* end_contact */
-        dem__leave_field,               /* leave */
-        dem__begin_flights,             /* begin_flights */
-        NULL,                           /* end_step */
-        NULL,                           /* forces */
-        NULL,                           /* force */
-        dem__velocity_error_in_field,   /* velocity_error */
-        dem__correct_velocity_in_field, /* correct_velocity */
-        NULL,                           /* open_books */
-        dem__world_fields_of_field,     /* world_fields */
-        dem__particle_fields_of_field,  /* particle_fields */
-        NULL,                           /* contact_fields */
-        NULL,                           /* save */
-        dem__has_field,                 /* is_used */
-        NULL,                           /* load_first */
-        dem__load_flights,              /* load */
-        NULL,                           /* loaded */
-        NULL,                           /* hash_particle */
-        NULL,                           /* hash_before_contacts */
-        NULL,                           /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_field(void) {
+    dem__feature f = dem__new_feature(DEM__FIELD_FEATURE);
+    f.exclusive = 1;
+    f.list_arrays = dem__list_arrays_of_field;
+    f.release = dem__release_field;
+    f.add_particle = dem__add_unflown;
+    f.check_run = dem__check_field;
+    f.prepare_run = dem__prepare_flights;
+    f.begin_ledger = dem__begin_books;
+    f.end_run = dem__end_run_in_field;
+    f.begin_step = dem__continue_flights;
+    f.contacts_begun = dem__end_flights;
+    f.add_forces = dem__add_field_forces;
+    f.leave = dem__leave_field;
+    f.begin_flights = dem__begin_flights;
+    f.velocity_error = dem__velocity_error_in_field;
+    f.correct_velocity = dem__correct_velocity_in_field;
+    f.world_fields = dem__world_fields_of_field;
+    f.particle_fields = dem__particle_fields_of_field;
+    f.is_used = dem__has_field;
+    f.load = dem__load_flights;
+    return f;
 }
 
 DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user) {
@@ -416,7 +385,7 @@ static inline void dem__drop_field(dem_world *w) {
     }
     dem__release(&w->def.allocator, field->timers.block, field->timers.bytes);
     memset(field, 0, sizeof *field);
-    dem__drop_feature(w, dem__feature_field());
+    dem__drop_feature(w, DEM__FIELD_FEATURE);
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
 }
 

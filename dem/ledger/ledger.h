@@ -129,57 +129,18 @@ static inline int dem__has_ledger(const dem__file *file, const dem_world *w) {
     return ledger->on;
 }
 
-static inline const dem__feature *dem__feature_ledger(void) {
-    static const dem__feature row = {
-        0,                                  /* place */
-        0,                                  /* adds_loads */
-        0,                                  /* exclusive */
-        NULL,                               /* list_arrays */
-        dem__list_contact_arrays_of_ledger, /* list_contact_arrays */
-        NULL,                               /* release */
-        NULL,                               /* add_particle */
-        NULL,                               /* begin_change */
-        NULL,                               /* end_change */
-        NULL,                               /* set_time_step */
-        NULL,                               /* remove_particle */
-        NULL,                               /* renumber */
-        NULL,                               /* check_run */
-        NULL,                               /* prepare_run */
-        dem__switch_ledger,                 /* set_law */
-        dem__note_stored,                   /* find_forces */
-        dem__book_stored,                   /* forces_found */
-        dem__open_ledger,                   /* begin_run */
-        NULL,                               /* begin_ledger */
-        NULL,                               /* end_run */
-        NULL,                               /* keep_up */
-        NULL,                               /* listed */
-        NULL,                               /* drift */
-        NULL,                               /* begins_early */
-        NULL,                               /* begin_step */
-        NULL,                               /* follow */
-        NULL,                               /* detect */
-        dem__begin_books_of_contacts,       /* contacts_begun */
-        dem__book_step,                     /* add_forces */
-        dem__book_contact_end,              /* end_contact */
-        NULL,                               /* leave */
-        NULL,                               /* begin_flights */
-        NULL,                               /* end_step */
-        NULL,                               /* forces */
-        NULL,                               /* force */
-        NULL,                               /* velocity_error */
-        NULL,                               /* correct_velocity */
-        NULL,                               /* open_books */
-        dem__world_fields_of_ledger,        /* world_fields */
-        NULL,                               /* particle_fields */
-        dem__contact_fields_of_ledger,      /* contact_fields */
-        NULL,                               /* save */
-        dem__has_ledger,                    /* is_used */
-        NULL,                               /* load_first */
-        NULL,                               /* load */
-        NULL,                               /* loaded */
-        NULL,                               /* hash_particle */
-        NULL,                               /* hash_before_contacts */
-        NULL,                               /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_ledger(void) {
+    dem__feature f = dem__new_feature(DEM__LEDGER_FEATURE);
+    f.list_contact_arrays = dem__list_contact_arrays_of_ledger;
+    f.set_law = dem__switch_ledger;
+    f.find_forces = dem__note_stored;
+    f.forces_found = dem__book_stored;
+    f.begin_run = dem__open_ledger;
+    f.contacts_begun = dem__begin_books_of_contacts;
+    f.add_forces = dem__book_step;
+    f.end_contact = dem__book_contact_end;
+    f.world_fields = dem__world_fields_of_ledger;
+    f.contact_fields = dem__contact_fields_of_ledger;
+    f.is_used = dem__has_ledger;
+    return f;
 }

@@ -233,59 +233,36 @@ static inline void dem__open_books_of_links(const dem_world *w, ptrdiff_t i, dem
     sums->link_work += dem__link_work(w, i);
 }
 
-static inline const dem__feature *dem__feature_links(void) {
-    static const dem__feature row = {
-        2,                             /* place */
-        1,                             /* adds_loads */
-        1,                             /* exclusive */
-        dem__list_arrays_of_links,     /* list_arrays */
-        NULL,                          /* list_contact_arrays */
-        dem__release_links,            /* release */
-        dem__add_unlinked,             /* add_particle */
-        dem__stop_link_work,           /* begin_change */
-        dem__resume_link_work,         /* end_change */
-        dem__set_link_steps,           /* set_time_step */
-        dem__cut_links_of,             /* remove_particle */
-        dem__renumber_links,           /* renumber */
-        dem__check_links,              /* check_run */
-        NULL,                          /* prepare_run */
-        NULL,                          /* set_law */
-        NULL,                          /* find_forces */
-        NULL,                          /* forces_found */
-        NULL,                          /* begin_run */
-        dem__begin_books_of_links,     /* begin_ledger */
-        NULL,                          /* end_run */
-        NULL,                          /* keep_up */
-        dem__relist_links,             /* listed */
-        dem__drift_by_links,           /* drift */
-        dem__is_linked_with,           /* begins_early */
-        NULL,                          /* begin_step */
-        NULL,                          /* follow */
-        NULL,                          /* detect */
-        NULL,                          /* contacts_begun */
-        NULL,                          /* add_forces */
-        NULL,                          /* end_contact */
-        NULL,                          /* leave */
-        NULL,                          /* begin_flights */
-        dem__end_step_with_links,      /* end_step */
-        dem_link_count,                /* forces */
-        dem_get_link,                  /* force */
-        NULL,                          /* velocity_error */
-        NULL,                          /* correct_velocity */
-        dem__open_books_of_links,      /* open_books */
-        dem__world_fields_of_links,    /* world_fields */
-        dem__particle_fields_of_links, /* particle_fields */
-        NULL,                          /* contact_fields */
-        dem__save_links,               /* save */
-        dem__has_links,                /* is_used */
-        NULL,                          /* load_first */
-        dem__load_links,               /* load */
-        dem__derive_links,             /* loaded */
-        dem__hash_linked,              /* hash_particle */
-        dem__hash_links,               /* hash_before_contacts */
-        NULL,                          /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_links(void) {
+    dem__feature f = dem__new_feature(DEM__LINKS_FEATURE);
+    f.adds_loads = 1;
+    f.exclusive = 1;
+    f.list_arrays = dem__list_arrays_of_links;
+    f.release = dem__release_links;
+    f.add_particle = dem__add_unlinked;
+    f.begin_change = dem__stop_link_work;
+    f.end_change = dem__resume_link_work;
+    f.set_time_step = dem__set_link_steps;
+    f.remove_particle = dem__cut_links_of;
+    f.renumber = dem__renumber_links;
+    f.check_run = dem__check_links;
+    f.begin_ledger = dem__begin_books_of_links;
+    f.listed = dem__relist_links;
+    f.drift = dem__drift_by_links;
+    f.begins_early = dem__is_linked_with;
+    f.end_step = dem__end_step_with_links;
+    f.forces = dem_link_count;
+    f.force = dem_get_link;
+    f.open_books = dem__open_books_of_links;
+    f.world_fields = dem__world_fields_of_links;
+    f.particle_fields = dem__particle_fields_of_links;
+    f.save = dem__save_links;
+    f.is_used = dem__has_links;
+    f.load = dem__load_links;
+    f.loaded = dem__derive_links;
+    f.hash_particle = dem__hash_linked;
+    f.hash_before_contacts = dem__hash_links;
+    return f;
 }
 
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {

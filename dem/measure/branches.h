@@ -12,17 +12,16 @@ static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
 /* Return how many forces act between particles, and one of them: contacts come first, then those of features. */
 static inline ptrdiff_t dem__forces(const dem_world *w) {
     ptrdiff_t n = w->engine->contacts.count;
-    for (int k = 0; k < w->engine->features; k++)
-        n += w->engine->feature[k]->forces ? w->engine->feature[k]->forces(w) : 0;
+    DEM__ADD_UP(w, n, forces, (w));
     return n;
 }
 static inline dem_contact_info dem__get_force(const dem_world *w, ptrdiff_t k) {
-    const dem__feature *const *f = w->engine->feature;
+    const dem__feature *f = w->engine->feature;
     if (k < w->engine->contacts.count) return dem_get_contact(w, k);
-    for (k -= w->engine->contacts.count; !(*f)->forces || k >= (*f)->forces(w); f++) {
-        if ((*f)->forces) k -= (*f)->forces(w);
+    for (k -= w->engine->contacts.count; !f->forces || k >= f->forces(w); f++) {
+        if (f->forces) k -= f->forces(w);
     }
-    return (*f)->force(w, k);
+    return f->force(w, k);
 }
 
 /* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's

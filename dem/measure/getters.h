@@ -69,10 +69,24 @@ DEM_API ptrdiff_t dem_contact_count(const dem_world *world) {
     return world && world->engine ? world->engine->contacts.count : 0;
 }
 
-/* Computes normal and point of the contact in a slot, or of a link (slot -1), from the present positions. */
+/* Sets normal and point of a polyhedron's contact to those that the kernel uses. */
+static inline void dem__get_place(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
+    const double gap = w->engine->contacts.touch[DEM__PLACE_GAP][slot], radius = dem__touching_radius(w, info->i);
+    const double part = info->j >= 0 ? radius / (radius + dem__touching_radius(w, info->j)) : 1.0;
+    info->normal = dem__place_normal(w, slot);
+    info->point =
+        dem__add(dem_position(w, info->i), dem__plus(dem__place_arm(w, slot), -(radius + part * gap), info->normal));
+}
+
+/* Finds normal and point of the contact in a slot, or of a link (slot -1): from the present positions, but for
+   polyhedra. */
 static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
     const dem_vec x = dem_position(w, info->i);
     const double radius = w->particle[info->i].radius;
+    if (slot >= 0 && (dem__shape_of(w, info->i) || (info->j >= 0 && dem__shape_of(w, info->j)))) {
+        dem__get_place(w, slot, info);
+        return;
+    }
     if (info->j < 0) {
         dem__touch touch;
         dem__touch_place(w, slot, &w->wall[-1 - info->j], x, radius, info->element, &touch);

@@ -2,59 +2,10 @@
 #pragma once
 #include "follow.h"
 
-static inline const dem__feature *dem__feature_meshes(void) {
-    static const dem__feature row = {
-        4,                  /* place */
-        0,                  /* adds_loads */
-        0,                  /* exclusive */
-        NULL,               /* list_arrays */
-        NULL,               /* list_contact_arrays */
-        NULL,               /* release */
-        NULL,               /* add_particle */
-        NULL,               /* begin_change */
-        NULL,               /* end_change */
-        NULL,               /* set_time_step */
-        NULL,               /* remove_particle */
-        NULL,               /* renumber */
-        NULL,               /* check_run */
-        NULL,               /* prepare_run */
-        NULL,               /* set_law */
-        NULL,               /* find_forces */
-        NULL,               /* forces_found */
-        NULL,               /* begin_run */
-        NULL,               /* begin_ledger */
-        NULL,               /* end_run */
-        NULL,               /* keep_up */
-        NULL,               /* listed */
-        NULL,               /* drift */
-        NULL,               /* begins_early */
-        NULL,               /* begin_step */
-        dem__follow_meshes, /* follow */
-        NULL,               /* detect */
-        NULL,               /* contacts_begun */
-        NULL,               /* add_forces */
-        NULL,               /* end_contact */
-        NULL,               /* leave */
-        NULL,               /* begin_flights */
-        NULL,               /* end_step */
-        NULL,               /* forces */
-        NULL,               /* force */
-        NULL,               /* velocity_error */
-        NULL,               /* correct_velocity */
-        NULL,               /* open_books */
-        NULL,               /* world_fields */
-        NULL,               /* particle_fields */
-        NULL,               /* contact_fields */
-        NULL,               /* save */
-        NULL,               /* is_used */
-        NULL,               /* load_first */
-        NULL,               /* load */
-        NULL,               /* loaded */
-        NULL,               /* hash_particle */
-        NULL,               /* hash_before_contacts */
-        NULL,               /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_meshes(void) {
+    dem__feature f = dem__new_feature(DEM__MESHES_FEATURE);
+    f.follow = dem__follow_meshes;
+    return f;
 }
 
 DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {

@@ -38,59 +38,16 @@ static inline void dem__hash_fixed(uint64_t *hash, const dem_world *w, ptrdiff_t
     if (f->on) dem__hash_f64(hash, f->load, 6), dem__hash_vec(hash, f->impulse);
 }
 
-static inline const dem__feature *dem__feature_fixed(void) {
-    static const dem__feature row = {
-        1,                             /* place */
-        0,                             /* adds_loads */
-        0,                             /* exclusive */
-        dem__list_arrays_of_fixed,     /* list_arrays */
-        NULL,                          /* list_contact_arrays */
-        NULL,                          /* release */
-        dem__add_unfixed,              /* add_particle */
-        NULL,                          /* begin_change */
-        NULL,                          /* end_change */
-        NULL,                          /* set_time_step */
-        NULL,                          /* remove_particle */
-        NULL,                          /* renumber */
-        NULL,                          /* check_run */
-        NULL,                          /* prepare_run */
-        NULL,                          /* set_law */
-        NULL,                          /* find_forces */
-        NULL,                          /* forces_found */
-        NULL,                          /* begin_run */
-        NULL,                          /* begin_ledger */
-        NULL,                          /* end_run */
-        NULL,                          /* keep_up */
-        NULL,                          /* listed */
-        NULL,                          /* drift */
-        NULL,                          /* begins_early */
-        NULL,                          /* begin_step */
-        NULL,                          /* follow */
-        NULL,                          /* detect */
-        NULL,                          /* contacts_begun */
-        NULL,                          /* add_forces */
-        NULL,                          /* end_contact */
-        NULL,                          /* leave */
-        NULL,                          /* begin_flights */
-        NULL,                          /* end_step */
-        NULL,                          /* forces */
-        NULL,                          /* force */
-        NULL,                          /* velocity_error */
-        NULL,                          /* correct_velocity */
-        NULL,                          /* open_books */
-        dem__world_fields_of_fixed,    /* world_fields */
-        dem__particle_fields_of_fixed, /* particle_fields */
-        NULL,                          /* contact_fields */
-        NULL,                          /* save */
-        dem__has_fixed,                /* is_used */
-        NULL,                          /* load_first */
-        NULL,                          /* load */
-        dem__derive_fixed,             /* loaded */
-        dem__hash_fixed,               /* hash_particle */
-        NULL,                          /* hash_before_contacts */
-        NULL,                          /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_fixed(void) {
+    dem__feature f = dem__new_feature(DEM__FIXED_FEATURE);
+    f.list_arrays = dem__list_arrays_of_fixed;
+    f.add_particle = dem__add_unfixed;
+    f.world_fields = dem__world_fields_of_fixed;
+    f.particle_fields = dem__particle_fields_of_fixed;
+    f.is_used = dem__has_fixed;
+    f.loaded = dem__derive_fixed;
+    f.hash_particle = dem__hash_fixed;
+    return f;
 }
 
 DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {

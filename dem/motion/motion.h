@@ -114,7 +114,7 @@ DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
 static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
     dem_vec error = dem_vec3(0.0, 0.0, 0.0);
     for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
+        const dem__feature *f = &w->engine->feature[k];
         if (f->velocity_error) error = f->velocity_error(w, i, tau);
     }
     return error;

@@ -107,59 +107,20 @@ static inline dem_status dem__load_polyhedra(const dem__file *file, dem_world *w
     return DEM_OK;
 }
 
-static inline const dem__feature *dem__feature_polyhedra(void) {
-    static const dem__feature row = {
-        6,                                 /* place */
-        0,                                 /* adds_loads */
-        0,                                 /* exclusive */
-        dem__list_arrays_of_polyhedra,     /* list_arrays */
-        NULL,                              /* list_contact_arrays */
-        dem__release_polyhedra,            /* release */
-        dem__add_shapeless,                /* add_particle */
-        NULL,                              /* begin_change */
-        NULL,                              /* end_change */
-        NULL,                              /* set_time_step */
-        NULL,                              /* remove_particle */
-        NULL,                              /* renumber */
-        dem__check_polyhedra,              /* check_run */
-        NULL,                              /* prepare_run */
-        NULL,                              /* set_law */
-        NULL,                              /* find_forces */
-        NULL,                              /* forces_found */
-        NULL,                              /* begin_run */
-        NULL,                              /* begin_ledger */
-        NULL,                              /* end_run */
-        NULL,                              /* keep_up */
-        dem__relist_polyhedra,             /* listed */
-        NULL,                              /* drift */
-        NULL,                              /* begins_early */
-        NULL,                              /* begin_step */
-        NULL,                              /* follow */
-        dem__follow_polyhedra,             /* detect */
-        NULL,                              /* contacts_begun */
-        NULL,                              /* add_forces */
-        NULL,                              /* end_contact */
-        NULL,                              /* leave */
-        NULL,                              /* begin_flights */
-        NULL,                              /* end_step */
-        NULL,                              /* forces */
-        NULL,                              /* force */
-        NULL,                              /* velocity_error */
-        NULL,                              /* correct_velocity */
-        NULL,                              /* open_books */
-        NULL,                              /* world_fields */
-        dem__particle_fields_of_polyhedra, /* particle_fields */
-        NULL,                              /* contact_fields */
-        dem__save_shapes,                  /* save */
-        dem__has_shapes,                   /* is_used */
-        dem__load_shapes,                  /* load_first */
-        dem__load_polyhedra,               /* load */
-        NULL,                              /* loaded */
-        NULL,                              /* hash_particle */
-        NULL,                              /* hash_before_contacts */
-        NULL,                              /* hash */
-    };
-    return &row;
+static inline dem__feature dem__feature_polyhedra(void) {
+    dem__feature f = dem__new_feature(DEM__POLYHEDRA_FEATURE);
+    f.list_arrays = dem__list_arrays_of_polyhedra;
+    f.release = dem__release_polyhedra;
+    f.add_particle = dem__add_shapeless;
+    f.check_run = dem__check_polyhedra;
+    f.listed = dem__relist_polyhedra;
+    f.detect = dem__follow_polyhedra;
+    f.particle_fields = dem__particle_fields_of_polyhedra;
+    f.save = dem__save_shapes;
+    f.is_used = dem__has_shapes;
+    f.load_first = dem__load_shapes;
+    f.load = dem__load_polyhedra;
+    return f;
 }
 
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {

@@ -108,6 +108,8 @@ static inline void dem__wall_fields(dem_wall *a, dem__group *g) {
         DEM__DOUBLES("wall.force", a->force, s),
         DEM__DOUBLES("wall.torque", a->torque, s),
         DEM__DOUBLES("wall.impulse", a->impulse, s),
+        DEM__DOUBLES("wall.angular_impulse", a->angular_impulse, s),
+        DEM__DOUBLES("wall.work", a->work, s),
         DEM__INTEGER("wall.solid", a->solid, s),
         DEM__INTEGER("wall.groups", a->groups, s),
         DEM__INTEGER("wall.slides", a->slides, s),

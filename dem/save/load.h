@@ -54,10 +54,10 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     if (!dem__is_flag(e->contacts.has_history) || !(fabs(w->owed) <= DEM__OWED_STEPS * w->def.dt)) return 0;
     if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX) return 0;
     for (int k = e->features - 1; k >= 0; k--) {
-        const dem__feature *f = e->feature[k];
+        const dem__feature *f = &e->feature[k];
         const int used = f->is_used(file, w);
         if (used < 0) return 0;
-        if (!used) dem__drop_feature(w, f);
+        if (!used) dem__drop_feature(w, f->place);
     }
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
@@ -184,11 +184,9 @@ static inline dem_status dem__read_state(const dem__file *file, dem_world *w, de
         DEM__TELL(w, add_particle, (w, i));
     }
     if (!dem__read_group(file, g, present) || !dem__read_contacts(file, w, g)) return DEM_BAD_DATA;
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        const dem_status status = f->load ? f->load(file, w, g) : DEM_OK;
-        if (status != DEM_OK) return status;
-    }
+    dem_status status = DEM_OK;
+    DEM__CHECK(w, status, load, (file, w, g));
+    if (status != DEM_OK) return status;
     if (w->passed_count > 0) dem__passed_fields(w->passed, g);
     return w->passed_count == 0 || dem__read_group(file, g, w->passed_count) ? DEM_OK : DEM_BAD_DATA;
 }
@@ -260,10 +258,7 @@ static inline dem_status dem__read_file(const dem__file *file, dem_world *w) {
     dem__group g;
     if (!dem__read_world(file, w, &g)) return DEM_BAD_DATA;
     dem_status status = dem__read_walls(file, w, &g);
-    for (int k = 0; k < w->engine->features && status == DEM_OK; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        if (f->load_first) status = f->load_first(file, w, &g);
-    }
+    DEM__CHECK(w, status, load_first, (file, w, &g));
     if (status == DEM_OK) status = dem__read_state(file, w, &g);
     if (status != DEM_OK) return status;
     if (!dem__are_sound_particles(w) || !dem__are_sound_contacts(w)) return DEM_BAD_DATA;

@@ -57,9 +57,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
         c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
     c->tolerance += swing;
-    for (int k = 0; k < w->engine->features; k++) {
-        if (w->engine->feature[k]->drift) c->tolerance += w->engine->feature[k]->drift(w, i);
-    }
+    DEM__ADD_UP(w, c->tolerance, drift, (w, i));
     c->reach = w->particle[i].radius + 0.5 * pairs->touch_gap + pairs->position_tolerance - t * c->tolerance;
     dem__set_tolerance_left(w, i, turn);
 }

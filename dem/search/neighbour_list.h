@@ -375,6 +375,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     if (!keeps) dem__release_unloaded(w);
     dem__list_active(w);
+    dem_status status = DEM_OK;
     double smallest, largest;
     if (!dem__list_positions(w, &smallest, &largest)) return 0;
     dem__choose_frame(w);
@@ -385,11 +386,8 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        const dem_status status = f->listed ? f->listed(w) : DEM_OK;
-        if (status != DEM_OK) return dem__fail_to_list(w, status);
-    }
+    DEM__CHECK(w, status, listed, (w));
+    if (status != DEM_OK) return dem__fail_to_list(w, status);
     pairs->next_check = w->step + DEM__STEPS_MAX;
     pairs->listed_step = w->step;
     w->rebuilds++;

@@ -218,7 +218,7 @@ static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t
 static inline int dem__begins_early(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
     int early = 0;
     for (int k = 0; k < w->engine->features && !early; k++) {
-        const dem__feature *f = w->engine->feature[k];
+        const dem__feature *f = &w->engine->feature[k];
         if (f->begins_early) early = f->begins_early(w, i, -1 - wall, element);
     }
     return early;

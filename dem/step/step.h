@@ -111,7 +111,7 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
     w->engine->bodies.adds_loads = w->engine->bodies.loads_on;
-    for (int k = 0; k < w->engine->features; k++) w->engine->bodies.adds_loads |= w->engine->feature[k]->adds_loads;
+    for (int k = 0; k < w->engine->features; k++) w->engine->bodies.adds_loads |= w->engine->feature[k].adds_loads;
     dem__prepare_pairs(w);
     const ptrdiff_t begun = run->needs_forces ? dem__begin_contacts_present(w) : 0;
     if (begun < 0) return 0;
@@ -229,11 +229,9 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
     }
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = w->engine->feature[k];
-        const dem_status status = f->check_run ? f->check_run(w, kernel) : DEM_OK;
-        if (status != DEM_OK) return status;
-    }
+    dem_status status = DEM_OK;
+    DEM__CHECK(w, status, check_run, (w, kernel));
+    if (status != DEM_OK) return status;
     const double narrowest = dem__narrowest(w);
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
@@ -256,7 +254,7 @@ static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int 
     if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
                          dem__next_slot(w) + 1)) {
         contacts->states = states, contacts->constants = constants;
-        if (books) dem__drop_feature(w, dem__feature_ledger());
+        if (books) dem__drop_feature(w, DEM__LEDGER_FEATURE);
         return 0;
     }
     w->engine->ledger.on |= books;
@@ -298,7 +296,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     int going = dem__prepare_run(w, kernel, features);
     for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
     for (int k = 0; k < w->engine->features; k++) {
-        if (w->engine->feature[k]->end_run) going = w->engine->feature[k]->end_run(w, going);
+        if (w->engine->feature[k].end_run) going = w->engine->feature[k].end_run(w, going);
     }
     w->engine->run.running = 0;
     const double met = 0.5 * sqrt(w->engine->run.stiffest); /* of the contacts that have begun */

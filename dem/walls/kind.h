@@ -162,6 +162,14 @@ DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_v
     const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
     return dem__add(dem__add(w->velocity, turning), dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n)));
 }
+/* Adds what a push lasting h gives a wall: the integrals of its force and of its torque about its origin, and the work
+   that the wall does meanwhile; belt_power: what its belt does. */
+DEM_INLINE void dem__book_push(dem_wall *w, double h, dem_vec force, dem_vec torque, double belt_power) {
+    const dem_vec spin = dem__scale(w->spin, w->spin_axis);
+    w->impulse = dem__plus(w->impulse, h, force);
+    w->angular_impulse = dem__plus(w->angular_impulse, h, dem__add(torque, dem__cross(w->position, force)));
+    w->work += h * (belt_power - dem__dot(force, w->velocity) - dem__dot(torque, spin));
+}
 /* Returns the acceleration of a wall's surface at a point. */
 DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
     const dem_vec omega = dem__scale(w->spin, w->spin_axis), arm = dem__sub(point, w->position);

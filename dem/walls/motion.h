@@ -177,13 +177,22 @@ static inline void dem__kick_walls(dem_world *w, double h) {
     }
 }
 
-/* Applies an impulse at a sphere's place and an angular impulse to a wall, in addition to the forces of the step. */
-static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse, dem_vec angular) {
-    a->impulse = dem__add(a->impulse, impulse);
+/* Applies an impulse at a sphere's place, where the wall's normal is n, and an angular impulse to a wall, in addition
+   to the forces of the step. */
+static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec n, dem_vec impulse, dem_vec angular) {
+    const dem_vec about_origin = dem__add(angular, dem__cross(dem__sub(place, a->position), impulse)),
+                  belt = dem__sub(a->asked.belt, dem__scale(dem__dot(a->asked.belt, n), n));
+    dem__book_push(a, 1.0, impulse, about_origin, -dem__dot(impulse, belt));
     if (a->asked.drive < DEM_FORCE_CONTROLLED) return;
     const dem_vec turning = dem__add(angular, dem__cross(dem__sub(place, a->asked.spin_centre), impulse));
     a->rate += dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? impulse : turning, a->spin_axis) / a->asked.inertia;
     dem__rated_wall(a, a->rate);
+}
+
+DEM_API dem_vec dem_wall_angular_impulse(const dem_world *world, int wall, dem_vec point) {
+    if (!world || wall < 0 || wall >= world->walls) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    const dem_wall *a = &world->wall[wall];
+    return dem__sub(a->angular_impulse, dem__cross(point, a->impulse));
 }
 
 DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i) {
