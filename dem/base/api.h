@@ -439,9 +439,9 @@ typedef struct dem_field {
    rule with 8 points. */
 DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field);
 
-/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N] or overlap [m]; contacts without
-   overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
-typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP } dem_quantity;
+/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N], overlap [m] or tangential force
+   [N]; contacts without overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
+typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP, DEM_CONTACT_TANGENTIAL_FORCE } dem_quantity;
 DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
                                 double *count);
 
