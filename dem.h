@@ -1215,9 +1215,9 @@ typedef struct dem_field {
    rule with 8 points. */
 DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field);
 
-/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N] or overlap [m]; contacts without
-   overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
-typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP } dem_quantity;
+/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N], overlap [m] or tangential force
+   [N]; contacts without overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
+typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP, DEM_CONTACT_TANGENTIAL_FORCE } dem_quantity;
 DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
                                 double *count);
 
@@ -11319,7 +11319,8 @@ static inline void dem__get_place(const dem_world *w, ptrdiff_t slot, dem_contac
     const double gap = w->engine->contacts.touch[DEM__PLACE_GAP][slot], radius = dem__touching_radius(w, info->i);
     const double part = info->j >= 0 ? radius / (radius + dem__touching_radius(w, info->j)) : 1.0;
     info->normal = dem__place_normal(w, slot);
-    info->point = dem__add(dem_position(w, info->i), dem__plus(dem__place_arm(w, slot), -(radius + part * gap), info->normal));
+    info->point =
+        dem__add(dem_position(w, info->i), dem__plus(dem__place_arm(w, slot), -(radius + part * gap), info->normal));
 }
 
 /* Finds normal and point of the contact in a slot, or of a link (slot -1): from the present positions, but for
@@ -14965,19 +14966,25 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
     return DEM_OK;
 }
 
+static inline double dem__quantity_of(const dem_contact_info *c, dem_quantity quantity) {
+    if (quantity == DEM_CONTACT_FORCE) return dem__length(c->force);
+    if (quantity == DEM_CONTACT_OVERLAP) return -c->gap;
+    return dem__length(dem__plus(c->force, -dem__dot(c->force, c->normal), c->normal));
+}
+
 DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
                                 double *count) {
     const dem_world *w = world;
     ptrdiff_t outside = 0;
     if (!w || !w->def.allocator.fn || !count || bins < 1 || !(low < high) || !dem__finite(high - low))
         return -(ptrdiff_t)DEM_BAD_ARGUMENT;
-    if (quantity != DEM_CONTACT_FORCE && quantity != DEM_CONTACT_OVERLAP) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    if (quantity != DEM_CONTACT_FORCE && quantity != DEM_CONTACT_OVERLAP && quantity != DEM_CONTACT_TANGENTIAL_FORCE)
+        return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     for (int k = 0; k < bins; k++) count[k] = 0.0;
     for (ptrdiff_t k = 0; k < w->engine->contacts.count; k++) {
         const dem_contact_info c = dem_get_contact(w, k);
         if (!(c.gap < 0.0)) continue;
-        const double value = quantity == DEM_CONTACT_FORCE ? dem__length(c.force) : -c.gap,
-                     bin = floor((value - low) / (high - low) * bins);
+        const double value = dem__quantity_of(&c, quantity), bin = floor((value - low) / (high - low) * bins);
         if (value >= low && value <= high) count[bin < (double)bins ? (int)bin : bins - 1] += 1.0;
         else outside++;
     }
@@ -16476,6 +16483,7 @@ typedef struct dem__placed_edge {
         half; /* [m]; the middle of the part that is near the other core, along it, and half the length of that */
     int number, ends; /* ends: bits of the ends that are corners, which have points of their own */
     int sided;        /* of a wall's edge: whether it is touched only from the side of `outward` */
+    double deep;      /* of a wall's edge: how much deeper than the radii it may be in the core [m] */
 } dem__placed_edge;
 
 /* Heights of corners along a direction, and which corners are near the other core. */
@@ -16528,7 +16536,7 @@ static inline void dem__place_edge(const dem__side *side, int e, int apart, dem_
     const dem_convex *s = side->shape;
     const int from = s->edge[e][0], to = s->edge[e][1];
     const dem_vec u = dem__sub(dem__point(s->corner[to]), dem__point(s->corner[from]));
-    p->number = e, p->ends = 3, p->sided = 0;
+    p->number = e, p->ends = 3, p->sided = 0, p->deep = 0.0;
     p->from = dem__corner_at(s, side->place, from);
     if (s->is_box) { /* along an axis */
         const int k = !(fabs(u.x) > 0.0) * (1 + !(fabs(u.y) > 0.0));
@@ -16613,7 +16621,7 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
     double s, distance, rest[4], left = 1.0, share[4];
     if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
     const double overlap = radii - distance;
-    if (!(overlap > 0.0) || !(overlap < 2.0 * radii)) return 0; /* deeper: on far sides of the cores */
+    if (!(overlap > 0.0) || !(overlap < 2.0 * radii + q->deep)) return 0; /* deeper: on far sides of the cores */
     int n = 1;
     out->key = key, out->taken = 0;
     out->gap = -overlap;
@@ -16799,6 +16807,163 @@ static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, c
     return dem__find_edge_points(&sa, &sb, low_a > high_b, out, n);
 }
 
+/* -------------------------------------------------------------------------------------------- >>polyhedra/behind.h */
+/* Polyhedra that a thin sheet cuts: which of their points are behind it, and how deep. A sheet has no inside, a body
+   has: the side of its centre is in front. Reads a wall, a shape and its place. Promises: overlap and normal of a point
+   that passes the sheet are continuous; nothing is computed here unless a core is cut. */
+
+/* Returns the place at which the line from p to q passes through triangle k of a tree, 0 .. 1; above 1: none. */
+static inline double dem__passes_at(const dem__tree *t, int32_t k, dem_vec p, dem_vec q) {
+    const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]],
+                  c = t->vertex[t->corner[3 * k + 2]];
+    const dem_vec u = dem__sub(q, p), pa = dem__sub(a, p), pb = dem__sub(b, p), pc = dem__sub(c, p);
+    const double from = -dem__dot(t->normal[k], pa), to = -dem__dot(t->normal[k], dem__sub(a, q));
+    if (!(from * to < 0.0)) return HUGE_VAL;
+    const double ab = dem__dot(u, dem__cross(pa, pb)), bc = dem__dot(u, dem__cross(pb, pc)),
+                 ca = dem__dot(u, dem__cross(pc, pa));
+    const int passes = (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
+    return passes ? from / (from - to) : HUGE_VAL;
+}
+
+/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that
+   along the normal of the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart
+   in another direction. */
+static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t,
+                                              int32_t k, double enough) {
+    const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
+    const double height = dem__dot(d, up);
+    double most = fabs(height) - dem__reach_along(s, core, dem__scale(height > 0.0 ? -1.0 : 1.0, up));
+    dem_vec corner[3];
+    if (most >= enough) return most;
+    for (int c = 0; c < 3; c++) corner[c] = dem__into_core(core, dem__sub(t->vertex[t->corner[3 * k + c]], core->x));
+    for (int f = 0; f < s->faces; f++) {
+        const dem_vec n = dem__point(s->plane[f]);
+        const double a = dem__dot(n, corner[0]), b = dem__dot(n, corner[1]), c = dem__dot(n, corner[2]);
+        const double lowest = a < b ? (a < c ? a : c) : b < c ? b : c, apart = lowest - s->plane[f][3];
+        most = apart > most ? apart : most;
+    }
+    return most;
+}
+
+/* Returns a core's place in the frame of a wall. */
+static inline dem__placed dem__in_frame(const dem_wall *wall, const dem__placed *place) {
+    dem__placed core;
+    core.x = dem__to_frame(wall, dem__sub(place->x, wall->position));
+    for (int k = 0; k < 3; k++) core.axis[k] = dem__to_frame(wall, place->axis[k]);
+    return core;
+}
+
+/* Returns whether a triangle of a mesh may cut a core. */
+static inline int dem__may_cut(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
+    const dem__tree *t = wall->tree;
+    const dem__placed core = dem__in_frame(wall, place);
+    const double reach = s->reach - s->radius;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, core.x, reach)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            if (!(dem__apart_from_triangle(s, &core, t, k, 0.0) > 0.0)) return 1;
+        }
+    }
+    return 0;
+}
+
+/* Finds the first triangle through which the line from p to q passes. Returns its number, -1: none; at: where. */
+static inline int32_t dem__first_passed(const dem__tree *t, dem_vec p, dem_vec q, dem_vec *at) {
+    const dem_vec u = dem__sub(q, p), middle = dem__plus(p, 0.5, u);
+    const double half = 0.5 * dem__length(u);
+    double first = 1.0;
+    int32_t found = -1;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, middle, 1.000001 * half)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            const double here = dem__passes_at(t, k, p, q);
+            if (here < first) first = here, found = k;
+        }
+    }
+    *at = dem__plus(p, first, u);
+    return found;
+}
+
+/* A place behind a sheet, in the mesh's frame. */
+typedef struct dem__behind {
+    const dem__tree *tree;
+    dem_vec centre, x, at; /* of the body; the place; where the line between them passes the sheet first */
+    int32_t first, best;   /* triangle there; triangle that is nearest */
+    double distance;       /* to the nearest [m] */
+    dem_vec normal;        /* from the nearest triangle to the front */
+} dem__behind;
+
+/* Returns the normal of a triangle that points to the centre's side, or 0 if the place is on that side. */
+static inline dem_vec dem__front_of(const dem__behind *q, int32_t k) {
+    const dem_vec n = q->tree->normal[k], a = q->tree->vertex[q->tree->corner[3 * k]];
+    const double centre = dem__dot(n, dem__sub(q->centre, a)), x = dem__dot(n, dem__sub(q->x, a));
+    return dem__scale(centre > 0.0 && x < 0.0 ? 1.0 : centre < 0.0 && x > 0.0 ? -1.0 : 0.0, n);
+}
+
+/* Takes triangle k if it is the nearest one behind which the place is. One that is as good as parallel to the first one
+   and behind that is the far side of a plate, which does not count. */
+static inline void dem__try_behind(dem__behind *q, int32_t k) {
+    const dem_vec front = dem__front_of(q, k), a = q->tree->vertex[q->tree->corner[3 * k]];
+    double distance;
+    int inside;
+    if (dem__dot(front, front) == 0.0) return;
+    const dem_vec v = dem__from_triangle(q->tree, k, q->x, &distance, &inside);
+    if (!(distance < q->distance)) return;
+    const double above = dem__dot(front, dem__sub(q->at, a));
+    if (k != q->first && dem__dot(front, dem__front_of(q, q->first)) > DEM__SMOOTH && above > 1e-3 * distance) return;
+    const dem_vec up = inside || !(distance > 0.0) ? front : dem__scale(-1.0 / distance, v);
+    q->distance = distance, q->best = k, q->normal = up;
+    if (dem__dot(up, front) > DEM__SMOOTH) return;
+    q->normal = front; /* beyond a rim: behind its plane */
+}
+
+/* Finds how deep a place is behind a mesh, seen from a body's centre. Returns 0 if it is not. */
+static inline int dem__find_behind(const dem_wall *wall, dem_vec centre, dem_vec x, dem__touch *out) {
+    dem__behind q;
+    q.tree = wall->tree, q.distance = HUGE_VAL;
+    q.centre = dem__to_frame(wall, dem__sub(centre, wall->position)),
+    q.x = dem__to_frame(wall, dem__sub(x, wall->position));
+    q.first = dem__first_passed(q.tree, q.centre, q.x, &q.at);
+    if (q.first < 0) return 0;
+    dem__try_behind(&q, q.first);
+    for (int32_t b = 0; b < q.tree->nodes;) {
+        const dem__node *node = &q.tree->node[b];
+        if (dem__is_far(node, q.x, q.distance)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) dem__try_behind(&q, k);
+    }
+    if (!(q.distance < HUGE_VAL)) return 0;
+    const dem_vec a = q.tree->vertex[q.tree->corner[3 * q.best]];
+    if (dem__dot(q.normal, dem__front_of(&q, q.best)) >= 1.0 - 1e-12)
+        q.distance = fabs(dem__dot(q.normal, dem__sub(q.x, a)));
+    out->gap = -q.distance, out->normal = dem__from_frame(wall, q.normal);
+    out->curvature = 0.0, out->element = 0, out->face = -1;
+    return 1;
+}
+
+/* Returns whether a curved sheet may cut a core: an edge passes through it. */
+static inline int dem__sheet_cuts(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
+    dem_vec corner[DEM_CORNERS_MAX];
+    for (int k = 0; k < s->corners; k++) corner[k] = dem__sub(dem__corner_at(s, place, k), w->position);
+    for (int e = 0; e < s->edges; e++) {
+        if (w->kind__->crosses(w, corner[s->edge[e][0]], corner[s->edge[e][1]])) return 1;
+    }
+    return 0;
+}
+
 /* ---------------------------------------------------------------------------------------- >>polyhedra/mesh_edges.h */
 /* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. The
    table is made once for each mesh, in a world with polyhedra. */
@@ -16934,7 +17099,8 @@ typedef struct dem__at_wall {
     dem_vec centre;   /* of the polyhedron */
     dem__placed core; /* with x = 0 */
     dem__placed_edge edge[DEM_EDGES_MAX];
-    int edges; /* length of the list; 0 until edges are needed */
+    int edges;  /* length of the list; 0 until edges are needed */
+    int is_cut; /* whether a sheet may cut the core: only then corners can be behind it */
     int n;
     dem__convex_point *out;
 } dem__at_wall;
@@ -16995,18 +17161,56 @@ static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_e
     return 0;
 }
 
-/* Adds the points of all edges of the polyhedron at an edge of a wall. */
+/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
+static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
+    double low = 0.0, high = 1.0;
+    for (int f = 0; f < s->faces; f++) {
+        const dem_vec n = dem__point(s->plane[f]);
+        const double from = dem__dot(n, p) - s->plane[f][3], to = dem__dot(n, q) - s->plane[f][3];
+        if (from >= 0.0 && to >= 0.0) return 0;
+        if (from > 0.0 && from / (from - to) > low) low = from / (from - to);
+        if (to > 0.0 && from / (from - to) < high) high = from / (from - to);
+    }
+    return low < high;
+}
+
+/* Returns the least distance of a face of a core from its centre [m]. */
+static inline double dem__half_width(const dem_convex *s) {
+    double least = s->reach;
+    for (int f = 0; f < s->faces; f++) least = s->plane[f][3] < least ? s->plane[f][3] : least;
+    return least;
+}
+
+/* Finds the direction in which an edge of a wall, which is in the core, is nearest to its surface, among those at which
+   edges of the core cross it. Returns 0 if there is none. */
+static inline int dem__find_way_out(const dem__at_wall *q, const dem__placed_edge *e, dem_vec *way) {
+    double nearest = HUGE_VAL, s, distance;
+    dem_vec n;
+    for (int k = 0; k < q->edges; k++) {
+        if (!dem__find_crossing(&q->edge[k], e, 0, &s, &n, &distance) || !(fabs(distance) < nearest)) continue;
+        nearest = fabs(distance), *way = n;
+    }
+    return nearest < HUGE_VAL;
+}
+
+/* Adds the points of all edges of the polyhedron at an edge of a wall. Where this is in the core, edges of the core
+   tell the side, and only those count through which it came. */
 static inline void dem__cross_wall_edge(dem__edge_visitor *v, const dem__wall_edge *of) {
     dem__at_wall *q = (dem__at_wall *)(void *)v;
     dem__placed_edge e;
+    dem_vec way;
     if (q->n == DEM__POINTS_MAX || !dem__set_wall_edge(q, of, &e)) return;
     const double radii = q->shape->radius + of->radius;
     if (dem__is_beyond_face(q, &e, DEM__WINDOW * radii)) return;
     dem__list_edges(q);
+    const int is_deep =
+        dem__core_holds_line(q->shape, dem__into_core(&q->core, of->from), dem__into_core(&q->core, of->to)) &&
+        dem__find_way_out(q, &e, &way);
+    if (is_deep) e.deep = dem__half_width(q->shape);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
-        const int n =
-            dem__cross_edges(&q->edge[k], &e, radii, !e.sided, of->key + 5 * q->edge[k].number, q->out + q->n);
-        if (n == 0) continue;
+        const int n = dem__cross_edges(&q->edge[k], &e, radii, !e.sided && !is_deep, of->key + 5 * q->edge[k].number,
+                                       q->out + q->n);
+        if (n == 0 || (is_deep && !(dem__dot(q->out[q->n].normal, way) > 0.7))) continue;
         const double up = dem__dot(q->out[q->n].normal, of->side);
         if (of->sign == 0.0 || (of->sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
     }
@@ -17026,13 +17230,41 @@ static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, doubl
     q->n++;
 }
 
+/* Finds the touches of a sphere of the rounding at x with a sheet that may cut the core. Behind the sheet its overlap
+   counts on, along the normal to the front. Returns their number. */
+static inline int dem__touch_cutting(const dem__at_wall *q, dem_vec x, double limit, dem__touch *touch) {
+    const dem_wall *wall = q->wall;
+    dem__touch behind;
+    double least;
+    int kept = 0, is_behind = 0;
+    int found = dem__touch_wall(wall, x, q->shape->radius, limit, touch, &least);
+    if (dem__has(wall, DEM__TRIANGULATED)) is_behind = dem__find_behind(wall, q->centre, x, &behind);
+    else if (wall->kind__->crosses(wall, dem__sub(q->centre, wall->position), dem__sub(x, wall->position))) {
+        dem__touch_wall(wall, x, q->shape->radius, HUGE_VAL, &behind, &least);
+        behind.gap = -q->shape->radius - behind.gap, behind.normal = dem__scale(-1.0, behind.normal);
+        is_behind = 1;
+    }
+    if (!is_behind) return found;
+    behind.gap -= q->shape->radius;
+    for (int m = 0; m < found; m++) { /* other surfaces stay, this one's far side does not */
+        if (dem__dot(touch[m].normal, behind.normal) > -0.5 && dem__dot(touch[m].normal, behind.normal) < 0.5)
+            touch[kept++] = touch[m];
+    }
+    kept = kept < DEM__TOUCHES ? kept : DEM__TOUCHES - 1;
+    for (int m = kept; m > 0; m--) touch[m] = touch[m - 1];
+    touch[0] = behind;
+    return kept + 1;
+}
+
 /* Adds the points of the polyhedron's corners, which are spheres. */
 static inline void dem__touch_with_corners(dem__at_wall *q) {
     dem__touch touch[DEM__TOUCHES];
     double least;
     for (int k = 0; k < q->shape->corners; k++) {
-        const dem_vec arm = dem__from_core_frame(&q->core, dem__point(q->shape->corner[k]));
-        const int found = dem__touch_wall(q->wall, dem__add(q->centre, arm), q->shape->radius, 0.0, touch, &least);
+        const dem_vec arm = dem__from_core_frame(&q->core, dem__point(q->shape->corner[k])),
+                      x = dem__add(q->centre, arm);
+        const int found = q->is_cut ? dem__touch_cutting(q, x, 0.0, touch)
+                                    : dem__touch_wall(q->wall, x, q->shape->radius, 0.0, touch, &least);
         for (int m = 0; m < found && q->n < DEM__POINTS_MAX; m++) {
             dem__convex_point *point = &q->out[q->n];
             int is_new = touch[m].gap < 0.0;
@@ -17049,10 +17281,11 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
 /* Returns the touch of a sheet with the sphere about the point at t of an edge. */
 static inline dem__touch dem__touch_sheet_along(const dem__at_wall *q, const dem__placed_edge *e, double t) {
     dem__touch touch[DEM__TOUCHES];
+    const dem_vec x = dem__add(q->centre, dem__plus(e->from, t, e->along));
     double least;
     touch->normal = q->wall->axis[2];
-    dem__touch_wall(q->wall, dem__add(q->centre, dem__plus(e->from, t, e->along)), q->shape->radius, HUGE_VAL, touch,
-                    &least);
+    if (q->is_cut) dem__touch_cutting(q, x, HUGE_VAL, touch);
+    else dem__touch_wall(q->wall, x, q->shape->radius, HUGE_VAL, touch, &least);
     return touch[0];
 }
 
@@ -17137,39 +17370,20 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     q.visitor.corner = dem__touch_wall_corner, q.visitor.edge = dem__cross_wall_edge;
     q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
     q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);
+    q.is_cut = 0;
+    if (dem__has(wall, DEM__TRIANGULATED)) q.is_cut = dem__may_cut(wall, s, place);
+    else if (wall->kind__->crosses) q.is_cut = dem__sheet_cuts(wall, s, place);
     if (dem__corners_at(wall) != DEM__CORNERS_NONE) dem__touch_with_corners(&q);
     if (dem__has(wall, DEM__CURVED_SHEET)) dem__touch_sheet_with_edges(&q);
     if (wall->kind__->edges) wall->kind__->edges(wall, place->x, s->reach, &q.visitor);
     return q.n;
 }
 
-/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that
-   along the normal of the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart
-   in another direction. */
-static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t,
-                                              int32_t k, double enough) {
-    const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
-    const double height = dem__dot(d, up);
-    double most = fabs(height) - dem__reach_along(s, core, dem__scale(height > 0.0 ? -1.0 : 1.0, up));
-    dem_vec corner[3];
-    if (most >= enough) return most;
-    for (int c = 0; c < 3; c++) corner[c] = dem__into_core(core, dem__sub(t->vertex[t->corner[3 * k + c]], core->x));
-    for (int f = 0; f < s->faces; f++) {
-        const dem_vec n = dem__point(s->plane[f]);
-        const double a = dem__dot(n, corner[0]), b = dem__dot(n, corner[1]), c = dem__dot(n, corner[2]);
-        const double lowest = a < b ? (a < c ? a : c) : b < c ? b : c, apart = lowest - s->plane[f][3];
-        most = apart > most ? apart : most;
-    }
-    return most;
-}
-
 /* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: of the core. */
 static inline double dem__clear_of_mesh(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
     const dem__tree *t = wall->tree;
-    dem__placed core;
+    const dem__placed core = dem__in_frame(wall, place);
     double least = s->reach;
-    core.x = dem__to_frame(wall, dem__sub(place->x, wall->position));
-    for (int k = 0; k < 3; k++) core.axis[k] = dem__to_frame(wall, place->axis[k]);
     for (int32_t b = 0; b < t->nodes && least > 0.0;) {
         const dem__node *node = &t->node[b];
         if (dem__is_far(node, core.x, s->reach + least)) {
@@ -17229,18 +17443,6 @@ static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s,
         }
     }
     return 0;
-}
-/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
-static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
-    double low = 0.0, high = 1.0;
-    for (int f = 0; f < s->faces; f++) {
-        const dem_vec n = dem__point(s->plane[f]);
-        const double from = dem__dot(n, p) - s->plane[f][3], to = dem__dot(n, q) - s->plane[f][3];
-        if (from >= 0.0 && to >= 0.0) return 0;
-        if (from > 0.0 && from / (from - to) > low) low = from / (from - to);
-        if (to > 0.0 && from / (from - to) < high) high = from / (from - to);
-    }
-    return low < high;
 }
 /* Looks for the axis of a bar that passes through a core. */
 typedef struct dem__axis_visitor {
