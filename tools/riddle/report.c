@@ -6,7 +6,8 @@
 #include <string.h>
 
 #include "world_picture.h"
-#include "results.h"
+#include "load_map.h"
+#include "scene_results.h"
 #include "rows.h"
 #include "scene_books.h"
 #include "scene_shapes.h"
@@ -18,6 +19,8 @@ struct report {
     scene *s;
     const char *folder;
     row_table rows;
+    load_maps *loads;
+    double loaded; /* ticks that are in the maps */
     double *frame;                  /* times of the frames [s] */
     int frames, frame_room;
     double next_frame; /* is due at this number of intervals */
@@ -25,7 +28,7 @@ struct report {
     picture_def look;
     world_movie film;
     int filmed, drawn, pictured; /* pictured: and it is there */
-    char written[160];
+    char written[800];
 };
 
 /* ---- words that name columns ---- */
@@ -79,7 +82,8 @@ report *report_open(scene *s, const char *folder) {
     report *r = tree_memory(s->file, sizeof *r);
     if (!r) return NULL;
     r->s = s, r->folder = folder;
-    if (rows_open(&r->rows, s) || check_stops(r) || check_curves(r)) return NULL;
+    r->loads = load_maps_open(s);
+    if (!r->loads || rows_open(&r->rows, s) || check_stops(r) || check_curves(r)) return NULL;
     r->look.speed = def->output.colour == 1 ? def->output.top_speed : 0.0;
     memcpy(r->look.direction, def->output.view, sizeof r->look.direction);
     for (int g = 0; g < s->groups && g < 8; g++) r->look.names[r->look.n_names++] = s->group[g].name;
@@ -175,6 +179,7 @@ static void add_frames(report *r) {
 }
 
 const stop_def *report_look(report *r) {
+    if (r->s->ticks > r->loaded) load_maps_add(r->loads, r->s->tick), r->loaded = r->s->ticks;
     const double ticks_a_row = floor(r->s->def->measure.every / r->s->tick + 0.5);
     const bool row = fmod(r->s->ticks, ticks_a_row) == 0.0 && (r->rows.n == 0 || r->rows.looked < scene_time(r->s));
     if (row) rows_measure(&r->rows);
@@ -378,7 +383,8 @@ const char *report_write(report *r) {
     write_rows(r);
     if (r->s->def->output.passed) write_passed(r);
     if (r->rows.n > 1 && draw_curves(r) == 0) add_name(r, "curves.svg");
-    results_write(&r->rows, r->folder, add_result, r);
+    scene_results_write(&r->rows, r->folder, add_result, r);
+    load_maps_write(r->loads, r->folder, add_result, r);
     if (!r->drawn) draw_picture(r);
     if (r->pictured) add_name(r, "scene.png");
     if (r->series.particles) dem_io_close(&r->series);
@@ -395,17 +401,18 @@ void report_json(const report *r, json *j) {
     json_object_begin(j, "means_of_second_half");
     if (j && rows->n >= 4 * STEADY_BLOCKS) each_mean(r, json_mean, j);
     json_object_end(j);
-    results_json(rows, j);
+    scene_results_json(rows, j);
     json_integer(j, "rows", rows->n);
     json_integer(j, "frames", r->frames);
 }
 
-void report_say(const report *r) { results_say(&r->rows); }
+void report_say(const report *r) { scene_results_say(&r->rows); }
 
 int report_exchange(report *r, scene_state *io) {
     const output_def *o = &r->s->def->output;
     double counts[] = {r->frames, r->drawn, r->next_frame, o->frames};
-    if (rows_exchange(&r->rows, io)) return -1;
+    state_numbers(io, &r->loaded, 1);
+    if (rows_exchange(&r->rows, io) || load_maps_exchange(r->loads, io)) return -1;
     state_numbers(io, counts, 4);
     if (io->failed || !(counts[0] >= 0.0 && counts[0] < 1e9)) return io->failed = 1, -1;
     if (io->reading) {

@@ -12,7 +12,7 @@
 #include "scene_walls.h"
 #include "scene_wet.h"
 
-enum { STEPS = 2000 };
+enum { STEPS = 2000, STEPS_OF_A_MAP = 50 };
 static const double EXPECTED_SPEED = 2.0; /* [m/s] for Hertz contacts, as a fall of 0.2 m gives */
 
 /* ---- definition ---- */
@@ -127,7 +127,10 @@ static double smallest_of(const scene *s) {
 
 /* No longer than feeds allow, and than STEPS steps, so that Ctrl-C is heard. The duration has no part in it: a longer one has the same bits. */
 static int choose_tick(scene *s) {
-    double shortest = fmin(s->def->measure.every, STEPS * s->world.def.dt);
+    const wall_def *w = s->def->walls.item;
+    int mapped = 0;
+    for (int k = 0; k < s->def->walls.n; k++) mapped |= w[k].load_map;
+    double shortest = fmin(s->def->measure.every, (mapped ? STEPS_OF_A_MAP : STEPS) * s->world.def.dt);
     for (int k = 0; k < s->sources; k++)
         if (!isnan(s->source[k].def->rate)) shortest = fmin(shortest, scene_feed_interval(s, &s->source[k]));
     s->tick = s->def->measure.every / ceil(s->def->measure.every / shortest - 1e-9);

@@ -105,6 +105,7 @@ typedef struct wall_def {
     piston piston;
     rotor rotor;
     scene_list timetable; /* double[2] */
+    int load_map;
     double from, until;
 } wall_def;
 

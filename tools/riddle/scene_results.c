@@ -1,5 +1,5 @@
-/* results.c: see results.h */
-#include "results.h"
+/* scene_results.c: see scene_results.h */
+#include "scene_results.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -320,13 +320,13 @@ static void json_result(void *user, const char *name, double value, double low, 
     json_object_end(user);
 }
 
-void results_write(const row_table *r, const char *folder, void (*wrote)(void *user, const char *name), void *user) {
+void scene_results_write(const row_table *r, const char *folder, void (*wrote)(void *user, const char *name), void *user) {
     separation p;
     find_separation(r->s, &p);
-    riddle_io_file *file = riddle_io_open(folder, "results.csv");
+    riddle_io_file *file = riddle_io_open(folder, "scene_results.csv");
     riddle_io_print(file, "result,what,value,low95,high95\n");
     visit_all(r, &p, write_result, file);
-    if (riddle_io_close(file) == RIDDLE_IO_OK) wrote(user, "results.csv");
+    if (riddle_io_close(file) == RIDDLE_IO_OK) wrote(user, "scene_results.csv");
     if (!p.class) return;
     file = riddle_io_open(folder, "separation.csv");
     write_separation(&p, file);
@@ -335,7 +335,7 @@ void results_write(const row_table *r, const char *folder, void (*wrote)(void *u
     free(p.class);
 }
 
-void results_json(const row_table *r, json *j) {
+void scene_results_json(const row_table *r, json *j) {
     separation p;
     if (!j) return;
     find_separation(r->s, &p);
@@ -357,7 +357,7 @@ void results_json(const row_table *r, json *j) {
     free(p.class);
 }
 
-void results_say(const row_table *r) {
+void scene_results_say(const row_table *r) {
     const heap_def *h = r->s->def->measure.heaps.item;
     separation p;
     if (find_separation(r->s, &p)) {
