@@ -881,6 +881,17 @@ class Functions(unittest.TestCase):
         with self.assertRaises(TypeError):
             filtration.Fluid(definition)
 
+    def test_own_breakage(self):
+        """Two uniform daughters by a function in Python are those that are built in."""
+        edges, moments = np.geomspace(1e-3, 50.0, 41), []
+        for words in ({"daughters": granulation.UNIFORM}, {"daughters": granulation.OWN, "breakage": lambda z, mother, user: z * z}):
+            balance = granulation.Balance(granulation.balance_def(kernel=None, selection=lambda g, user: g.s, **words), edges, None)
+            balance.add(granulation.granule(s=20.0), 1.0)
+            balance.run(0.3)
+            moments.append([balance.moment(p, 0.0) for p in (0.0, 1.0, 2.0)])
+        np.testing.assert_allclose(moments[1], moments[0], rtol=1e-3)
+        self.assertGreater(moments[0][0], 3.0)
+
     def test_two_threads(self):
         """Each call raises what its own function raised."""
         def use(number, raised):

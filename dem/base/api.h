@@ -248,6 +248,9 @@ DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre
 /* Makes a wall a belt: its surface moves at this velocity [m/s], or at its part along the surface, while the wall stays
    where it is. */
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity);
+/* Makes a wall a belt that runs around pulleys: where the normal is n, its surface moves along axis x n, at this speed
+   [m/s] where the surface is parallel to the axis. Adds to dem_set_belt. */
+DEM_API dem_status dem_turn_belt(dem_world *world, int wall, dem_vec axis, double speed);
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 0: as if it were not there */
 /* Returns the time integral of the torque of particles on a wall about a point at rest [N m s], since the wall was
    added: its difference over the time between is the mean torque. Forces of links are not in it. NaN for a wall that
