@@ -479,6 +479,7 @@ typedef struct dem_wall_motion {
     dem_vec drift;       /* constant velocity [m/s] */
     dem_vec spin_centre; /* centre of a rotation [m] */
     dem_vec belt;        /* velocity of its surface within itself [m/s] */
+    dem_vec belt_turn;   /* the same around pulleys: axis times speed; along its product with the normal [m/s] */
     double inertia, load, damping; /* controlled: [kg], [N], [N s/m] or [kg m2], [N m], [N m s/rad] */
     dem_motion_fn motion;          /* prescribed */
     void *motion_user;
@@ -1023,6 +1024,9 @@ DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre
 /* Makes a wall a belt: its surface moves at this velocity [m/s], or at its part along the surface, while the wall stays
    where it is. */
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity);
+/* Makes a wall a belt that runs around pulleys: where the normal is n, its surface moves along axis x n, at this speed
+   [m/s] where the surface is parallel to the axis. Adds to dem_set_belt. */
+DEM_API dem_status dem_turn_belt(dem_world *world, int wall, dem_vec axis, double speed);
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 0: as if it were not there */
 /* Returns the time integral of the torque of particles on a wall about a point at rest [N m s], since the wall was
    added: its difference over the time between is the mean torque. Forces of links are not in it. NaN for a wall that
@@ -3811,10 +3815,22 @@ DEM_INLINE dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double ra
                : dem_vec3(0.0, 0.0, 0.0);
 }
 
+/* Returns whether a wall's surface runs while it stays. */
+DEM_INLINE int dem__turns_as_belt(const dem_wall *w) {
+    return w->asked.belt_turn.x != 0.0 || w->asked.belt_turn.y != 0.0 || w->asked.belt_turn.z != 0.0;
+}
+DEM_INLINE int dem__is_belt(const dem_wall *w) {
+    return w->asked.belt.x != 0.0 || w->asked.belt.y != 0.0 || w->asked.belt.z != 0.0 || dem__turns_as_belt(w);
+}
+/* Returns the velocity of a wall's surface within itself where the normal is n. */
+DEM_INLINE dem_vec dem__belt_velocity(const dem_wall *w, dem_vec n) {
+    const dem_vec along = dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n));
+    return dem__turns_as_belt(w) ? dem__add(along, dem__cross(w->asked.belt_turn, n)) : along;
+}
 /* Returns the velocity of a wall's surface at a point whose normal is n. */
 DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
     const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
-    return dem__add(dem__add(w->velocity, turning), dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n)));
+    return dem__add(dem__add(w->velocity, turning), dem__belt_velocity(w, n));
 }
 /* Adds what a push lasting h gives a wall: the integrals of its force and of its torque about its origin, and the work
    that the wall does meanwhile; belt_power: what its belt does. */
@@ -6158,7 +6174,7 @@ static inline void dem__bound_speed(dem_wall *a) {
         rate * rate *
         (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
     a->spin_bound = fabs(a->spin);
-    a->slides = a->spin != 0.0 || a->asked.belt.x != 0.0 || a->asked.belt.y != 0.0 || a->asked.belt.z != 0.0;
+    a->slides = a->spin != 0.0 || dem__is_belt(a);
 }
 
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
@@ -6277,6 +6293,17 @@ DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
     return DEM_OK;
 }
 
+DEM_API dem_status dem_turn_belt(dem_world *world, int wall, dem_vec axis, double speed) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_vec unit;
+    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
+        !dem__moderate(speed))
+        return DEM_BAD_ARGUMENT;
+    world->wall[wall].asked.belt_turn = dem__scale(speed, unit);
+    world->wall[wall].slides = 1;
+    return DEM_OK;
+}
+
 /* Computes the accelerations of controlled walls from the forces on them, and corrects their predicted rates. The
    damper is implicit. */
 static inline void dem__kick_walls(dem_world *w, double h) {
@@ -6301,9 +6328,8 @@ static inline void dem__kick_walls(dem_world *w, double h) {
 /* Applies an impulse at a sphere's place, where the wall's normal is n, and an angular impulse to a wall, in addition
    to the forces of the step. */
 static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec n, dem_vec impulse, dem_vec angular) {
-    const dem_vec about_origin = dem__add(angular, dem__cross(dem__sub(place, a->position), impulse)),
-                  belt = dem__sub(a->asked.belt, dem__scale(dem__dot(a->asked.belt, n), n));
-    dem__book_push(a, 1.0, impulse, about_origin, -dem__dot(impulse, belt));
+    const dem_vec about_origin = dem__add(angular, dem__cross(dem__sub(place, a->position), impulse));
+    dem__book_push(a, 1.0, impulse, about_origin, -dem__dot(impulse, dem__belt_velocity(a, n)));
     if (a->asked.drive < DEM_FORCE_CONTROLLED) return;
     const dem_vec turning = dem__add(angular, dem__cross(dem__sub(place, a->asked.spin_centre), impulse));
     a->rate += dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? impulse : turning, a->spin_axis) / a->asked.inertia;
@@ -8025,9 +8051,8 @@ static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdi
     for (int q = 0; q < x->walls; q++) {
         const dem_wall *wall = x->wall[q].wall;
         const int k = x->wall[q].row;
-        const dem_vec belt = wall->asked.belt, n = dem_vec3(x->rows.nx[k], x->rows.ny[k], x->rows.nz[k]);
-        if (belt.x == 0.0 && belt.y == 0.0 && belt.z == 0.0) continue;
-        const dem_vec along = dem__sub(belt, dem__scale(dem__dot(belt, n), n));
+        if (!dem__is_belt(wall)) continue;
+        const dem_vec along = dem__belt_velocity(wall, dem_vec3(x->rows.nx[k], x->rows.ny[k], x->rows.nz[k]));
         w->engine->contacts.wall_force[chunk * w->engine->walls.capacity + (wall - w->wall)].belt_power +=
             out[0][k] * along.x + out[1][k] * along.y + out[2][k] * along.z;
     }
@@ -15154,6 +15179,7 @@ static inline void dem__wall_fields(dem_wall *a, dem__group *g) {
         DEM__DOUBLES("wall.drift", asked->drift, s),
         DEM__DOUBLES("wall.spin_centre", asked->spin_centre, s),
         DEM__DOUBLES("wall.belt", asked->belt, s),
+        DEM__DOUBLES("wall.belt_turn", asked->belt_turn, s),
         DEM__DOUBLES("wall.inertia", asked->inertia, s),
         DEM__DOUBLES("wall.load", asked->load, s),
         DEM__DOUBLES("wall.damping", asked->damping, s),
