@@ -230,7 +230,9 @@ extern "C" {
     X(DEM_BAD_DEFINITION, "a field of the definition is outside its range")                                            \
     X(DEM_OUT_OF_MEMORY, "out of memory")                                                                              \
     X(DEM_NOT_FINITE, "a particle's force or position is not finite")                                                  \
-    X(DEM_TOO_FAST, "a particle moves more than half its radius, or a body turns by a hundred radians, in one step")   \
+    X(DEM_TOO_FAST,                                                                                                    \
+      "a particle moves more than half its radius, a polyhedron more than its width, or a body turns by a hundred "    \
+      "radians, in one step")                                                                                          \
     X(DEM_TOO_MANY, "more walls, materials or particles than this header counts, or more mass than a region can hold") \
     X(DEM_BAD_DATA, "neither a whole saved world of this version nor an STL file with triangles")                      \
     X(DEM_LAW_MISMATCH,                                                                                                \
@@ -507,9 +509,9 @@ typedef struct dem_wall {
     dem_vec spin_axis;                        /* axis of its rotation; controlled: of the motion */
     double spin, spin_rate;                   /* [rad/s], [rad/s2] */
     double coordinate, rate,
-        rate_change;       /* controlled: distance [m] or angle [rad] since control began, and its derivatives */
-    dem_vec force, torque; /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
-    dem_vec impulse;       /* time integral of the force [N s] */
+        rate_change;         /* controlled: distance [m] or angle [rad] since control began, and its derivatives */
+    dem_vec force, torque;   /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
+    dem_vec impulse;         /* time integral of the force [N s] */
     dem_vec angular_impulse; /* time integral of the torque about the world's origin [N m s]; see
                                 dem_wall_angular_impulse */
     double work;             /* done on the particles by its motion and its belt [J] */
@@ -2573,6 +2575,20 @@ static inline void *dem__default_allocator(void *user, void *old, size_t old_siz
 DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
     const dem__convex_state *convex = &w->engine->convex;
     return convex->shapes > 0 && convex->shape_of[i] > 0 ? &convex->shape[convex->shape_of[i] - 1] : NULL;
+}
+
+/* Returns the least distance of a face of a core from its centre [m]. */
+static inline double dem__half_width(const dem_convex *s) {
+    double least = s->reach;
+    for (int f = 0; f < s->faces; f++) least = s->plane[f][3] < least ? s->plane[f][3] : least;
+    return least;
+}
+/* Returns the longest way of particle i in a step [m]: half its radius, or less for a thin polyhedron, which could pass
+   a sheet without being cut by it. */
+DEM_INLINE double dem__longest_step(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    const double half = 0.5 * w->particle[i].radius, width = s ? 2.0 * dem__half_width(s) : half;
+    return width < half ? width : half;
 }
 
 /* Returns the radius with which particle i touches: its own, or that of its rounding. */
@@ -6500,7 +6516,7 @@ DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const d
     const dem__leeway leeway = dem__leeway_of(w, i, f, x, v);
     double speed = dem__length(v);
     int sooner = 0;
-    if (!(speed * run->dt <= 0.5 * w->particle[i].radius) && news->fast < 0) news->fast = i;
+    if (!(speed * run->dt <= dem__longest_step(w, i)) && news->fast < 0) news->fast = i;
     speed += 2.0 * bodies->bound[i].tolerance;
     if (!dem__lasts(w, &leeway, (double)(news->check - step) * run->dt)) {
         const int64_t due =
@@ -17184,16 +17200,9 @@ static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q
     return low < high;
 }
 
-/* Returns the least distance of a face of a core from its centre [m]. */
-static inline double dem__half_width(const dem_convex *s) {
-    double least = s->reach;
-    for (int f = 0; f < s->faces; f++) least = s->plane[f][3] < least ? s->plane[f][3] : least;
-    return least;
-}
-
 /* Finds the direction in which an edge of a wall, which is in the core, is nearest to its surface, among those at which
    edges of the core cross it. Returns 0 if there is none. */
-static inline int dem__find_way_out(const dem__at_wall *q, const dem__placed_edge *e, dem_vec *way) {
+static DEM__NOINLINE int dem__find_way_out(const dem__at_wall *q, const dem__placed_edge *e, dem_vec *way) {
     double nearest = HUGE_VAL, s, distance;
     dem_vec n;
     for (int k = 0; k < q->edges; k++) {
@@ -17242,7 +17251,7 @@ static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, doubl
 
 /* Finds the touches of a sphere of the rounding at x with a sheet that may cut the core. Behind the sheet its overlap
    counts on, along the normal to the front. Returns their number. */
-static inline int dem__touch_cutting(const dem__at_wall *q, dem_vec x, double limit, dem__touch *touch) {
+static DEM__NOINLINE int dem__touch_cutting(const dem__at_wall *q, dem_vec x, double limit, dem__touch *touch) {
     const dem_wall *wall = q->wall;
     dem__touch behind;
     double least;
@@ -17269,8 +17278,13 @@ static inline int dem__touch_cutting(const dem__at_wall *q, dem_vec x, double li
 /* Adds the points of the polyhedron's corners, which are spheres. */
 static inline void dem__touch_with_corners(dem__at_wall *q) {
     dem__touch touch[DEM__TOUCHES];
+    const int is_flat = dem__has(q->wall, DEM__HALF_SPACE);
+    const dem_vec up = dem__into_core(&q->core, q->wall->axis[2]);
+    const double enough =
+        1.000001 * q->shape->radius - dem__dot(dem__sub(q->centre, q->wall->position), q->wall->axis[2]);
     double least;
     for (int k = 0; k < q->shape->corners; k++) {
+        if (is_flat && dem__dot(up, dem__point(q->shape->corner[k])) > enough) continue;
         const dem_vec arm = dem__from_core_frame(&q->core, dem__point(q->shape->corner[k])),
                       x = dem__add(q->centre, arm);
         const int found = q->is_cut ? dem__touch_cutting(q, x, 0.0, touch)
@@ -17369,16 +17383,12 @@ DEM_INLINE int dem__corners_at(const dem_wall *wall) {
     return wall->kind__->corners ? wall->kind__->corners(wall) : DEM__CORNERS_SOME;
 }
 
-/* Finds the points of a polyhedron at a wall, both at the end of the step. Returns their number; may_cut: whether a
+/* Finds the points of a polyhedron at a wall, both at the end of the step; the sphere around it touches the wall. Returns their number; may_cut: whether a
    sheet may cut its core. */
 static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
                                              dem__convex_point *out, int *may_cut) {
-    dem__touch touch[DEM__TOUCHES];
     dem__at_wall q;
-    double least;
     *may_cut = 0;
-    dem__touch_wall(wall, place->x, s->reach, 0.0, touch, &least);
-    if (!(least < 0.0)) return 0;
     q.visitor.corner = dem__touch_wall_corner, q.visitor.edge = dem__cross_wall_edge;
     q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
     q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);
@@ -17535,7 +17545,7 @@ static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem_
 /* Adds the point at which two overlapping cores are pushed apart to the n points of a pair. With U, the energy of these
    over the stiffness, and that of the point, V = c (radii + depth)^2/2, the energy of the pair is (1 - s) U + s V, where
    s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. */
-static inline int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                   const dem__placed *pb, const dem__gap_of_cores *gap, dem__convex_point *out, int n) {
     const double radii = a->radius + b->radius, depth = -gap->separation, overlap = radii + depth,
                  over = depth / (DEM__DEEP * radii);
@@ -17723,8 +17733,14 @@ static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, in
     p->is_close = 0;
     if (!dem__is_at_wall(w, p->i, -1 - p->j)) return;
     const double slack = w->engine->pairs.position_tolerance;
-    dem__touch_wall(&w->wall[-1 - p->j], x, w->particle[p->i].radius, may_rest ? w->engine->pairs.wall_reach : slack,
-                    touch, &least);
+    const dem_wall *wall = &w->wall[-1 - p->j];
+    const double radius = w->particle[p->i].radius, limit = may_rest ? w->engine->pairs.wall_reach : slack;
+    if (dem__has(wall, DEM__HALF_SPACE)) {
+        dem__touch_flat(wall, dem__sub(x, wall->position), radius, touch);
+        least = touch->gap;
+    } else if (dem__has(wall, DEM__TRIANGULATED)) /* the nearest place is enough */
+        dem__touch_mesh(wall, dem__sub(x, wall->position), radius, -HUGE_VAL, limit, touch, &least);
+    else dem__touch_wall(wall, x, radius, limit, touch, &least);
     p->is_close = least < slack;
     if (!p->is_close && may_rest) dem__rest_from_wall(w, p, step, x, least, 0.0);
 }

@@ -16,6 +16,20 @@ DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
     return convex->shapes > 0 && convex->shape_of[i] > 0 ? &convex->shape[convex->shape_of[i] - 1] : NULL;
 }
 
+/* Returns the least distance of a face of a core from its centre [m]. */
+static inline double dem__half_width(const dem_convex *s) {
+    double least = s->reach;
+    for (int f = 0; f < s->faces; f++) least = s->plane[f][3] < least ? s->plane[f][3] : least;
+    return least;
+}
+/* Returns the longest way of particle i in a step [m]: half its radius, or less for a thin polyhedron, which could pass
+   a sheet without being cut by it. */
+DEM_INLINE double dem__longest_step(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    const double half = 0.5 * w->particle[i].radius, width = s ? 2.0 * dem__half_width(s) : half;
+    return width < half ? width : half;
+}
+
 /* Returns the radius with which particle i touches: its own, or that of its rounding. */
 DEM_INLINE double dem__touching_radius(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);

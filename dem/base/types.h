@@ -9,7 +9,9 @@
     X(DEM_BAD_DEFINITION, "a field of the definition is outside its range")                                            \
     X(DEM_OUT_OF_MEMORY, "out of memory")                                                                              \
     X(DEM_NOT_FINITE, "a particle's force or position is not finite")                                                  \
-    X(DEM_TOO_FAST, "a particle moves more than half its radius, or a body turns by a hundred radians, in one step")   \
+    X(DEM_TOO_FAST,                                                                                                    \
+      "a particle moves more than half its radius, a polyhedron more than its width, or a body turns by a hundred "    \
+      "radians, in one step")                                                                                          \
     X(DEM_TOO_MANY, "more walls, materials or particles than this header counts, or more mass than a region can hold") \
     X(DEM_BAD_DATA, "neither a whole saved world of this version nor an STL file with triangles")                      \
     X(DEM_LAW_MISMATCH,                                                                                                \
@@ -286,9 +288,9 @@ typedef struct dem_wall {
     dem_vec spin_axis;                        /* axis of its rotation; controlled: of the motion */
     double spin, spin_rate;                   /* [rad/s], [rad/s2] */
     double coordinate, rate,
-        rate_change;       /* controlled: distance [m] or angle [rad] since control began, and its derivatives */
-    dem_vec force, torque; /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
-    dem_vec impulse;       /* time integral of the force [N s] */
+        rate_change;         /* controlled: distance [m] or angle [rad] since control began, and its derivatives */
+    dem_vec force, torque;   /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
+    dem_vec impulse;         /* time integral of the force [N s] */
     dem_vec angular_impulse; /* time integral of the torque about the world's origin [N m s]; see
                                 dem_wall_angular_impulse */
     double work;             /* done on the particles by its motion and its belt [J] */

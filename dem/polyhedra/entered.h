@@ -41,7 +41,7 @@ static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem_
 /* Adds the point at which two overlapping cores are pushed apart to the n points of a pair. With U, the energy of these
    over the stiffness, and that of the point, V = c (radii + depth)^2/2, the energy of the pair is (1 - s) U + s V, where
    s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. */
-static inline int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                   const dem__placed *pb, const dem__gap_of_cores *gap, dem__convex_point *out, int n) {
     const double radii = a->radius + b->radius, depth = -gap->separation, overlap = radii + depth,
                  over = depth / (DEM__DEEP * radii);

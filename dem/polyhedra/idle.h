@@ -3,6 +3,7 @@
    time. */
 #pragma once
 #include "../search/tests.h"
+#include "../walls/mesh_touch.h"
 
 /* Returns whether particle i still is in the flight that began at a step. */
 DEM_INLINE int dem__flies_on(const dem_world *w, ptrdiff_t i, int64_t origin) {
@@ -164,8 +165,14 @@ static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, in
     p->is_close = 0;
     if (!dem__is_at_wall(w, p->i, -1 - p->j)) return;
     const double slack = w->engine->pairs.position_tolerance;
-    dem__touch_wall(&w->wall[-1 - p->j], x, w->particle[p->i].radius, may_rest ? w->engine->pairs.wall_reach : slack,
-                    touch, &least);
+    const dem_wall *wall = &w->wall[-1 - p->j];
+    const double radius = w->particle[p->i].radius, limit = may_rest ? w->engine->pairs.wall_reach : slack;
+    if (dem__has(wall, DEM__HALF_SPACE)) {
+        dem__touch_flat(wall, dem__sub(x, wall->position), radius, touch);
+        least = touch->gap;
+    } else if (dem__has(wall, DEM__TRIANGULATED)) /* the nearest place is enough */
+        dem__touch_mesh(wall, dem__sub(x, wall->position), radius, -HUGE_VAL, limit, touch, &least);
+    else dem__touch_wall(wall, x, radius, limit, touch, &least);
     p->is_close = least < slack;
     if (!p->is_close && may_rest) dem__rest_from_wall(w, p, step, x, least, 0.0);
 }

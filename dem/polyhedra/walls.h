@@ -89,16 +89,9 @@ static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q
     return low < high;
 }
 
-/* Returns the least distance of a face of a core from its centre [m]. */
-static inline double dem__half_width(const dem_convex *s) {
-    double least = s->reach;
-    for (int f = 0; f < s->faces; f++) least = s->plane[f][3] < least ? s->plane[f][3] : least;
-    return least;
-}
-
 /* Finds the direction in which an edge of a wall, which is in the core, is nearest to its surface, among those at which
    edges of the core cross it. Returns 0 if there is none. */
-static inline int dem__find_way_out(const dem__at_wall *q, const dem__placed_edge *e, dem_vec *way) {
+static DEM__NOINLINE int dem__find_way_out(const dem__at_wall *q, const dem__placed_edge *e, dem_vec *way) {
     double nearest = HUGE_VAL, s, distance;
     dem_vec n;
     for (int k = 0; k < q->edges; k++) {
@@ -147,7 +140,7 @@ static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, doubl
 
 /* Finds the touches of a sphere of the rounding at x with a sheet that may cut the core. Behind the sheet its overlap
    counts on, along the normal to the front. Returns their number. */
-static inline int dem__touch_cutting(const dem__at_wall *q, dem_vec x, double limit, dem__touch *touch) {
+static DEM__NOINLINE int dem__touch_cutting(const dem__at_wall *q, dem_vec x, double limit, dem__touch *touch) {
     const dem_wall *wall = q->wall;
     dem__touch behind;
     double least;
@@ -174,8 +167,13 @@ static inline int dem__touch_cutting(const dem__at_wall *q, dem_vec x, double li
 /* Adds the points of the polyhedron's corners, which are spheres. */
 static inline void dem__touch_with_corners(dem__at_wall *q) {
     dem__touch touch[DEM__TOUCHES];
+    const int is_flat = dem__has(q->wall, DEM__HALF_SPACE);
+    const dem_vec up = dem__into_core(&q->core, q->wall->axis[2]);
+    const double enough =
+        1.000001 * q->shape->radius - dem__dot(dem__sub(q->centre, q->wall->position), q->wall->axis[2]);
     double least;
     for (int k = 0; k < q->shape->corners; k++) {
+        if (is_flat && dem__dot(up, dem__point(q->shape->corner[k])) > enough) continue;
         const dem_vec arm = dem__from_core_frame(&q->core, dem__point(q->shape->corner[k])),
                       x = dem__add(q->centre, arm);
         const int found = q->is_cut ? dem__touch_cutting(q, x, 0.0, touch)
@@ -274,16 +272,12 @@ DEM_INLINE int dem__corners_at(const dem_wall *wall) {
     return wall->kind__->corners ? wall->kind__->corners(wall) : DEM__CORNERS_SOME;
 }
 
-/* Finds the points of a polyhedron at a wall, both at the end of the step. Returns their number; may_cut: whether a
+/* Finds the points of a polyhedron at a wall, both at the end of the step; the sphere around it touches the wall. Returns their number; may_cut: whether a
    sheet may cut its core. */
 static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
                                              dem__convex_point *out, int *may_cut) {
-    dem__touch touch[DEM__TOUCHES];
     dem__at_wall q;
-    double least;
     *may_cut = 0;
-    dem__touch_wall(wall, place->x, s->reach, 0.0, touch, &least);
-    if (!(least < 0.0)) return 0;
     q.visitor.corner = dem__touch_wall_corner, q.visitor.edge = dem__cross_wall_edge;
     q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
     q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);

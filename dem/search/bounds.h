@@ -138,7 +138,7 @@ DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const d
     const dem__leeway leeway = dem__leeway_of(w, i, f, x, v);
     double speed = dem__length(v);
     int sooner = 0;
-    if (!(speed * run->dt <= 0.5 * w->particle[i].radius) && news->fast < 0) news->fast = i;
+    if (!(speed * run->dt <= dem__longest_step(w, i)) && news->fast < 0) news->fast = i;
     speed += 2.0 * bodies->bound[i].tolerance;
     if (!dem__lasts(w, &leeway, (double)(news->check - step) * run->dt)) {
         const int64_t due =
