@@ -163,7 +163,7 @@ void results_json(const result_table *r, json *report, const char *key) {
             const char *name = r->json[k], *format = r->column[k].format;
             const cell *x = &r->cells[row * r->n + k];
             const bool may_lack = *name == '?';
-            if (!*name || (may_lack && isnan(x->number))) continue;
+            if (!*name || (may_lack && (x->text ? !*x->text : isnan(x->number)))) continue;
             if (x->text) json_string(report, name + may_lack, x->text);
             else if (format && !strchr(format, '%') && !isnan(x->number))
                 json_bool(report, name + may_lack, x->number != 0.0);

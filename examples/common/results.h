@@ -21,7 +21,8 @@
 #pragma GCC diagnostic ignored "-Wmissing-field-initializers" /* what a column does not need is left out */
 #endif
 
-/* key: "json|csv" if the names differ, "json|" or "|csv" in one of them only, NULL in none; "?key" is not in JSON where the number is NaN.
+/* key: "json|csv" if the names differ, "json|" or "|csv" in one of them only, NULL in none; "?key" is not in JSON where the number is NaN
+   or the text empty.
    heading: NULL is not on the screen.
    format: "%s" is a text, "yes|no" a truth value, else that of a number on the screen; NULL: a number of the files.
    scale: of the number on the screen over that of the files; 0 is 1. */
