@@ -276,7 +276,7 @@ int main(int argc, char **argv) {
                 riddle_io_table_cell(&t, "%+.1e", o[m].bias);
                 riddle_io_table_cell(&t, "%.1e", o[m].most);
                 snprintf(name, sizeof name, "impact e %g", restitutions[r]);
-                results_row(runs, TEXTS("impact", name, method_names[m], ""), restitutions[r], divisions[level],
+                results_row(runs, TEXTS("impact", name, method_names[m], NULL), restitutions[r], divisions[level],
                             m == DEM ? cpu_s : none, none, o[m].rms, o[m].bias, o[m].most, none);
             }
             progress_add(&bar, 1.0);

@@ -513,8 +513,8 @@ static void separate(const gap *g, json *j, const double *share, int n, double r
     else {
         common_print("separation with these contacts: x25 %.2f, x50 %.2f, x75 %.2f um, sharpness %.3f\n", 1e6 * result.x25,
                      1e6 * result.x50, 1e6 * result.x75, result.sharpness);
-        json_number(j, "x25_m", result.x25), json_number(j, "x50_m", result.x50), json_number(j, "x75_m", result.x75);
-        json_number(j, "sharpness", result.sharpness);
+        results_values(j, {"x25_m", result.x25}, {"x50_m", result.x50}, {"x75_m", result.x75},
+                       {"sharpness", result.sharpness});
     }
     classifier_free(&model);
 }
@@ -551,32 +551,25 @@ static void report(const gap *g, const dem_world *w, const record *r) {
     for (int k = 0; k < BINS; k++) bin[k] = k, count[k] /= n > 0 ? n : 1;
     for (int k = 0; k < CLASSIFIER_BINS; k++) mates[k] /= n > 0 ? n : 1;
     json *j = json_open(g->self->json);
-    json_number(j, "rpm", g->rpm);
     json_string(j, "shape", shapes[g->shape]);
     json_bool(j, "drag", g->drag == 0);
-    json_number(j, "cor", g->restitution);
-    json_integer(j, "particles", n);
-    json_integer(j, "unfinished", unfinished);
-    json_number(j, "contacts_mean", contacts.mean), json_number(j, "contacts_sd", deviation(&contacts));
-    json_number(j, "contacts_standard_error", deviation(&contacts) / sqrt(contacts.n));
-    json_number(j, "paddle_contacts_mean", paddles.mean), json_number(j, "particle_contacts_mean", contacts.mean - paddles.mean);
+    json_bool(j, "one_rate", g->one_rate);
     json_array(j, "contacts_histogram", count, BINS);
+    json_array(j, "impact_radius_m", hits, hits ? of_hits : 0);
     json_object_begin(j, "residence_time_s");
     json_number(j, "mean", stay.mean), json_number(j, "sd", deviation(&stay));
     json_object_end(j);
-    json_array(j, "impact_radius_m", hits, hits ? of_hits : 0);
-    json_number(j, "impact_radius_mean_m", radius.mean), json_number(j, "impact_radius_sd_m", deviation(&radius));
-    json_number(j, "impact_speed_mean_m_s", speed.mean),
-        json_number(j, "impact_speed_over_rim", speed.mean / (omega(g) * g->machine.wheel.outer_radius));
-    json_number(j, "cor_mean", cor), json_number(j, "cor_sd", cor_sd);
-    json_number(j, "rebound_angle_sd_deg", turned_sd), json_integer(j, "rebounds", r->rebounds);
-    json_number(j, "contact_time_s", g->contact_time);
-    json_number(j, "outward_share", n > 0 ? outward / n : (double)NAN);
-    json_number(j, "present", (double)w->count);
-    json_integer(j, "steps", w->step), json_integer(j, "particle_steps", w->particle_steps),
-        json_integer(j, "contact_steps", w->contact_steps);
-    json_bool(j, "one_rate", g->one_rate);
-    json_integer(j, "core_overlaps", r->overlaps);
+    results_values(
+        j, {"rpm", g->rpm}, {"cor", g->restitution}, {"particles", n}, {"unfinished", unfinished},
+        {"contacts_mean", contacts.mean}, {"contacts_sd", deviation(&contacts)},
+        {"contacts_standard_error", deviation(&contacts) / sqrt(contacts.n)}, {"paddle_contacts_mean", paddles.mean},
+        {"particle_contacts_mean", contacts.mean - paddles.mean}, {"impact_radius_mean_m", radius.mean},
+        {"impact_radius_sd_m", deviation(&radius)}, {"impact_speed_mean_m_s", speed.mean},
+        {"impact_speed_over_rim", speed.mean / (omega(g) * g->machine.wheel.outer_radius)}, {"cor_mean", cor},
+        {"cor_sd", cor_sd}, {"rebound_angle_sd_deg", turned_sd}, {"rebounds", r->rebounds},
+        {"contact_time_s", g->contact_time}, {"outward_share", n > 0 ? outward / n : (double)NAN},
+        {"present", (double)w->count}, {"steps", w->step}, {"particle_steps", w->particle_steps},
+        {"contact_steps", w->contact_steps}, {"core_overlaps", r->overlaps});
     if (r->overlaps > 0)
         common_print("bricks overlap deeper than their rounding, in one another or in a paddle (%d at a time): shorten --contact-ns\n",
                      (int)r->overlaps);

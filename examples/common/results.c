@@ -10,7 +10,7 @@ enum { COLUMNS_MAX = 40, NAME_SIZE = 64 };
 
 typedef struct cell {
     double number;
-    char *text; /* NULL: a number */
+    char *text; /* NULL: there is none */
 } cell;
 
 struct result_table {
@@ -21,6 +21,8 @@ struct result_table {
     double **taken;                                                 /* columns that were asked for */
     int n, rows, n_taken;
 };
+
+const char results_end[1];
 
 static void *sized(void *old, size_t size) {
     void *memory = realloc(old, size ? size : 1);
@@ -79,11 +81,11 @@ void results_add(result_table *r, const char *const *texts, const double *number
     for (int k = 0; k < r->n; k++) {
         cell *to = &r->cells[r->rows * r->n + k];
         to->text = NULL, to->number = (double)NAN;
-        if (is_text(&r->column[k]) ? !texts || !*texts : used == n) abort();
-        if (is_text(&r->column[k])) to->text = copied(*texts, strlen(*texts)), texts++;
-        else to->number = numbers[used++];
+        if (is_text(&r->column[k]) ? !texts || *texts == results_end : used == n) abort();
+        if (is_text(&r->column[k]) && *texts++) to->text = copied(texts[-1], strlen(texts[-1]));
+        else if (!is_text(&r->column[k])) to->number = numbers[used++];
     }
-    if (used < n || (texts && *texts)) abort();
+    if (used < n || (texts && *texts != results_end)) abort();
     r->rows++;
 }
 
@@ -163,8 +165,9 @@ void results_json(const result_table *r, json *report, const char *key) {
             const char *name = r->json[k], *format = r->column[k].format;
             const cell *x = &r->cells[row * r->n + k];
             const bool may_lack = *name == '?';
-            if (!*name || (may_lack && (x->text ? !*x->text : isnan(x->number)))) continue;
+            if (!*name || (may_lack && !x->text && isnan(x->number))) continue;
             if (x->text) json_string(report, name + may_lack, x->text);
+            else if (is_text(&r->column[k])) json_string(report, name + may_lack, NULL);
             else if (format && !strchr(format, '%') && !isnan(x->number))
                 json_bool(report, name + may_lack, x->number != 0.0);
             else json_number(report, name + may_lack, x->number);
