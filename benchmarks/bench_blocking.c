@@ -137,13 +137,6 @@ static void ode(const program *self, json *report, riddle_plot *figure) {
 
 /* ---- 2: the estimators ---- */
 
-static double next_random(uint64_t *s) { /* 0 <= u < 1, splitmix64 */
-    uint64_t x = *s += 0x9e3779b97f4a7c15u;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return (double)((x ^ x >> 31) >> 11) * 0x1p-53;
-}
-
 static int ascending(const void *a, const void *b) {
     return (*(const double *)a > *(const double *)b) - (*(const double *)a < *(const double *)b);
 }
@@ -171,7 +164,7 @@ static void estimators(const program *self, json *report, riddle_plot *figure) {
             double f[TIMES], sigma[TIMES];
             for (int i = 0; i < TIMES; i++) { /* a normal deviate stands for the binomial one */
                 double exact = blocking_curve(.949, .714, .0101, t[i]), normal = -6.0;
-                for (int j = 0; j < 12; j++) normal += next_random(&seed);
+                for (int j = 0; j < 12; j++) normal += random_share(&seed);
                 sigma[i] = sqrt(exact * (1.0 - exact) / holes[s]);
                 f[i] = fmin(1.0, exact + sigma[i] * normal);
             }

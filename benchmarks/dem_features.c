@@ -40,14 +40,11 @@ static const feature features[FEATURES] = {
 
 /* ---- scenes ---- */
 
-/* The settled bed four times as high, with speeds of up to 0.3 m/s along each axis (splitmix64). */
+/* The settled bed four times as high, with speeds of up to 0.3 m/s along each axis. */
 static void dilute(bed *b) {
     uint64_t state = 1;
     for (int k = 0; k < 3 * b->n; k++) {
-        uint64_t z = (state += 0x9e3779b97f4a7c15u);
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-        b->velocities[k] = 0.6 * ((double)((z ^ (z >> 31)) >> 11) * 0x1p-53 - 0.5);
+        b->velocities[k] = 0.6 * (random_share(&state) - 0.5);
         if (k % 3 == 2) b->centres[k] *= 4.0;
     }
 }

@@ -88,13 +88,6 @@ static const char *const scene_names[SCENES] = {
     "elastic bed", "elastic bed, predicted Verlet", "bed at rest, e 0.78", "bed at rest, e 0.44", "bed, vibrated", "drum", "screen"};
 static const double durations[SCENES] = {0.04, 0.04, 0.02, 0.02, 0.04, 0.3, 0.5}; /* [s] */
 
-static double random_share(uint64_t *state) { /* splitmix64 */
-    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
 /* n spheres on a grid of 10.5 mm, in layers upwards from z, within a cylinder around the axis z, or around y if it has a half width. */
 static dem_status pile(dem_world *world, int n, double z, double radius, double half_width, uint64_t random) {
     static const double sizes[7] = {0.005, 0.005, 0.005, 0.005, 0.007, 0.007, 0.010};

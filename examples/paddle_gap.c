@@ -364,11 +364,6 @@ static dem_status build(dem_world *w, gap *g) {
 /* Angle of the paddle behind now [rad]. */
 static double angle_of(const dem_world *w) { return atan2(w->wall[0].axis[0].y, w->wall[0].axis[0].x); }
 
-static double uniform(uint64_t *random) {
-    *random = *random * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*random >> 11) * 0x1p-53;
-}
-
 /* Is a place free of particles near the rim? */
 static int is_free(const dem_world *w, const double *x, double r, double depth) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -387,7 +382,7 @@ static dem_status add_particle(dem_world *w, const gap *g, int shape, const doub
     double q[4], square;
     if (shape == SPHERE) return dem_add_spheres(w, 1, x, d, 0, 0);
     do {
-        for (int a = 0; a < 4; a++) q[a] = 2.0 * uniform(random) - 1.0;
+        for (int a = 0; a < 4; a++) q[a] = 2.0 * random_plain(random) - 1.0;
         square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     } while (!(square <= 1.0 && square > 1e-3));
     if (shape == CLUMP) return dem_add_clumps(w, 1, &g->clump, x, d, q, 0, 0);
@@ -414,14 +409,14 @@ static history *new_history(record *r, double d, double time) {
 static dem_status enter(dem_world *w, record *r, double d, uint64_t *random) {
     const gap *g = r->g;
     const classifier_wheel *wheel = &g->machine.wheel;
-    const int shape = g->shape == BOTH ? (uniform(random) < 0.5 ? BRICK : SPHERE) : g->shape;
+    const int shape = g->shape == BOTH ? (random_plain(random) < 0.5 ? BRICK : SPHERE) : g->shape;
     const double around = reach(g, shape, d);
     const double face = asin((0.5 * wheel->thickness + around) / wheel->outer_radius), arc = pitch(g) - 2.0 * face;
-    const double v = classifier_distribution_at(&g->machine.radial_velocity, uniform(random));
-    const double against = classifier_distribution_at(&g->machine.tangential_velocity, uniform(random));
+    const double v = classifier_distribution_at(&g->machine.radial_velocity, random_plain(random));
+    const double against = classifier_distribution_at(&g->machine.tangential_velocity, random_plain(random));
     for (int tries = 0; tries < 100; tries++) {
-        const double a = angle_of(w) + face + arc * uniform(random), in = wheel->outer_radius - v * interval * uniform(random);
-        const double c = cos(a), s = sin(a), x[3] = {in * c, in * s, g->depth * uniform(random)};
+        const double a = angle_of(w) + face + arc * random_plain(random), in = wheel->outer_radius - v * interval * random_plain(random);
+        const double c = cos(a), s = sin(a), x[3] = {in * c, in * s, g->depth * random_plain(random)};
         if (!is_free(w, x, around, g->depth)) continue;
         const dem_status status = add_particle(w, g, shape, x, &d, random);
         if (status != DEM_OK) return status;
