@@ -9,6 +9,7 @@
 #include <stdio.h>
 
 #include "../examples/screen_deck/deck_measure.h"
+#include "../examples/common/random.h"
 
 /* ---- statistics ---- */
 

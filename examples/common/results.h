@@ -33,7 +33,7 @@ typedef struct result_column {
 typedef struct result_table result_table;
 result_table *results_new(const result_column *columns, int n);
 #define RESULTS(columns) results_new(columns, (int)(sizeof(columns) / sizeof *(columns)))
-/* Of numbers for a CSV file that begins with this header; comments on lines with '#' may stand before it. */
+/* Of numbers for a CSV file that begins with this header. */
 result_table *results_of(const char *header);
 void results_free(result_table *r);
 
