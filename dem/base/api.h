@@ -298,8 +298,14 @@ typedef struct dem_advice {
     double rayleigh; /* pi R sqrt(rho/G)/(0.1631 nu + 0.8766) of the smallest sphere (materials with moduli) */
     double dashpot;  /* m_eff/gamma of the strongest dashpot */
     double advised;  /* min(t_c/20, 0.2 rayleigh for DEM_HERTZ, dashpot/2) */
+    /* For hits at the given speed v, of each body with all of its mass m on what does not give way: */
+    double stiffness; /* linear laws: m v^2/d^2 of the body that needs most [N/m]: with it in all pairs no overlap is
+                         deeper than d, the rounding of a polyhedron or a tenth of a sphere's radius */
+    double depth;     /* overlap over d with the pairs as they are, of the body that gets deepest; above 1 they are too
+                         soft */
 } dem_advice;
-/* Advises on the time step. speed: expected impact speed [m/s] > 0; used by DEM_HERTZ only. */
+/* Advises on the time step and the stiffness. speed: expected impact speed [m/s] > 0; the time step needs it with
+   DEM_HERTZ only. 0: stiffness and depth are 0. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed);
 
 /* ---- links: forces between bodies that need not touch, smooth enough for a larger step; a liquid bridge ---- */
