@@ -11,16 +11,12 @@
 
 #include <cmocka.h>
 
+#include "near.h"
+#include "../examples/common/random.h"
+
 static const double pi = 3.14159265358979323846;
 static uint64_t seed = 1;
-static double uniform(double low, double high) {
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
-}
-static void near(double a, double b, double tolerance) {
-    if (!(fabs(a - b) <= tolerance)) print_message("%.15g is not %.15g\n", a, b);
-    assert_true(fabs(a - b) <= tolerance);
-}
+static double uniform(double low, double high) { return low + (high - low) * random_plain(&seed); }
 static int is_long(void) { return getenv("RIDDLE_LONG") != NULL; }
 static void run(dem_world *w, double duration) {
     assert_int_equal(dem_run(w, duration, DEM_LINEAR | DEM_FRICTION), DEM_OK);

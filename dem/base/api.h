@@ -445,6 +445,18 @@ typedef struct dem_field {
    rule with 8 points. */
 DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field);
 
+/* How rigid bodies lie. */
+typedef struct dem_order {
+    ptrdiff_t bodies;    /* in the region */
+    double tensor[3][3]; /* mean of (3 u u - 1)/2, u an axis of a body; NaN without bodies */
+    double parameter;    /* its largest eigenvalue: 1 all axes are parallel, 0 they have no common direction [-] */
+    dem_vec director;    /* the common direction: of unit length, its sign means nothing */
+} dem_order;
+/* Measures the order tensor of the clumps and polyhedra whose centres lie in a region (NULL: of all). axis: 0, 1, 2 for
+   x, y, z of the frame in which their shapes were given. Of bodies without a common direction the parameter is about
+   1/sqrt(bodies). DEM_BAD_ARGUMENT. */
+DEM_API dem_status dem_measure_order(const dem_world *world, const dem_region *region, int axis, dem_order *order);
+
 /* Counts contacts in `bins` equal bins from low to high, low < high, by force [N], overlap [m] or tangential force
    [N]; contacts without overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
 typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP, DEM_CONTACT_TANGENTIAL_FORCE } dem_quantity;
