@@ -285,6 +285,31 @@ static void test_saved_when_deep(void **state) {
     dem_free(&w), dem_free(&again);
 }
 
+/* A thin tile that falls flat, in few steps: below its thickness a step it does not pass, or the run says that it is deep; above it the run
+   is refused. */
+static void test_thin_and_fast(void **state) {
+    (void)state;
+    for (int k = 0; k < 6; k++) {
+        const double ways[] = {0.3, 0.6, 0.9, 0.3, 0.9, 3.0}; /* a step, over its thickness */
+        dem_def def = dem_default_def();
+        dem_world w;
+        dem_convex s;
+        assert_int_equal(dem_make_brick(&s, dem_vec3(0.1, 0.1, 1e-3), 0.03, NULL), DEM_OK);
+        dem_add_material(&def, 2500.0, 1e9, 0.2);
+        def.gravity = dem_vec3(0, 0, 0), def.dt = ways[k] * 1e-3 / 5.0;
+        dem_pair(&def, 0, 0)->stiffness = 0.1 * 2500.0 * s.volume / (def.dt * def.dt);
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        const double x[3] = {0.03, 0.02, 0.0303};
+        assert_int_equal(dem_add_convex(&w, dem_add_shape(&w, &s), 1, x, NULL, 0, 0), DEM_OK);
+        add_wall(&w, k < 3 ? MESH : DISC);
+        dem_set_motion(&w, 0, dem_vec3(0, 0, -5), dem_vec3(0, 0, 0));
+        const dem_status status = dem_run(&w, 0.02, DEM_LINEAR | DEM_FRICTION);
+        assert_int_equal(status, ways[k] > 1.0 ? DEM_TOO_FAST : DEM_OK);
+        assert_true(status != DEM_OK || dem_position(&w, 0).z > 0.0 || dem_core_overlap_steps(&w) > 0);
+        dem_free(&w);
+    }
+}
+
 /* ---- pairs ---- */
 
 /* Two bodies that begin in each other come apart, however they lie; none is thrown. */
@@ -362,8 +387,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_none_passes),      cmocka_unit_test(test_deep_hits_keep_energy),
         cmocka_unit_test(test_floors_are_alike), cmocka_unit_test(test_force_over_depth),
-        cmocka_unit_test(test_saved_when_deep),  cmocka_unit_test(test_come_apart),
-        cmocka_unit_test(test_soft_pairs),
+        cmocka_unit_test(test_saved_when_deep),  cmocka_unit_test(test_thin_and_fast),
+        cmocka_unit_test(test_come_apart),       cmocka_unit_test(test_soft_pairs),
     };
     return cmocka_run_group_tests_name("polyhedra through nothing", tests, NULL, NULL);
 }
