@@ -3,8 +3,8 @@
    1. Drag of a simple cubic array of spheres (solid volume fraction 0.125, K = 4.2916, Zick and Homsy 1982): largest error of four places
       of the centre within a voxel against processor time, over voxel, lattice, precision, boundary and relaxation time.
       One row has an interpolation that needs no second fluid node.
-   2. Node updates a second, bare and with one moving sphere, against the limit of memory: every population of the same memory read, changed
-      and written back, in the same run.
+   2. Node updates a second: bare, with faces, with beds of spheres at rest and moving, against the limit of memory: every population of the
+      same memory read, changed and written back, in the same run.
    3. A sphere that moves through liquid at rest: fluctuations of its drag and of the pressure beside it as it crosses the lattice, over the
       bulk viscosity; change of the liquid's mass; largest speed of a stable run. */
 #include <math.h>
@@ -189,23 +189,73 @@ static double memory_limit(int n, int single) {
     return check > 0.0 ? (double)(size / 19) / best * 1e-6 : (double)NAN;
 }
 
-/* Millions of node updates a second; a sphere of 20 cells that drifts, or none. */
-static double rate(int n, int single, int bulk, int sphere) {
+/* What the rates are measured with. */
+typedef enum rate_case { BARE, BULK, ONE_SPHERE, FACES, WALLS, BED, MOVING_BED, RATE_CASES } rate_case;
+static const char *const rate_names[] = {"bare fluid, periodic",
+                                         "with a bulk viscosity",
+                                         "one moving sphere of 20 cells",
+                                         "two pressure faces",
+                                         "six walls",
+                                         "bed at rest: spheres of 15 cells, porosity 0.57",
+                                         "the same spheres, moving"};
+static const char *const rate_keys[] = {"bare", "bulk", "sphere", "faces", "walls", "bed", "moving_bed"};
+
+/* A cubic bed, 16 nodes from centre to centre. */
+static double bed_distance(const void *self, const double point[3]) {
+    const double voxel = *(const double *)self;
+    double square = 0.0;
+    for (int a = 0; a < 3; a++) {
+        const double d = point[a] / voxel - 8.3;
+        square += pow(d - 16.0 * floor(d / 16.0 + 0.5), 2);
+    }
+    return voxel * (sqrt(square) - 7.5);
+}
+
+enum { MOST_SPHERES = 512 };
+typedef struct moving_spheres {
+    double centre[3 * MOST_SPHERES], velocity[3 * MOST_SPHERES], spin[3 * MOST_SPHERES], radius[MOST_SPHERES], force[3 * MOST_SPHERES],
+        torque[3 * MOST_SPHERES];
+} moving_spheres;
+
+static int place_spheres(moving_spheres *s, rate_case what, int n, double voxel, double dt) {
+    const int side = what == MOVING_BED ? n / 16 : 1;
+    int count = 0;
+    memset(s, 0, sizeof *s);
+    if (what != ONE_SPHERE && what != MOVING_BED) return 0;
+    for (int z = 0; z < side; z++)
+        for (int y = 0; y < side; y++)
+            for (int x = 0; x < side; x++, count++) {
+                const int at[3] = {x, y, z};
+                s->radius[count] = (what == MOVING_BED ? 7.5 : 10.0) * voxel;
+                for (int a = 0; a < 3; a++) {
+                    s->centre[3 * count + a] = (what == MOVING_BED ? 16.0 * at[a] + 8.0 + 0.05 * ((count + a) % 5) : 0.5 * n + 0.13 * a) * voxel;
+                    s->velocity[3 * count + a] = 0.003 * ((count + a) % 3 - (what == MOVING_BED ? 1.0 : -1.0)) * voxel / dt;
+                }
+            }
+    return count;
+}
+
+/* Millions of node updates a second. */
+static double rate(int n, int single, rate_case what) {
+    static moving_spheres s;
     filtration_fluid_def def = filtration_fluid_default_def();
     filtration_fluid fluid;
-    double centre[3], velocity[3], spin[3] = {0, 0, 0}, radius = 10.0 * def.voxel, force[3], torque[3], best = HUGE_VAL;
+    double best = HUGE_VAL;
     def.nodes[0] = def.nodes[1] = def.nodes[2] = n;
     def.precision = single ? FILTRATION_FLOAT : FILTRATION_DOUBLE;
     def.skip = 0;
-    if (bulk) def.bulk_ratio = 20.0;
+    if (what == BULK) def.bulk_ratio = 20.0;
+    if (what == FACES) def.face[FILTRATION_LOW_Z] = def.face[FILTRATION_HIGH_Z] = FILTRATION_PRESSURE;
+    for (int f = 0; f < 6 && what == WALLS; f++) def.face[f] = FILTRATION_WALL;
+    if (what == BED) def.solid.distance = bed_distance, def.solid.self = &def.voxel;
     if (filtration_fluid_init(&fluid, &def) != FILTRATION_OK) return (double)NAN;
-    for (int a = 0; a < 3; a++) centre[a] = (0.5 * n + 0.13 * a) * def.voxel, velocity[a] = 0.003 * def.voxel / fluid.dt;
-    const filtration_spheres spheres = {sphere, centre, velocity, spin, &radius, force, torque};
+    const int count = place_spheres(&s, what, n, def.voxel, fluid.dt);
+    const filtration_spheres spheres = {count, s.centre, s.velocity, s.spin, s.radius, s.force, s.torque};
     for (int round = 0; round < 5; round++) {
         const double began = machine_processor_seconds();
         for (int k = 0; k < 4; k++) {
             if (filtration_fluid_step(&fluid, &spheres) != FILTRATION_OK) best = (double)NAN;
-            for (int a = 0; a < 3; a++) centre[a] += velocity[a] * fluid.dt;
+            for (int i = 0; i < 3 * count; i++) s.centre[i] += s.velocity[i] * fluid.dt;
         }
         const double spent = machine_processor_seconds() - began;
         if (round > 0 && spent < best) best = spent;
@@ -216,23 +266,32 @@ static double rate(int n, int single, int bulk, int sphere) {
 
 static void rates(const program *self, json *report) {
     const int n = self->quick ? 64 : 128;
-    riddle_io_table out = riddle_io_table_begin("precision|limit [MLUPS]|bare|bulk viscosity|one moving sphere|bare over limit [%]");
-    riddle_io_file *file = csv_open(self->out, "rates.csv", "precision,limit_mlups,bare_mlups,bulk_mlups,sphere_mlups");
+    riddle_io_table out = riddle_io_table_begin("precision|what|MLUPS|over bare|over the limit of memory");
+    riddle_io_file *file = csv_open(self->out, "rates.csv", "precision,case,mlups,over_bare,over_limit");
+    json_array_begin(report, "rates");
     for (int single = 0; single < 2 && !common_interrupted(); single++) {
-        const double limit = memory_limit(n, single), bare = rate(n, single, 0, 0), bulk = rate(n, single, 1, 0),
-                     sphere = rate(n, single, 0, 1);
-        riddle_io_table_cell(&out, single ? "float" : "double");
-        riddle_io_table_cell(&out, "%.0f", limit);
-        riddle_io_table_cell(&out, "%.0f", bare);
-        riddle_io_table_cell(&out, "%.0f", bulk);
-        riddle_io_table_cell(&out, "%.0f", sphere);
-        riddle_io_table_cell(&out, "%.0f", 100.0 * bare / limit);
-        csv_line(file, "%s,%.4g,%.4g,%.4g,%.4g", single ? "float" : "double", limit, bare, bulk, sphere);
-        json_number(report, single ? "float_limit_mlups" : "double_limit_mlups", limit);
-        json_number(report, single ? "float_mlups" : "double_mlups", bare);
-        json_number(report, single ? "float_bulk_mlups" : "double_bulk_mlups", bulk);
-        json_number(report, single ? "float_sphere_mlups" : "double_sphere_mlups", sphere);
+        const double limit = memory_limit(n, single);
+        double bare = 0.0;
+        for (int what = 0; what < RATE_CASES && !common_interrupted(); what++) {
+            const char *precision = single ? "float" : "double";
+            const double mlups = rate(n, single, (rate_case)what);
+            if (what == BARE) bare = mlups;
+            riddle_io_table_cell(&out, "%s", precision);
+            riddle_io_table_cell(&out, "%s", rate_names[what]);
+            riddle_io_table_cell(&out, "%.1f", mlups);
+            riddle_io_table_cell(&out, "%.2f", mlups / bare);
+            riddle_io_table_cell(&out, "%.2f", mlups / limit);
+            csv_line(file, "%s,%s,%.4g,%.4g,%.4g", precision, rate_keys[what], mlups, mlups / bare, mlups / limit);
+            json_object_begin(report, NULL);
+            json_string(report, "precision", precision);
+            json_string(report, "case", rate_names[what]);
+            json_number(report, "mlups", mlups);
+            json_number(report, "over_bare", mlups / bare);
+            json_number(report, "over_limit", mlups / limit);
+            json_object_end(report);
+        }
     }
+    json_array_end(report);
     table_end(&out);
     riddle_io_close(file);
 }
