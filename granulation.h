@@ -618,6 +618,8 @@ GRANULATION_API granulation_status granulation_balance_set(granulation_balance *
                                                            const granulation_balance_def *def); /* a change in mid-run; not the memory */
 /* Returns the mean granule of a cell; of an empty one its keys (and no liquid with one component). */
 static inline granulation_granule granulation_balance_cell(const granulation_balance *b, int cell);
+/* Returns the number of granules in a cell, in the unit in which they were added; NaN for one that is not there. */
+GRANULATION_API double granulation_balance_number(const granulation_balance *b, int cell);
 /* Returns the sum number key0^p key1^q, 0^0 = 1; p, q >= 0. With one component q must be 0. Else NaN. */
 GRANULATION_API double granulation_balance_moment(const granulation_balance *b, double p, double q);
 GRANULATION_API granulation_granule granulation_balance_totals(const granulation_balance *b);
@@ -3389,6 +3391,10 @@ GRANULATION_API granulation_status granulation_balance_run(granulation_balance *
 }
 
 /* ---- properties of the population ---- */
+
+GRANULATION_API double granulation_balance_number(const granulation_balance *b, int cell) {
+    return b && b->state && cell >= 0 && cell < b->n ? b->number[cell] : (double)NAN;
+}
 
 GRANULATION_API double granulation_balance_moment(const granulation_balance *b, double p, double q) {
     if (!b || !b->state || !(p >= 0.0 && q >= 0.0) || (b->components == 1 && q != 0.0)) return (double)NAN;

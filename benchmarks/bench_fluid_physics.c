@@ -19,26 +19,14 @@
 
 static const double pi = 3.14159265358979323846;
 
-typedef struct report_table {
-    riddle_io_table text;
-    riddle_io_file *csv;
-    json *json;
-} report_table;
+static const result_column columns[] = {{"case", "case", "%s"},
+                                        {"cells_per_diameter", "cells a diameter", "%.3g"},
+                                        {"tau", "relaxation time", "%.3g"},
+                                        {"error", "error [%]", "%+.2f", 100.0},
+                                        {"processor_s|seconds", "time [s]", "%.2f"}};
 
-static void add_row(report_table *t, const char *what, double cells, double tau, double error, double seconds) {
-    riddle_io_table_cell(&t->text, "%s", what);
-    riddle_io_table_cell(&t->text, "%.3g", cells);
-    riddle_io_table_cell(&t->text, "%.3g", tau);
-    riddle_io_table_cell(&t->text, "%+.2f", 100.0 * error);
-    riddle_io_table_cell(&t->text, "%.2f", seconds);
-    csv_line(t->csv, "%s,%.4g,%.4g,%.5g,%.3g", what, cells, tau, error, seconds);
-    json_object_begin(t->json, NULL);
-    json_string(t->json, "case", what);
-    json_number(t->json, "cells_per_diameter", cells);
-    json_number(t->json, "tau", tau);
-    json_number(t->json, "error", error);
-    json_number(t->json, "processor_s", seconds);
-    json_object_end(t->json);
+static void add_row(result_table *t, const char *what, double cells, double tau, double error, double seconds) {
+    results_row(t, TEXTS(what), cells, tau, error, seconds);
 }
 
 /* A fluid in units of the lattice: voxel, density and time step 1. */
@@ -93,7 +81,7 @@ typedef struct array_case {
     double solid, drag;
 } array_case;
 
-static void arrays(const program *self, report_table *t, double tau) {
+static void arrays(const program *self, result_table *t, double tau) {
     static const array_case cases[] = {
         {"simple cubic 0.125", 1, 0.125, 4.2916},        {"simple cubic 0.216", 1, 0.216, 7.442},
         {"body-centred 0.125", 2, 0.125, 4.4464},        {"body-centred 0.216", 2, 0.216, 7.7388},
@@ -140,7 +128,7 @@ static pack random_pack(int n, double solid, int side, uint64_t seed) {
     return p;
 }
 
-static void random_packs(const program *self, report_table *t, double tau) {
+static void random_packs(const program *self, result_table *t, double tau) {
     static const int sides[] = {32, 48};
     const double solid = 0.25, exact = 10.0 * solid / (1 - solid) / (1 - solid) + (1 - solid) * (1 - solid) * (1.0 + 1.5 * sqrt(solid));
     const int n = 24, seeds = self->quick ? 1 : 3;
@@ -193,7 +181,7 @@ static double approach_error(double cells, double h, int wall, const double alon
     return towards / exact - 1.0;
 }
 
-static void approaches(const program *self, report_table *t, double tau) {
+static void approaches(const program *self, result_table *t, double tau) {
     static const double gaps[] = {0.3, 0.7, 1.2}, ways[4][3] = {{0, 0, 1}, {1, -1, 0}, {1, 1, 1}, {0.3, -1, 0.6}},
                         places[4][3] = {{0, 0, 0}, {0.5, 0.5, 0.5}, {0.1, 0.3, 0.45}, {0.25, 0.75, 0.6}};
     static const double cells[] = {8, 12, 16, 24};
@@ -264,7 +252,7 @@ static double drag_over_slip(double cells, double tau, double speed) {
     return drag / slip;
 }
 
-static void shear_and_frame(const program *self, report_table *t, double tau) {
+static void shear_and_frame(const program *self, result_table *t, double tau) {
     static const double cells[] = {8, 12, 16};
     for (int c = 0; c < (self->quick ? 1 : 3) && !common_interrupted(); c++) {
         const double began = machine_processor_seconds(), error = shear_error(cells[c], tau);
@@ -305,7 +293,7 @@ static double settling_error(double density, double viscosity, double measured, 
     return largest / measured - 1.0;
 }
 
-static void ten_cate(const program *self, report_table *t) {
+static void ten_cate(const program *self, result_table *t) {
     static const double density[] = {970, 965, 962, 960}, viscosity[] = {0.373, 0.212, 0.113, 0.058},
                         measured[] = {0.035986, 0.05718, 0.087269, 0.12224}, cells[] = {6, 9, 12};
     static const char *const names[] = {"settling E1", "settling E2", "settling E3", "settling E4"};
@@ -322,20 +310,16 @@ int main(int argc, char **argv) {
     option options[] = {option_positive("tau", "TAU", &tau, 5.0, "relaxation time of the creeping flows [-], above 0.5; default 3.5")};
     program self = program_start("bench_fluid_physics", "The physics of the resolved fluid: error and processor time of each case.", options, 1, argc, argv);
     if (!(tau > 0.5)) program_refuse(&self, "tau", NULL, "a number above 0.5 and at most 5");
-    report_table t;
-    t.text = riddle_io_table_begin("case|cells a diameter|relaxation time|error [%]|time [s]");
-    t.csv = csv_open(self.out, "physics.csv", "case,cells_per_diameter,tau,error,seconds");
-    t.json = json_open(self.json);
-    json_array_begin(t.json, "cases");
-    arrays(&self, &t, tau);
-    random_packs(&self, &t, tau);
-    approaches(&self, &t, tau);
-    shear_and_frame(&self, &t, tau);
-    ten_cate(&self, &t);
-    json_array_end(t.json);
-    table_end(&t.text);
-    riddle_io_close(t.csv);
-    json_program(t.json, &self);
-    json_close(t.json);
+    result_table *t = RESULTS(columns);
+    json *report = json_open(self.json);
+    arrays(&self, t, tau);
+    random_packs(&self, t, tau);
+    approaches(&self, t, tau);
+    shear_and_frame(&self, t, tau);
+    ten_cate(&self, t);
+    results_write(t, report, "cases", self.out, "physics.csv");
+    results_free(t);
+    json_program(report, &self);
+    json_close(report);
     return common_exit_status();
 }

@@ -6,18 +6,14 @@
 /* cmocka wants the four above first */
 #include <cmocka.h>
 
+#include "near.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "dem_scenes.h"
 #include "failing_allocator.h"
 
-static void near_absolute(double got, double wanted, double tolerance, const char *what) {
-    if (!(fabs(got - wanted) <= tolerance)) fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got - wanted);
-}
-static void near_relative(double got, double wanted, double tolerance, const char *what) {
-    near_absolute(got, wanted, tolerance * fabs(wanted), what);
-}
 static void near_vec(dem_vec got, dem_vec wanted, double tolerance, const char *what) {
     near_absolute(got.x, wanted.x, tolerance, what), near_absolute(got.y, wanted.y, tolerance, what),
         near_absolute(got.z, wanted.z, tolerance, what);
@@ -801,6 +797,55 @@ static void test_belt(void **state) {
         near_vec(w.wall[0].velocity, zero, 0.0, "the belt's frame stays");
         dem_free(&w);
     }
+}
+
+/* A belt that runs around an axis: on a round wall it moves a ball as the wall's own rotation does, at the same power; on the top of a box
+   as a plane belt does, on its underside the other way; on its front, across the axis, not at all. */
+static void test_belt_around_an_axis(void **state) {
+    (void)state;
+    const double u = 0.35, drum = 0.05;
+    dem_vec x[2], v[2];
+    double work[2];
+    for (int turns = 0; turns < 2; turns++) {
+        dem_world w;
+        dem_def def = one_material(0.5, 0.25);
+        start(&w, &def);
+        const int k = wall_index(dem_add_cylinder(&w, 0, zero, v3(0, 1, 0), drum, 1));
+        assert_int_equal(turns ? dem_rotate(&w, k, zero, v3(0, 1, 0), u / drum) : dem_turn_belt(&w, k, v3(0, -3, 0), u),
+                         DEM_OK);
+        add(&w, v3(0, 0, radius - drum), diameter);
+        run(&w, 0.3, DEM_LINEAR | DEM_FRICTION);
+        x[turns] = dem_position(&w, 0), v[turns] = dem_velocity(&w, 0), work[turns] = w.wall[k].work;
+        dem_free(&w);
+    }
+    near_vec(x[0], x[1], 1e-6, "place"), near_vec(v[0], v[1], 1e-4, "velocity");
+    near_relative(work[0], work[1], 1e-3, "work");
+    assert_true(work[0] > 0.0 && fabs(x[0].x) > 1e-3);
+    static const double pull[3][3] = {{0, 0, -9.81}, {0, 0, 9.81}, {0, 9.81, 0}}, speed[3] = {0.1, -0.1, 0.0};
+    for (int side = 0; side < 3; side++) {
+        dem_world w;
+        dem_def def = one_material(0.5, 0.25);
+        def.gravity = v3(pull[side][0], pull[side][1], pull[side][2]);
+        start(&w, &def);
+        const int k = wall_index(dem_add_box(&w, 0, v3(-1, -0.1, -0.1), v3(1, 0.1, 0.1)));
+        assert_int_equal(dem_turn_belt(&w, k, v3(0, 1, 0), u), DEM_OK);
+        add(&w,
+            side == 0   ? v3(0, 0, 0.1 + radius)
+            : side == 1 ? v3(0, 0, -0.1 - radius)
+                        : v3(0, -0.1 - radius, 0),
+            diameter);
+        run(&w, 0.5, DEM_LINEAR | DEM_FRICTION);
+        near_absolute(dem_velocity(&w, 0).x, speed[side], 1e-3, "speed on a side"); /* 2/7 of the belt's */
+        dem_free(&w);
+    }
+    dem_world w;
+    dem_def def = one_material(0.5, 0.25);
+    start(&w, &def);
+    wall_index(dem_add_plane(&w, 0, zero, up));
+    assert_int_equal(dem_turn_belt(&w, 0, zero, 1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_turn_belt(&w, 1, up, 1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_turn_belt(&w, 0, up, nan_), DEM_BAD_ARGUMENT);
+    dem_free(&w);
 }
 
 /* ---- everything at once: skipping, threads, saving, memory ---- */
@@ -1754,6 +1799,7 @@ int main(void) {
         cmocka_unit_test(test_piston_momentum),
         cmocka_unit_test(test_rotor),
         cmocka_unit_test(test_belt),
+        cmocka_unit_test(test_belt_around_an_axis),
         cmocka_unit_test(test_work_of_walls),
         cmocka_unit_test(test_torque_of_a_drum),
         cmocka_unit_test(test_skipping_changes_nothing),

@@ -6,6 +6,8 @@
 
 #include <cmocka.h>
 
+#include "near.h"
+
 #include "csv.h"
 #include "granulation.h"
 
@@ -15,10 +17,6 @@ static csv_data reference(const char *name) {
     snprintf(path, sizeof path, "tests/reference/granulation/%s", name);
     if (csv_read(path, &data, message, sizeof message)) fail_msg("%s", message);
     return data;
-}
-
-static void near_to(const char *name, double value, double expected, double tolerance) {
-    if (!(fabs(value - expected) <= tolerance * fabs(expected))) fail_msg("%s: %.17g instead of %.17g", name, value, expected);
 }
 
 static void within(const char *name, double value, double expected, double plus_minus) {
@@ -427,6 +425,10 @@ static void test_own_breakage(void **state) {
         near_to("M1", granulation_balance_moment(&p.balance, 1.0, 0.0), 1.0, 1e-9);
         errors[k] = fabs(granulation_balance_moment(&p.balance, 2.0, 0.0) - 1.0);
         near_to("n(1)", density(&p.balance, 1.0), 4.0 * exp(-2.0), 2e-2);
+        double all = 0.0;
+        for (int cell = 0; cell < p.balance.n; cell++) all += granulation_balance_number(&p.balance, cell);
+        near_to("number", all, granulation_balance_moment(&p.balance, 0.0, 0.0), 1e-12);
+        assert_true(isnan(granulation_balance_number(&p.balance, -1)) && isnan(granulation_balance_number(&p.balance, p.balance.n)));
         granulation_balance_free(&p.balance);
     }
     assert_true(errors[1] < 2e-3 && errors[0] / errors[1] > 3.5);

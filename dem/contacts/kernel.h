@@ -275,9 +275,8 @@ static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdi
     for (int q = 0; q < x->walls; q++) {
         const dem_wall *wall = x->wall[q].wall;
         const int k = x->wall[q].row;
-        const dem_vec belt = wall->asked.belt, n = dem_vec3(x->rows.nx[k], x->rows.ny[k], x->rows.nz[k]);
-        if (belt.x == 0.0 && belt.y == 0.0 && belt.z == 0.0) continue;
-        const dem_vec along = dem__sub(belt, dem__scale(dem__dot(belt, n), n));
+        if (!dem__is_belt(wall)) continue;
+        const dem_vec along = dem__belt_velocity(wall, dem_vec3(x->rows.nx[k], x->rows.ny[k], x->rows.nz[k]));
         w->engine->contacts.wall_force[chunk * w->engine->walls.capacity + (wall - w->wall)].belt_power +=
             out[0][k] * along.x + out[1][k] * along.y + out[2][k] * along.z;
     }

@@ -92,6 +92,7 @@ static inline void dem__wall_fields(dem_wall *a, dem__group *g) {
         DEM__DOUBLES("wall.drift", asked->drift, s),
         DEM__DOUBLES("wall.spin_centre", asked->spin_centre, s),
         DEM__DOUBLES("wall.belt", asked->belt, s),
+        DEM__DOUBLES("wall.belt_turn", asked->belt_turn, s),
         DEM__DOUBLES("wall.inertia", asked->inertia, s),
         DEM__DOUBLES("wall.load", asked->load, s),
         DEM__DOUBLES("wall.damping", asked->damping, s),

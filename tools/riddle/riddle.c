@@ -11,6 +11,7 @@
 #include "report.h"
 #include "scene.h"
 #include "scene_check.h"
+#include "scene_materials.h"
 #include "scene_same.h"
 #include "templates.h"
 
@@ -18,7 +19,7 @@ enum { SCENE_MB = 16 }; /* at most */
 static const char state_name[] = "scene.state";
 static const double OVERLAP_MAX = 0.1; /* of a diameter: beyond it contacts are no contacts any more */
 static const char usage[] = "usage: riddle run FILE [options]; riddle run --template hopper|screen|drum|box|shapes; "
-                            "riddle keys; riddle run --help";
+                            "riddle keys; riddle materials; riddle run --help";
 
 typedef struct job {
     const char *file;
@@ -200,6 +201,7 @@ static void tell(const job *j, const stop_def *stop, const char *written) {
     const scene_lack lack = scene_missed(&j->s);
     char hash[24], saved[80] = "", lag[200] = "";
     const double last_tick = j->s.ticks * j->s.tick;
+    const int64_t deep = dem_core_overlap_steps(&j->s.world);
     json *out = json_open(j->self.json);
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)dem_hash(&j->s.world));
     json_program(out, &j->self);
@@ -214,10 +216,12 @@ static void tell(const job *j, const stop_def *stop, const char *written) {
     json_object_end(out);
     json_number(out, "feed_lag_kg", lack.late);
     json_number(out, "feed_lag_share", lack.asked > 0.0 ? lack.late / lack.asked : 0.0);
+    json_integer(out, "core_overlap_steps", deep);
     json_string(out, "hash", hash);
     report_json(j->r, out);
     json_close(out);
     if (stop) common_print("stopped at %g s: %s\n", scene_time(&j->s), stop->column);
+    report_say(j->r);
     if (lack.missed_mass > 0.0)
         common_print("%g kg found no place: a larger region, a longer way or more speed gives it one\n",
                      lack.missed_mass);
@@ -225,6 +229,10 @@ static void tell(const job *j, const stop_def *stop, const char *written) {
         common_print("overlap reached %.0f %% of a diameter: %s\n", 100.0 * report_overlap(j->r),
                      isnan(j->def.time_step) ? "the stiffness is too small"
                                              : "the stiffness is too small, or the time step too large");
+    if (deep > 0)
+        common_print("bodies were in each other or in walls, deeper than their rounding (%lld bodies times steps): the "
+                     "stiffness is too small\n",
+                     (long long)deep);
     if (j->saved < last_tick) snprintf(saved, sizeof saved, ", %s of %g s", state_name, j->saved);
     else if (!isnan(j->saved)) snprintf(saved, sizeof saved, ", %s", state_name);
     if (lack.late > 0.0)
@@ -338,6 +346,11 @@ int main(int argc, char **argv) {
         fields_describe(&scene_section);
         return common_exit_status();
     }
+    if (argc == 2 && strcmp(argv[1], "materials") == 0) {
+        common_open_standard_streams();
+        scene_list_materials();
+        return common_exit_status();
+    }
     const int help = argc >= 2 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "--version") == 0);
     if (!help && (argc < 2 || strcmp(argv[1], "run") != 0)) return refuse(usage);
     const int place = help ? 0 : place_of_file(argc, argv);
@@ -356,7 +369,7 @@ int main(int argc, char **argv) {
                            "runs a scene from a YAML or JSON file.\n\n"
                            "usage: riddle run FILE [options]\n"
                            "       riddle run --template hopper|screen|drum|box|shapes\n"
-                           "       riddle keys",
+                           "       riddle keys; riddle materials",
                            options, sizeof options / sizeof *options, n, help ? argv : rest);
     const int status = pattern ? refuse("--template NAME stands alone") : run_scene(&j, word_given(argc, argv, "--seed"));
     free(rest);
